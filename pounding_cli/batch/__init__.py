@@ -1,0 +1,1 @@
+"""Running many scenes: engines, one writer, progress."""

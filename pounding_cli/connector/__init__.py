@@ -1,0 +1,1 @@
+"""Two connected oscillators in closed form (Figs 4 and 5)."""

@@ -1,0 +1,1 @@
+"""The numerical heart: numba kernels on flat arrays, no classes."""

@@ -1,0 +1,85 @@
+"""A shear building on a fixed base or on a foundation: what the equations of motion need and no more."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import eigh
+
+from pounding_cli.model.foundation import Foundation
+
+
+@dataclass(frozen=True, eq=False)
+class Building:
+    """n floors on n bilinear storeys (paper, Fig. 1 and eqs 1-4); arrays run from the ground up, shape (n,).
+
+    Parameters
+    ----------
+    name : what tables and figures call it
+    mass : floor masses [kg], > 0
+    height : storey heights [m], > 0
+    stiffness : initial storey stiffnesses [N/m], > 0
+    yield_shear : storey yield shears [N], > 0; inf for a storey that cannot yield
+    hardening : post-yield over initial stiffness [-], 0 <= a < 1, shape (n,)
+    alpha, beta : Rayleigh factors of the fixed-base building, C = alpha M + beta K0 [1/s], [s], >= 0
+    foundation : None for a fixed base
+    """
+
+    name: str
+    mass: np.ndarray
+    height: np.ndarray
+    stiffness: np.ndarray
+    yield_shear: np.ndarray
+    hardening: np.ndarray
+    alpha: float
+    beta: float
+    foundation: Foundation | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("mass", "height", "stiffness", "yield_shear", "hardening"):
+            array = np.array(getattr(self, key), dtype=float)
+            array.setflags(write=False)
+            object.__setattr__(self, key, array)
+            if array.shape != (self.storeys,):
+                raise ValueError(f"{self.name}: {key} has shape {array.shape}, expected ({self.storeys},)")
+
+    @property
+    def storeys(self) -> int:
+        """Number of storeys n."""
+        return int(np.size(self.mass))
+
+    @property
+    def elevation(self) -> np.ndarray:
+        """Floor elevations above the base [m], shape (n,)."""
+        return np.cumsum(self.height)
+
+    @property
+    def yield_drift(self) -> np.ndarray:
+        """Storey drift at first yield [m], shape (n,)."""
+        return self.yield_shear / self.stiffness
+
+    @cached_property
+    def stiffness_matrix(self) -> np.ndarray:
+        """Fixed-base initial stiffness matrix K0 [N/m], shape (n, n)."""
+        above = np.append(self.stiffness[1:], 0.0)
+        return np.diag(self.stiffness + above) - np.diag(above[:-1], 1) - np.diag(above[:-1], -1)
+
+    @cached_property
+    def periods(self) -> np.ndarray:
+        """Natural periods of the fixed-base building [s], longest first, shape (n,)."""
+        squares = eigh(self.stiffness_matrix, np.diag(self.mass), eigvals_only=True)
+        return 2 * np.pi / np.sqrt(squares)
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 over everything that moves the building; the name is left out."""
+        sha = hashlib.sha256()
+        for field in fields(self):
+            if field.name == "name":
+                continue
+            value = getattr(self, field.name)
+            sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
+        return sha.hexdigest()

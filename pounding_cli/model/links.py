@@ -1,0 +1,77 @@
+"""The laws between two neighbouring floors: pounding, infill, connector (paper, eqs 5-10)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Kind(StrEnum):
+    """What stands between two floors."""
+
+    POUNDING = "pounding"
+    INFILL = "infill"
+    CONNECTOR = "connector"
+
+
+class InfillLaw(StrEnum):
+    """How an infill goes on beyond its thickness: F(d) + s_imp (v - d), or s_imp v as eq. (9) is printed."""
+
+    CONTINUOUS = "continuous"
+    PRINTED = "printed"
+
+
+class DashpotLaw(StrEnum):
+    """The mass in eq. (7): m' = m1 m2 / (m1 + m2), or its inverse as eq. (7) is printed (wrong units)."""
+
+    REDUCED_MASS = "reduced-mass"
+    PRINTED = "printed"
+
+
+def damping_ratio(restitution: float) -> float:
+    """Damping ratio xi [-] of a dashpot that gives the coefficient of restitution e, 0 < e <= 1.
+
+    xi = -ln e / sqrt(pi^2 + ln^2 e) (Anagnostopoulos 1988).
+    """
+    log = math.log(restitution)
+    return -log / math.hypot(math.pi, log)
+
+
+@dataclass(frozen=True)
+class Link:
+    """One link between floor `left_floor` of building `left` and `right_floor` of the building to its right.
+
+    Parameters
+    ----------
+    left : place of the left building in the group, from 0; the right building is left + 1
+    left_floor, right_floor : floors, from 1
+    kind : Kind
+    gap : initial distance d [m]; 0 allowed for pounding and connector, > 0 for infill
+    stiffness : pounding s_imp, infill s_mat, connector s_con [N/m], > 0
+    impact_stiffness : s_imp [N/m], what an infill stiffens to at v = d (unused otherwise)
+    damping_ratio : xi [-], 0 <= xi < 1
+    tension_cut : no force that pulls the floors together (pounding and infill)
+    infill_law, dashpot_law : the printed forms of eqs (9) and (7) are selectable by name
+    """
+
+    left: int
+    left_floor: int
+    right_floor: int
+    kind: Kind
+    gap: float
+    stiffness: float
+    impact_stiffness: float
+    damping_ratio: float
+    tension_cut: bool = False
+    infill_law: InfillLaw = InfillLaw.CONTINUOUS
+    dashpot_law: DashpotLaw = DashpotLaw.REDUCED_MASS
+
+    def dashpot_mass(self, left_mass: float, right_mass: float) -> float:
+        """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""
+        reduced = left_mass * right_mass / (left_mass + right_mass)
+        return reduced if self.dashpot_law is DashpotLaw.REDUCED_MASS else 1.0 / reduced
+
+    def dashpot(self, left_mass: float, right_mass: float) -> float:
+        """Constant of the dashpot at the link's own stiffness, 2 xi sqrt(s m') [N s/m] (eq. 7)."""
+        return 2 * self.damping_ratio * math.sqrt(self.stiffness * self.dashpot_mass(left_mass, right_mass))

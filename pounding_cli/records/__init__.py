@@ -1,0 +1,1 @@
+"""Ground motions: reading, measuring, scaling, synthesizing, the catalogue."""

@@ -1,0 +1,78 @@
+"""What a run returns: the peaks of every storey, floor and link, and what they cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class BuildingResponse:
+    """Largest values over time of one building; shape (n,), from the ground up.
+
+    shear : largest |restoring force| of each storey, without damping force [N]
+    drift : largest |drift| of each storey [m]
+    ductility : drift / yield drift [-], the same yield drift in elastic runs
+    acceleration : largest |total acceleration| of each floor [m/s2]
+    displacement_max, displacement_min : largest and smallest displacement relative to the ground [m]
+    residual_drift : drift at the end [m]
+    sway, rocking : largest |u_b| [m] and |phi_b| [rad] of the foundation (0 on a fixed base)
+    """
+
+    shear: np.ndarray
+    drift: np.ndarray
+    ductility: np.ndarray
+    acceleration: np.ndarray
+    displacement_max: np.ndarray
+    displacement_min: np.ndarray
+    residual_drift: np.ndarray
+    sway: float = 0.0
+    rocking: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class LinkResponse:
+    """Per link of the scene, in its order; shape (m,).
+
+    impacts : number of times the link closed [-]
+    peak_force : largest |force| [N]
+    max_closing : largest closing u_l - u_r [m], gap not subtracted
+    impulse : integral of |force| over time [N s]
+    contact_time : time with a force [s]
+    """
+
+    impacts: np.ndarray
+    peak_force: np.ndarray
+    max_closing: np.ndarray
+    impulse: np.ndarray
+    contact_time: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """The response of a scene, what its solution cost, and what the user should know about it.
+
+    status : "done", or a named outcome such as "event bound reached" (then the numbers are NaN)
+    advice : what to do about a status other than "done"
+    method, tolerance : how it was solved; tolerance is the accuracy asked [-] or the time step [s]
+    steps, events : counts [-]
+    seconds : time inside the solver [s]
+    energy : ledger [J]: input, kinetic, stored, damping, hysteresis, links; residual is relative to the input [-]
+    flags : sentences about the scene, e.g. "infill compressed beyond its thickness: stiff|soft floor 5"
+    effects, dropped : effects simulated; effects left out, each with its reason
+    """
+
+    buildings: tuple[BuildingResponse, ...]
+    links: LinkResponse
+    status: str
+    advice: str
+    method: str
+    tolerance: float
+    steps: int
+    events: int
+    seconds: float
+    energy: dict[str, float] = field(default_factory=dict)
+    flags: tuple[str, ...] = ()
+    effects: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()

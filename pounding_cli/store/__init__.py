@@ -1,0 +1,1 @@
+"""The results file: HDF5 written and read."""

@@ -1,0 +1,1 @@
+"""The study file: schema, units, loading with file:line:column errors, expansion into scenes."""
