@@ -38,7 +38,7 @@ class LinkResponse:
     impacts : number of times the link closed [-]
     peak_force : largest |force| [N]
     max_closing : largest closing u_l - u_r [m], gap not subtracted
-    impulse : integral of |force| over time [N s]
+    impulse : integral of the force over time [N s]; pulling counts negative
     contact_time : time with a force [s]
     """
 
@@ -61,6 +61,8 @@ class Response:
     energy : ledger [J]: input, kinetic, stored, damping, hysteresis, links; residual is relative to the input [-]
     flags : sentences about the scene, e.g. "infill compressed beyond its thickness: stiff|soft floor 5"
     effects, dropped : effects simulated; effects left out, each with its reason
+    orders : Taylor orders computed in all (0 for other methods)
+    final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
     """
 
     buildings: tuple[BuildingResponse, ...]
@@ -76,3 +78,5 @@ class Response:
     flags: tuple[str, ...] = ()
     effects: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
+    orders: int = 0
+    final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()

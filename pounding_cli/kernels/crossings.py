@@ -1,0 +1,149 @@
+"""The first event of a step: a storey yields or unloads, a link opens, closes, changes its law or starts to pull."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from pounding_cli.kernels.layout import (
+    AT_GAP,
+    AT_ZERO,
+    CONNECTOR,
+    CUBIC,
+    ELASTIC,
+    INFILL,
+    INLINE,
+    LINKS_CUBIC,
+    NO_FORCE,
+    OPEN,
+    POUNDING,
+)
+from pounding_cli.kernels.polynomial import NEVER, first_crossing
+from pounding_cli.kernels.recurrence import LARGEST_ORDER
+from pounding_cli.kernels.simd import any_greater, load, magnitude, maximum
+
+STOREY, CLOSES, OPENS, STIFFENS, SOFTENS, PULLS, PUSHES = 0, 1, 2, 3, 4, 5, 6
+"""Kinds of event."""
+
+
+@njit(**INLINE)
+def _storey_crossing(slots, state, work, padded, order, i, end, scratch):
+    """First s in [0, end] where storey i leaves its branch."""
+    branch = state.branch[i]
+    if branch != ELASTIC:  # the drift turns back
+        for k in range(order):
+            scratch[k] = branch * (k + 1) * work.D[(k + 1) * padded + i]
+        return first_crossing(scratch, order - 1, end)
+    earliest = NEVER
+    for line in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
+        for k in range(order + 1):
+            scratch[k] = -line * work.D[k * padded + i]
+        scratch[0] += slots.yield_drift[i] + line * state.plastic[i]
+        if state.snapped_storey[i] == line:  # just unloaded: exactly on the line and at rest
+            scratch[0] = 0.0
+            scratch[1] = 0.0
+        s = first_crossing(scratch, order, min(end, earliest))
+        earliest = min(earliest, s)
+    return earliest
+
+
+@njit(**INLINE)
+def first_storey_event(slots, state, work, ends, padded, order, end, scratch):
+    """(s, slot) of the first storey event in [0, end], or (NEVER, -1)."""
+    earliest = NEVER
+    which = -1
+    for b in range(0, padded, 8):
+        drift = load(work.D, b)
+        plastic = load(state.plastic, b)
+        reach = maximum(magnitude(drift - plastic), magnitude(load(ends.drift, b) - plastic))
+        if any_greater(reach + load(ends.drift_stray, b), load(slots.yield_drift, b)):
+            for i in range(b, b + 8):
+                elastic = state.branch[i] == ELASTIC
+                if elastic:
+                    z0 = abs(work.D[i] - state.plastic[i])
+                    z1 = abs(ends.drift[i] - state.plastic[i])
+                    if max(z0, z1) + ends.drift_stray[i] <= slots.yield_drift[i]:
+                        continue
+                elif slots.real[i] == 0.0:
+                    continue
+                s = _storey_crossing(slots, state, work, padded, order, i, min(end, earliest), scratch)
+                if s < earliest and s <= end:
+                    earliest = s
+                    which = i
+    return earliest, which
+
+
+@njit(**INLINE)
+def _open_link_crossing(links, state, work, padded, order, e, closing, end, scratch):
+    """First s where an open link closes; `closing` is v at s = 0."""
+    left = links.left[e]
+    right = links.right[e]
+    scratch[0] = 0.0 if state.snapped_link[e] == AT_ZERO else -closing
+    for k in range(1, order + 1):
+        scratch[k] = (work.W[(k - 1) * padded + right] - work.W[(k - 1) * padded + left]) * work.reciprocal[k]
+    return first_crossing(scratch, order, end)
+
+
+@njit(**INLINE)
+def _closed_link_crossing(links, state, work, order, e, end, scratch, kinds):
+    """(s, event) of the first change of a closed link."""
+    base = e * LARGEST_ORDER
+    earliest = NEVER
+    event = OPENS
+    infill = kinds == LINKS_CUBIC and links.kind[e] == INFILL
+    cubic = infill and state.link_branch[e] == CUBIC
+    snapped = state.snapped_link[e]
+    if cubic or not infill:  # v falls back to zero
+        for k in range(order + 1):
+            scratch[k] = work.V[base + k]
+        earliest = first_crossing(scratch, order, end)
+    if infill:  # v passes the infill's thickness, one way or the other
+        sign = -1.0 if cubic else 1.0
+        for k in range(order + 1):
+            scratch[k] = sign * work.V[base + k]
+        scratch[0] = 0.0 if snapped == AT_GAP else scratch[0] - sign * links.gap[e]
+        s = first_crossing(scratch, order, min(end, earliest))
+        if s < earliest:
+            earliest = s
+            event = STIFFENS if cubic else SOFTENS
+    if links.tension_cut[e] == 1:  # the force changes sign
+        cut = state.link_cut[e] == 1
+        sign = -1.0 if cut else 1.0
+        for k in range(order):
+            scratch[k] = sign * work.F[base + k]
+        if snapped == NO_FORCE:
+            scratch[0] = 0.0
+        s = first_crossing(scratch, order - 1, min(end, earliest))
+        if s < earliest:
+            earliest = s
+            event = PUSHES if cut else PULLS
+    return earliest, event
+
+
+@njit(**INLINE)
+def first_link_event(links, state, work, ends, padded, order, end, scratch, kinds):
+    """(s, link, event) of the first link event in [0, end], or (NEVER, -1, 0)."""
+    earliest = NEVER
+    which = -1
+    kind = 0
+    for e in range(links.left.size):
+        if links.kind[e] == CONNECTOR:
+            continue
+        left = links.left[e]
+        right = links.right[e]
+        if state.link_branch[e] == OPEN:
+            thickness = links.gap[e] if links.kind[e] == POUNDING else 0.0
+            closing = state.u[left] - state.u[right] - thickness
+            last = ends.u[left] - ends.u[right] - thickness
+            if max(closing, last) + ends.u_stray[left] + ends.u_stray[right] < 0.0:
+                continue
+            s = _open_link_crossing(
+                links, state, work, padded, order, e, closing, min(end, earliest), scratch
+            )
+            event = CLOSES
+        else:
+            s, event = _closed_link_crossing(links, state, work, order, e, min(end, earliest), scratch, kinds)
+        if s < earliest and s <= end:
+            earliest = s
+            which = e
+            kind = event
+    return earliest, which, kind

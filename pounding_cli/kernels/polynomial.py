@@ -1,0 +1,148 @@
+"""Polynomials on [0, 1]: the first sign change and the largest magnitude, both with proof.
+
+A polynomial is `c[0] + c[1] s + ... + c[n] s^n`, its coefficients in the first n + 1 places of an array.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from pounding_cli.kernels.layout import OPTIONS
+
+NEVER = 2.0
+"""Returned when there is no crossing: later than any step."""
+
+
+@njit(**OPTIONS)
+def value(c, n, s):
+    """The polynomial at s (Horner)."""
+    total = c[n]
+    for k in range(n - 1, -1, -1):
+        total = total * s + c[k]
+    return total
+
+
+@njit(**OPTIONS)
+def slope(c, n, s):
+    """The derivative at s."""
+    total = n * c[n]
+    for k in range(n - 1, 0, -1):
+        total = total * s + k * c[k]
+    return total
+
+
+@njit(**OPTIONS)
+def first_crossing(c, n, end):
+    """First s in [0, end] where the polynomial stops being positive, or NEVER.
+
+    Leading coefficients that are exactly zero mean "zero at the start": the sign of the first one that is not
+    decides, so a start from rest on the boundary is settled by the first derivative that does not vanish; if that
+    is negative the answer is 0. From there the search marches: with |p''| <= M on the interval,
+    p(s + x) >= p + p' x - M x^2 / 2, whose first zero is never beyond the root and closes in on it quadratically.
+    """
+    first = 0
+    while first <= n and c[first] == 0.0:
+        first += 1
+    if first > n:
+        return NEVER
+    if c[first] < 0.0:
+        return 0.0
+    bound = 0.0
+    size = 0.0
+    power = 1.0
+    for k in range(first, n + 1):
+        j = k - first
+        size += abs(c[k])
+        if j >= 2:
+            bound += j * (j - 1) * abs(c[k]) * power
+            power *= end
+    floor = 1e-17 * size
+    s = 0.0
+    for _ in range(400):
+        p = c[n]
+        d = 0.0
+        for k in range(n - 1, first - 1, -1):
+            d = d * s + p
+            p = p * s + c[k]
+        if p <= floor:
+            # An exact tangency from above (p' >= 0) is not a crossing unless the polynomial goes on below.
+            return s
+        root = math.sqrt(d * d + 2.0 * bound * p)
+        step = 2.0 * p / (root - d) if d < 0.0 else ((d + root) / bound if bound > 0.0 else 2.0 * end + 1.0)
+        if s + step > end:
+            return NEVER
+        if step <= 2e-16 * s:
+            return s
+        s += step
+    return s
+
+
+@njit(**OPTIONS)
+def _derivative_root(c, n, low, high, slope_low):
+    """A zero of the derivative between low and high, where it changes sign: Newton kept inside a bracket."""
+    s = 0.5 * (low + high)
+    for _ in range(60):
+        d = n * c[n]
+        dd = 0.0
+        for k in range(n - 1, 0, -1):
+            dd = dd * s + d
+            d = d * s + k * c[k]
+        if (d > 0.0) == (slope_low > 0.0):
+            low = s
+        else:
+            high = s
+        step = s - d / dd if dd != 0.0 else low - 1.0
+        if not low < step < high:
+            step = 0.5 * (low + high)
+        if abs(step - s) < 1e-9:
+            return step
+        s = step
+    return s
+
+
+@njit(**OPTIONS)
+def _measure(x, absolute):
+    return abs(x) if absolute else x
+
+
+@njit(**OPTIONS)
+def highest(c, n, end, best, absolute):
+    """The larger of `best` and the largest p, or |p| if `absolute`, on [0, end]."""
+    best = max(best, _measure(c[0], absolute))
+    if n < 1 or end <= 0.0:
+        return best
+    best = max(best, _measure(value(c, n, end), absolute))
+    first = c[1]
+    last = slope(c, n, end)
+    bend = 0.0  # how far p' can stray from the straight line between its ends
+    power = end * end
+    for k in range(3, n + 1):
+        bend += k * (k - 1) * (k - 2) * abs(c[k]) * power * 0.125
+        power *= end
+    if first * last > 0.0 and min(abs(first), abs(last)) > bend:
+        return best
+    second_last = 0.0
+    twist = 0.0  # the same for p''
+    power = end * end
+    for k in range(n, 1, -1):
+        second_last = second_last * end + k * (k - 1) * c[k]
+    for k in range(4, n + 1):
+        twist += k * (k - 1) * (k - 2) * (k - 3) * abs(c[k]) * power * 0.125
+        power *= end
+    pieces = 16  # without proof of a single turning point look at pieces, each with its own end slopes
+    if n >= 2 and 2.0 * c[2] * second_last > 0.0 and min(abs(2.0 * c[2]), abs(second_last)) > twist:
+        pieces = 1
+    low = 0.0
+    slope_low = first
+    for piece in range(1, pieces + 1):
+        high = end * piece / pieces
+        slope_high = slope(c, n, high) if piece < pieces else last
+        best = max(best, _measure(value(c, n, high), absolute))
+        if slope_low * slope_high < 0.0:
+            turn = _derivative_root(c, n, low, high, slope_low)
+            best = max(best, _measure(value(c, n, turn), absolute))
+        low = high
+        slope_low = slope_high
+    return best

@@ -1,0 +1,191 @@
+"""From a scene to the flat arrays of the kernels, and back from the kernels' peaks to a response."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding_cli.kernels import layout
+from pounding_cli.kernels.layout import Feet, Links, Peaks, Slots, State
+from pounding_cli.model.links import InfillLaw, Kind
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.response import BuildingResponse, LinkResponse
+
+LANES = 8
+KINDS = {Kind.POUNDING: layout.POUNDING, Kind.INFILL: layout.INFILL, Kind.CONNECTOR: layout.CONNECTOR}
+
+
+@dataclass(frozen=True)
+class Arrays:
+    """A scene as the kernels see it; `floors[b]` is the slice of slots of building b's floors, `bases[b]` its base slot or -1."""
+
+    slots: Slots
+    feet: Feet
+    links: Links
+    floors: tuple[slice, ...]
+    bases: tuple[int, ...]
+    foot: tuple[int, ...]  # place among the feet, or -1
+
+    @property
+    def padded(self) -> int:
+        """Number of slots, padding included."""
+        return int(self.slots.couple.size)
+
+
+def pack(scene: Scene) -> Arrays:
+    """Lay a scene out in slots (see `kernels.layout`)."""
+    floors, bases, feet_of = [], [], []
+    place = 0
+    feet: list[int] = []
+    for b, building in enumerate(scene.buildings):
+        foundation = building.foundation
+        sways = foundation is not None and foundation.sways
+        bases.append(place if sways else -1)
+        place += int(sways)
+        floors.append(slice(place, place + building.storeys))
+        place += building.storeys
+        feet_of.append(len(feet) if foundation is not None else -1)
+        if foundation is not None:
+            feet.append(b)
+    padded = -(-place // LANES) * LANES
+
+    slots = Slots(**{name: np.zeros(padded) for name in Slots._fields})
+    slots.yield_drift[:] = np.inf
+    slots.real[:place] = 1.0
+    for building, span, base in zip(scene.buildings, floors, bases, strict=True):
+        foundation = building.foundation
+        slots.couple[span] = 1.0
+        slots.stiffness[span] = building.stiffness
+        slots.dashpot[span] = building.beta * building.stiffness
+        slots.mass[span] = building.mass
+        slots.yield_drift[span] = building.yield_drift
+        slots.hardening[span] = building.hardening
+        slots.elevation[span] = building.elevation
+        if foundation is None:
+            slots.alpha[span] = building.alpha
+        elif foundation.rocks:
+            slots.rise[span] = building.height
+        if foundation is not None and base >= 0:
+            slots.stiffness[base] = foundation.sway_stiffness
+            slots.dashpot[base] = foundation.sway_damping
+            slots.mass[base] = foundation.mass
+        else:
+            slots.couple[span.start] = 0.0
+    slots.couple_right[:-1] = slots.couple[1:]
+    slots.inverse_mass[:place] = 1.0 / slots.mass[:place]
+
+    founded = [(floors[b], bases[b], scene.buildings[b]) for b in feet]
+    grounds = [(span, base, b, b.foundation) for span, base, b in founded if b.foundation is not None]
+    foot_arrays = Feet(
+        first=np.array([span.start for span, *_ in grounds], np.int64),
+        stop=np.array([span.stop for span, *_ in grounds], np.int64),
+        base=np.array([base for _, base, *_ in grounds], np.int64),
+        inertia=np.array([f.inertia if f.rocks else np.inf for *_, f in grounds], float),
+        stiffness=np.array([f.rocking_stiffness if f.rocks else 0.0 for *_, f in grounds], float),
+        dashpot=np.array([f.rocking_damping if f.rocks else 0.0 for *_, f in grounds], float),
+        alpha=np.array([b.alpha for _, _, b, _ in grounds], float),
+    )
+    return Arrays(slots, foot_arrays, _pack_links(scene, floors), tuple(floors), tuple(bases), tuple(feet_of))
+
+
+def _pack_links(scene: Scene, floors: list[slice]) -> Links:
+    count = len(scene.links)
+    integers = {"left", "right", "kind", "tension_cut"}
+    links = Links(**{n: np.zeros(count, np.int64 if n in integers else float) for n in Links._fields})
+    for e, link in enumerate(scene.links):
+        links.left[e] = floors[link.left].start + link.left_floor - 1
+        links.right[e] = floors[link.left + 1].start + link.right_floor - 1
+        left_mass = scene.buildings[link.left].mass[link.left_floor - 1]
+        right_mass = scene.buildings[link.left + 1].mass[link.right_floor - 1]
+        mass = link.dashpot_mass(left_mass, right_mass)
+        links.kind[e] = KINDS[link.kind]
+        links.gap[e] = link.gap
+        links.stiffness[e] = link.stiffness
+        links.dashpot[e] = link.dashpot(left_mass, right_mass)
+        links.tension_cut[e] = int(
+            link.tension_cut and link.damping_ratio > 0 and link.kind is not Kind.CONNECTOR
+        )
+        if link.kind is Kind.INFILL:
+            links.cubic[e] = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
+            links.root_dashpot[e] = 2 * link.damping_ratio * np.sqrt(mass)
+            links.beyond[e] = link.impact_stiffness
+            links.beyond_dashpot[e] = links.root_dashpot[e] * np.sqrt(link.impact_stiffness)
+            if link.infill_law is InfillLaw.CONTINUOUS:  # F(d) + s_imp (v - d)
+                at_gap = links.cubic[e] * link.gap**3 + link.stiffness * link.gap
+                links.beyond_force[e] = at_gap - link.impact_stiffness * link.gap
+    return links
+
+
+def at_rest(arrays: Arrays) -> State:
+    """The state before the motion: at rest, touching links exactly at v = 0."""
+    padded, feet, count = arrays.padded, arrays.feet.first.size, arrays.links.left.size
+    kind = arrays.links.kind
+    touching = (kind == layout.INFILL) | ((kind == layout.POUNDING) & (arrays.links.gap == 0))
+    return State(
+        u=np.zeros(padded),
+        v=np.zeros(padded),
+        branch=np.zeros(padded, np.int64),
+        plastic=np.zeros(padded),
+        snapped_storey=np.zeros(padded, np.int64),
+        link_branch=np.where(kind == layout.CONNECTOR, layout.LINEAR, layout.OPEN).astype(np.int64),
+        link_cut=np.zeros(count, np.int64),
+        snapped_link=np.where(touching, layout.AT_ZERO, layout.NOTHING).astype(np.int64),
+        phi=np.zeros(feet),
+        phi_v=np.zeros(feet),
+    )
+
+
+def no_peaks(arrays: Arrays) -> Peaks:
+    """Peaks before the first step."""
+    padded, feet, count = arrays.padded, arrays.feet.first.size, arrays.links.left.size
+    by_slot = {n: np.zeros(padded) for n in Peaks._fields[:5]}
+    by_link = {n: np.zeros(count) for n in ("force", "impulse", "contact_time")}
+    return Peaks(
+        **by_slot, sway=np.zeros(feet), rocking=np.zeros(feet), closing=np.full(count, -np.inf),
+        impacts=np.zeros(count, np.int64), **by_link,
+    )  # fmt: skip
+
+
+def unpack(
+    scene: Scene, arrays: Arrays, state: State, peaks: Peaks
+) -> tuple[tuple[BuildingResponse, ...], LinkResponse]:
+    """Peaks by slot and link as responses by building and link."""
+    buildings = []
+    drift_now = _drift(arrays, state)
+    inelastic = scene.analysis == "inelastic"
+    for b, building in enumerate(scene.buildings):
+        span, base, foot = arrays.floors[b], arrays.bases[b], arrays.foot[b]
+        drift = peaks.drift[span].copy()
+        buildings.append(
+            BuildingResponse(
+                shear=peaks.shear[span].copy() if inelastic else building.stiffness * drift,
+                drift=drift,
+                ductility=drift / building.yield_drift,
+                acceleration=peaks.acceleration[span].copy(),
+                displacement_max=peaks.displacement_max[span].copy(),
+                displacement_min=peaks.displacement_min[span].copy(),
+                residual_drift=drift_now[span].copy(),
+                sway=float(max(peaks.displacement_max[base], -peaks.displacement_min[base]))
+                if base >= 0
+                else 0.0,
+                rocking=float(peaks.rocking[foot]) if foot >= 0 else 0.0,
+            )
+        )
+    links = LinkResponse(
+        impacts=peaks.impacts.copy(),
+        peak_force=peaks.force.copy(),
+        max_closing=peaks.closing.copy(),
+        impulse=peaks.impulse.copy(),
+        contact_time=peaks.contact_time.copy(),
+    )
+    return tuple(buildings), links
+
+
+def _drift(arrays: Arrays, state: State) -> np.ndarray:
+    before = np.concatenate(([0.0], state.u[:-1]))
+    drift = state.u - arrays.slots.couple * before
+    for f in range(arrays.feet.first.size):
+        span = slice(arrays.feet.first[f], arrays.feet.stop[f])
+        drift[span] -= arrays.slots.rise[span] * state.phi[f]
+    return drift

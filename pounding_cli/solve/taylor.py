@@ -1,0 +1,51 @@
+"""The default method: the event-located Taylor integrator of `kernels.taylor`."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pounding_cli.kernels import layout
+from pounding_cli.model.links import Kind
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.ground import segments
+
+SAFETY = 10.0
+"""Local tolerance (relative, of acceleration) over the accuracy asked: errors come out two to three decades below the local tolerance
+(tests/verification/test_accuracy.py)."""
+
+
+def variant(scene: Scene) -> tuple[bool, bool, int]:
+    """Which effects the compiled kernel must contain: (storeys yield, foundations, link laws)."""
+    inelastic = scene.analysis == "inelastic" and any(
+        np.isfinite(b.yield_shear).any() for b in scene.buildings
+    )
+    founded = any(b.foundation is not None for b in scene.buildings)
+    kinds = {link.kind for link in scene.links}
+    laws = (
+        layout.LINKS_CUBIC if Kind.INFILL in kinds else (layout.LINKS_LINEAR if kinds else layout.LINKS_NONE)
+    )
+    return inelastic, founded, laws
+
+
+def most_order(tolerance: float) -> int:
+    """Highest order worth computing before the step is cut: near the optimum of Jorba & Zou, -ln(tol) / 2 + 1, and above it,
+    because most steps end at a record sample."""
+    return min(30, max(10, int(math.ceil(-0.75 * math.log(tolerance))) + 4))
+
+
+def integrate(
+    scene: Scene, arrays: Arrays, state, peaks, accuracy: float, bounds: tuple[int, int]
+) -> tuple[int, int, int, int, float]:
+    """Run the kernel; see `kernels.taylor.build`."""
+    from pounding_cli.kernels import taylor
+
+    starts, slopes, dt = segments(scene)
+    tolerance = max(accuracy * SAFETY, 1e-16)
+    kernel = taylor.build(*variant(scene))
+    return kernel(
+        arrays.slots, arrays.feet, arrays.links, state, peaks, starts, slopes, dt, tolerance, scene.motion.pga,
+        most_order(tolerance), *bounds,
+    )  # fmt: skip
