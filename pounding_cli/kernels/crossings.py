@@ -79,7 +79,7 @@ def _open_link_crossing(links, state, work, padded, order, e, closing, end, scra
     right = links.right[e]
     scratch[0] = 0.0 if state.snapped_link[e] == AT_ZERO else -closing
     for k in range(1, order + 1):
-        scratch[k] = (work.W[(k - 1) * padded + right] - work.W[(k - 1) * padded + left]) * work.reciprocal[k]
+        scratch[k] = work.U[k * padded + right] - work.U[k * padded + left]
     return first_crossing(scratch, order, end)
 
 

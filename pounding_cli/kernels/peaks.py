@@ -61,7 +61,7 @@ def _displacement_peaks(state, work, ends, peaks, padded, order, end, scratch):
                 if top or bottom:
                     scratch[0] = state.u[i]
                     for k in range(1, order + 1):
-                        scratch[k] = work.W[(k - 1) * padded + i] * work.reciprocal[k]
+                        scratch[k] = work.U[k * padded + i]
                     if top:
                         peaks.displacement_max[i] = highest(
                             scratch, order, end, peaks.displacement_max[i], False
@@ -110,8 +110,7 @@ def _link_peaks(links, state, work, ends, peaks, active, count, padded, order, e
         if max(first, last) + ends.u_stray[left] + ends.u_stray[right] > peaks.closing[e]:
             scratch[0] = first
             for k in range(1, order + 1):
-                row = (k - 1) * padded
-                scratch[k] = (work.W[row + left] - work.W[row + right]) * work.reciprocal[k]
+                scratch[k] = work.U[k * padded + left] - work.U[k * padded + right]
             peaks.closing[e] = highest(scratch, order, end, peaks.closing[e], False)
     scale = 1.0 / (h * h)
     for a in range(count):
@@ -121,7 +120,6 @@ def _link_peaks(links, state, work, ends, peaks, active, count, padded, order, e
         base = e * LARGEST_ORDER
         power = end
         impulse = 0.0
-        bound = abs(work.F[base])
         reach = 0.0
         for k in range(order):
             force = work.F[base + k] * scale
@@ -129,10 +127,9 @@ def _link_peaks(links, state, work, ends, peaks, active, count, padded, order, e
             impulse += force * power * work.reciprocal[k + 1]
             power *= end
             reach += abs(force)
-        bound = reach
         peaks.impulse[e] += impulse * h
         peaks.contact_time[e] += end * h
-        if bound > peaks.force[e]:
+        if reach > peaks.force[e]:
             peaks.force[e] = highest(scratch, order - 1, end, peaks.force[e], True)
 
 

@@ -49,16 +49,65 @@ def first_crossing(c, n, end):
         return NEVER
     if c[first] < 0.0:
         return 0.0
+    # Ends, and how far value and slope can stray from the straight line between theirs: one pass that settles most cases.
+    start = c[first]
+    start_slope = c[first + 1] if first < n else 0.0
+    size = start
+    last = c[n]
+    last_slope = 0.0
     bound = 0.0
-    size = 0.0
+    bend = 0.0
     power = 1.0
-    for k in range(first, n + 1):
+    for k in range(n - 1, first - 1, -1):
+        last_slope = last_slope * end + last
+        last = last * end + c[k]
+    for k in range(first + 1, n + 1):
         j = k - first
-        size += abs(c[k])
+        term = abs(c[k])
+        size += term
         if j >= 2:
-            bound += j * (j - 1) * abs(c[k]) * power
+            term *= j * (j - 1) * power
+            bound += term
+            bend += (j - 2) * term
             power *= end
-    floor = 1e-17 * size
+    if last > 0.0:
+        if min(start, last) > 0.125 * bound * end * end:
+            return NEVER
+    if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend * end:
+        if last > 0.0:
+            return NEVER
+        return _simple_root(c, first, n, end, start, last)
+    return _march(c, first, n, end, bound, 1e-17 * size)
+
+
+@njit(**OPTIONS)
+def _simple_root(c, first, n, end, start, last):
+    """The only root of a monotone polynomial that is positive at 0 and not at `end`: Newton kept inside a bracket."""
+    low = 0.0
+    high = end
+    s = end * start / (start - last)
+    for _ in range(100):
+        p = c[n]
+        d = 0.0
+        for k in range(n - 1, first - 1, -1):
+            d = d * s + p
+            p = p * s + c[k]
+        if p > 0.0:
+            low = s
+        else:
+            high = s
+        new = s - p / d if d != 0.0 else low
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - s) <= 3e-16 * s:
+            return new
+        s = new
+    return s
+
+
+@njit(**OPTIONS)
+def _march(c, first, n, end, bound, floor):
+    """The first root by steps that never pass one; |p''| <= bound."""
     s = 0.0
     for _ in range(400):
         p = c[n]
@@ -67,7 +116,6 @@ def first_crossing(c, n, end):
             d = d * s + p
             p = p * s + c[k]
         if p <= floor:
-            # An exact tangency from above (p' >= 0) is not a crossing unless the polynomial goes on below.
             return s
         root = math.sqrt(d * d + 2.0 * bound * p)
         step = 2.0 * p / (root - d) if d < 0.0 else ((d + root) / bound if bound > 0.0 else 2.0 * end + 1.0)

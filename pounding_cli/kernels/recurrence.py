@@ -1,8 +1,10 @@
 """The Taylor series of one step: every order from the one before by the equations of motion.
 
-Time runs as s = (t - t0) / h from 0 to 1. Coefficient k of the displacement's rate du/ds stands in `W[k]`, that of the storey
-drift in `D[k]`; each row of these is one padded row of slots. With Q = h^2 (k_t D + F0) + h c dD/ds the recurrence is
-    h^2 u''_k = (couple_(i+1) Q_(i+1) - Q_i + links) / m - h alpha W_k - h^2 a_g,k,    W_(k+1) = h^2 u''_k / (k + 1).
+Time runs as s = (t - t0) / h from 0 to 1. Coefficient k of the displacement stands in row k of `U`, that of its rate
+du/ds in row k of `W`; a row is one padded row of slots. Between two events every slot's acceleration is a fixed
+combination of its own displacement and rate and of its two neighbours', so with those six *stencils* (times h^2 and h)
+    h^2 u''_k = sum of stencil x (U_k, W_k) + links - h^2 a_g,k,    W_(k+1) = h^2 u''_k / (k + 1),    U_(k+1) = W_k / (k + 1).
+Only W_(k+1) waits for W_k, through two shuffles and four multiply-adds: that chain is what an order costs.
 """
 
 from __future__ import annotations
@@ -28,12 +30,36 @@ LARGEST_ORDER = 34
 
 Work = namedtuple(
     "Work",
-    "W D V F square slope root phi_W phi_D tangent offset kth dashh alphah force tilt shear reciprocal curve",
+    "U W D V F square slope root phi_W phi_D tangent offset stencil scaled push force tilt reciprocal curve",
 )
-"""Scratch of a run. W, D: coefficients by order and slot. V, F: closing and force of each link by order; square, slope, root:
-the infill's v^2, s_cur and its square root by order. phi_W, phi_D: rocking by order. tangent [N/m] and offset [N] of each
-storey's branch; kth, dashh, alphah: tangent, dashpot and alpha times h^2, h, h; force, tilt, shear: one order's scratch;
+"""Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, F: closing and force of each
+link by order; square, slope, root: the infill's v^2, s_cur and its square root by order. phi_W, phi_D: rocking rate and
+angle by order. tangent [N/m] and offset [N] of each storey's branch. stencil: six rows of acceleration per displacement
+(own, left, right) and per velocity (own, left, right); scaled: the same times h^2 and h. push: acceleration of the
+offsets [m/s2]. force: one order's link and foundation forces; tilt: storey height times rocking angle by order and slot.
 reciprocal[k] = 1/k; curve[k] = k (k - 1) / 8."""
+
+
+@njit(**INLINE)
+def restencil(slots, work, i):
+    """Renew what depends on the branch of slot i: its own stencils."""
+    padded = slots.couple.size
+    below = work.tangent[i]
+    above = 0.0
+    above_dashpot = 0.0
+    above_offset = 0.0
+    if i + 1 < padded:
+        above = slots.couple_right[i] * work.tangent[i + 1]
+        above_dashpot = slots.couple_right[i] * slots.dashpot[i + 1]
+        above_offset = slots.couple_right[i] * work.offset[i + 1]
+    inverse = slots.inverse_mass[i]
+    work.stencil[i] = -(below + above) * inverse
+    work.stencil[padded + i] = slots.couple[i] * below * inverse
+    work.stencil[2 * padded + i] = above * inverse
+    work.stencil[3 * padded + i] = -(slots.dashpot[i] + above_dashpot) * inverse - slots.alpha[i]
+    work.stencil[4 * padded + i] = slots.couple[i] * slots.dashpot[i] * inverse
+    work.stencil[5 * padded + i] = above_dashpot * inverse
+    work.push[i] = (above_offset - work.offset[i]) * inverse
 
 
 @njit(**INLINE)
@@ -91,90 +117,94 @@ def _link_forces(links, state, work, active, count, k, padded, h, kinds):
 
 
 @njit(**INLINE)
-def _foundation_before(slots, feet, work, k, padded, h):
-    """Rocking's share of the drift rates, and the mass-proportional damping of the structural motion (eq. 2)."""
+def _foundations(slots, feet, work, k, padded, h):
+    """Order k of what foundations add: rocking's share of the storey shears, the mass-proportional damping of the
+    structural motion (eq. 2), and order k + 1 of the rocking angle."""
     count = feet.first.size
+    h2 = h * h
+    row = k * padded
     for f in range(count):
+        angle = work.phi_D[k * count + f]
         turning = work.phi_W[k * count + f]
         base = feet.base[f]
-        sway = work.W[k * padded + base] if base >= 0 else 0.0
-        moment = 0.0
+        sway = work.W[row + base] if base >= 0 else 0.0
+        moment = -h2 * feet.stiffness[f] * angle - h * feet.dashpot[f] * turning
         for i in range(feet.first[f], feet.stop[f]):
-            work.tilt[i] = slots.rise[i] * turning
+            rise = slots.rise[i]
+            work.tilt[row + i] = rise * angle
+            turned = rise * (h2 * work.tangent[i] * angle + h * slots.dashpot[i] * turning)
+            work.force[i] += turned
+            drift = work.U[row + i]
+            rate = work.W[row + i]
+            if slots.couple[i] != 0.0:
+                work.force[i - 1] -= turned
+                drift -= work.U[row + i - 1]
+                rate -= work.W[row + i - 1]
+            shear = h2 * work.tangent[i] * drift + h * slots.dashpot[i] * rate - turned
+            if k == 0:
+                shear += h2 * work.offset[i]
             arm = slots.elevation[i]
-            drag = h * feet.alpha[f] * slots.mass[i] * (work.W[k * padded + i] - sway - arm * turning)
+            drag = h * feet.alpha[f] * slots.mass[i] * (work.W[row + i] - sway - arm * turning)
             work.force[i] -= drag
             if base >= 0:
                 work.force[base] += drag
-            moment += drag * arm
-        work.phi_D[(LARGEST_ORDER - 1) * count + f] = (
-            moment  # kept for _foundation_after in a row no order reaches
-        )
-
-
-@njit(**INLINE)
-def _foundation_after(slots, feet, work, k, h):
-    """Order k + 1 of the rocking angle from the storey shears of order k."""
-    count = feet.first.size
-    for f in range(count):
-        moment = work.phi_D[(LARGEST_ORDER - 1) * count + f]
-        for i in range(feet.first[f], feet.stop[f]):
-            moment += work.shear[i] * slots.rise[i]
-        turning = work.phi_W[k * count + f]
-        moment -= h * h * feet.stiffness[f] * work.phi_D[k * count + f] + h * feet.dashpot[f] * turning
+            moment += drag * arm + shear * rise
         work.phi_D[(k + 1) * count + f] = turning * work.reciprocal[k + 1]
         work.phi_W[(k + 1) * count + f] = moment / feet.inertia[f] * work.reciprocal[k + 1]
 
 
 @njit(**INLINE)
 def expand(
-    slots, feet, links, state, work, peaks, active, count, padded, h, ground, ground_slope, tolerance, quiet, guess, most, founded, kinds
+    slots, feet, links, state, work, peaks, active, count, padded, h, ground, ground_slope, tolerance, quiet,
+    guess, most, founded, kinds,
 ):  # fmt: skip
     """Coefficients up to the order at which two acceleration terms in a row are below `tolerance` times the slot's
-    largest acceleration so far (at least `quiet`), or up to `most`; returns (order of W and D, whether that held)."""
+    largest acceleration so far (at least `quiet`), or up to `most`; returns (highest order, whether that held)."""
     h2 = h * h
-    for b in range(0, padded, 8):
-        store(work.kth, b, load(work.tangent, b) * h2)
-        store(work.dashh, b, load(slots.dashpot, b) * h)
-        store(work.alphah, b, load(slots.alpha, b) * h)
+    for b in range(0, 3 * padded, 8):
+        store(work.scaled, b, load(work.stencil, b) * h2)
+        store(work.scaled, 3 * padded + b, load(work.stencil, 3 * padded + b) * h)
     zero = splat(0.0)
+    forced = founded or (kinds != LINKS_NONE and count > 0)
     small_before = False
     k = 0
     while True:
-        if founded or (kinds != LINKS_NONE and count > 0):
+        if forced:
             for b in range(0, padded, 8):
                 store(work.force, b, zero)
             if kinds != LINKS_NONE:
                 _link_forces(links, state, work, active, count, k, padded, h, kinds)
             if founded:
-                _foundation_before(slots, feet, work, k, padded, h)
+                _foundations(slots, feet, work, k, padded, h)
         row = k * padded
         reciprocal = work.reciprocal[k + 1]
-        pull = h2 * ground if k == 0 else (h2 * h * ground_slope if k == 1 else 0.0)
-        right = zero
-        here = load(work.W, row + padded - 8)
-        for b in range(padded - 8, -8, -8):
-            left = load(work.W, row + b - 8) if b > 0 else zero
-            rate = here - load(slots.couple, b) * from_left(left, here)
-            if founded:
-                rate = rate - load(work.tilt, b)
-            shear = load(work.kth, b) * load(work.D, row + b) + load(work.dashh, b) * rate
-            if k == 0:
-                shear = shear + load(work.offset, b) * h2
-            if founded:
-                store(work.shear, b, shear)
-            total = load(slots.couple_right, b) * from_right(shear, right) - shear
-            if founded or (kinds != LINKS_NONE and count > 0):
-                total = total + load(work.force, b)
-            acceleration = load(slots.inverse_mass, b) * total - load(work.alphah, b) * here
+        pull = h2 * ground if k == 0 else h2 * h * ground_slope
+        w_left = zero
+        u_left = zero
+        w = load(work.W, row)
+        u = load(work.U, row)
+        for b in range(0, padded, 8):
+            more = b + 8 < padded
+            w_right = load(work.W, row + b + 8) if more else zero
+            u_right = load(work.U, row + b + 8) if more else zero
+            total = load(work.scaled, b) * u
+            total = total + load(work.scaled, padded + b) * from_left(u_left, u)
+            total = total + load(work.scaled, 2 * padded + b) * from_right(u, u_right)
+            if forced:
+                total = total + load(slots.inverse_mass, b) * load(work.force, b)
             if k < 2:
-                acceleration = acceleration - load(slots.real, b) * pull
-            store(work.D, row + padded + b, rate * reciprocal)
-            store(work.W, row + padded + b, acceleration * reciprocal)
-            right = shear
-            here = left
-        if founded:
-            _foundation_after(slots, feet, work, k, h)
+                total = total - load(slots.real, b) * pull
+                if k == 0:
+                    total = total + load(work.push, b) * h2
+            total = total + load(work.scaled, 3 * padded + b) * w
+            total = total + load(work.scaled, 4 * padded + b) * from_left(w_left, w)
+            total = total + load(work.scaled, 5 * padded + b) * from_right(w, w_right)
+            store(work.W, row + padded + b, total * reciprocal)
+            store(work.U, row + padded + b, w * reciprocal)
+            w_left = w
+            u_left = u
+            w = w_right
+            u = u_right
         if k >= guess - 1:
             large = False
             limit = tolerance * h2 * reciprocal
@@ -211,7 +241,9 @@ def rescale(feet, work, active, count, padded, order, ratio, founded, kinds):
     for k in range(order + 1):
         for i in range(padded):
             work.W[k * padded + i] *= power * ratio
-            work.D[k * padded + i] *= power
+            work.U[k * padded + i] *= power
+            if founded:
+                work.tilt[k * padded + i] *= power
         if founded:
             for f in range(feet_count):
                 work.phi_W[k * feet_count + f] *= power * ratio

@@ -42,7 +42,8 @@ from pounding_cli.kernels.layout import (
     STEP_BOUND,
 )
 from pounding_cli.kernels.peaks import track
-from pounding_cli.kernels.recurrence import LARGEST_ORDER, Work, expand, rescale, shrink
+from pounding_cli.kernels.recurrence import LARGEST_ORDER, Work, expand, rescale, restencil, shrink
+from pounding_cli.kernels.simd import load, store
 from pounding_cli.kernels.summary import Ends, stop_at, summarise
 
 
@@ -56,29 +57,25 @@ def _workspace(padded, feet_count, link_count):
         curve[k] = k * (k - 1) / 8.0
     by_link = link_count * rows
     return Work(
-        np.zeros(rows * padded), np.zeros(rows * padded),
+        np.zeros(rows * padded), np.zeros(rows * padded), np.zeros(rows * padded),
         np.zeros(by_link), np.zeros(by_link), np.zeros(by_link), np.zeros(by_link), np.zeros(by_link),
         np.zeros(rows * feet_count), np.zeros(rows * feet_count),
-        np.zeros(padded), np.zeros(padded), np.zeros(padded), np.zeros(padded), np.zeros(padded),
-        np.zeros(padded), np.zeros(padded), np.zeros(padded),
+        np.zeros(padded), np.zeros(padded), np.zeros(6 * padded), np.zeros(6 * padded),
+        np.zeros(padded), np.zeros(padded), np.zeros(rows * padded),
         reciprocal, curve,
     )  # fmt: skip
 
 
 @njit(**INLINE)
-def _start(slots, feet, links, state, work, active, padded, h, founded, kinds):
+def _start(feet, links, state, work, active, padded, h, founded, kinds):
     """Order 0 of the series from the state; returns the number of active links."""
-    for i in range(padded):
-        work.W[i] = h * state.v[i]
-    work.D[0] = state.u[0]
-    for i in range(1, padded):
-        work.D[i] = state.u[i] - slots.couple[i] * state.u[i - 1]
+    for b in range(0, padded, 8):
+        store(work.U, b, load(state.u, b))
+        store(work.W, b, load(state.v, b) * h)
     if founded:
         for f in range(feet.first.size):
             work.phi_D[f] = state.phi[f]
             work.phi_W[f] = h * state.phi_v[f]
-            for i in range(feet.first[f], feet.stop[f]):
-                work.D[i] -= slots.rise[i] * state.phi[f]
     count = 0
     if kinds != LINKS_NONE:
         for e in range(links.left.size):
@@ -119,6 +116,9 @@ def _storey_event(slots, state, work, padded, order, s, i):
         state.snapped_storey[i] = line
         work.tangent[i] = k0
         work.offset[i] = -(1.0 - a) * k0 * state.plastic[i]
+    restencil(slots, work, i)
+    if i > 0:
+        restencil(slots, work, i - 1)
 
 
 @njit(**INLINE)
@@ -177,18 +177,21 @@ def build(inelastic: bool, founded: bool, kinds: int):
         active = np.zeros(link_count, np.int64)
         for i in range(padded):
             work.tangent[i] = slots.stiffness[i]
+        for i in range(padded):
+            restencil(slots, work, i)
         steps = 0
         events = 0
         orders = 0
         standing = 0  # events in a row without time going on
         guess = 8
+        snapped = True  # something may be exactly zero: touching floors at the start, or what an event just met
         segment = 0
         offset = 0.0  # time since the segment's start
         while segment < starts.size:
             remaining = dt - offset
             h = remaining
             ag = starts[segment] + slopes[segment] * offset
-            count = _start(slots, feet, links, state, work, active, padded, h, founded, kinds)
+            count = _start(feet, links, state, work, active, padded, h, founded, kinds)
             order, close = expand(
                 slots, feet, links, state, work, peaks, active, count, padded, h, ag, slopes[segment], tolerance,
                 quiet, guess, most_order, founded, kinds,
@@ -210,7 +213,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
                     whole = False
             ground = h * h * ag
             ground_slope = h * h * h * slopes[segment]
-            summarise(state, work, ends, padded, order, ground, ground_slope)
+            summarise(slots, work, ends, padded, order, ground, ground_slope, founded)
             end = 1.0
             storey = -1
             link = -1
@@ -235,23 +238,22 @@ def build(inelastic: bool, founded: bool, kinds: int):
             )  # fmt: skip
             happened = storey >= 0 or link >= 0
             if end < 1.0:
-                stop_at(state, work, ends, padded, order, end)
+                stop_at(work, ends, padded, order, end)
             if end > 0.0:
                 standing = 0
-                for e in range(link_count):
-                    state.snapped_link[e] = NOTHING
-                if inelastic:
-                    for i in range(padded):
-                        state.snapped_storey[i] = 0
+                if snapped:
+                    state.snapped_link[:] = NOTHING
+                    state.snapped_storey[:] = 0
+                    snapped = False
             if storey >= 0:
                 _storey_event(slots, state, work, padded, order, end, storey)
             if link >= 0:
                 _link_event(links, state, peaks, link, event)
             if end > 0.0:
                 rate = 1.0 / h
-                for i in range(padded):
-                    state.u[i] = ends.u[i]
-                    state.v[i] = ends.v[i] * rate
+                for b in range(0, padded, 8):
+                    store(state.u, b, load(ends.u, b))
+                    store(state.v, b, load(ends.v, b) * rate)
                 if founded:
                     feet_count = feet.first.size
                     for f in range(feet_count):
@@ -265,6 +267,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
             if happened:
                 events += 1
                 standing += 1
+                snapped = True
                 if events > most_events:
                     return EVENT_BOUND, steps, events, orders, segment * dt + offset
                 if standing > 20 + 4 * (padded + link_count):
