@@ -1,0 +1,70 @@
+"""`pound report`: figures, tables and the paper's claims from results files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command("report", short_help="Draw the figures and write the tables and the claims.")
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE.h5...")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the report.")
+@click.option(
+    "--format",
+    "formats",
+    multiple=True,
+    type=click.Choice(("png", "svg", "pdf")),
+    help="Formats of the figures; may be given more than once. All three unless said otherwise.",
+)
+@click.option("--no-figures", is_flag=True, help="Write tables and claims only (much faster).")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
+def command(
+    files: tuple[Path, ...], output: Path | None, formats: tuple[str, ...], no_figures: bool, quiet: bool
+) -> None:
+    """Draw the figures of results files, write their tables as CSV, and judge the paper's claims.
+
+    The report goes to DIR, or to a folder beside the results file, named like it: summary.md, the figures,
+    tables/. Of several files each gets its own folder in DIR; comparison.md sets their claims side by side.
+
+    \b
+    Example:
+      pound report results/fig6.h5 -o report
+      pound report results/fig6.h5 results/fig7.h5 --no-figures
+    """
+    from pounding_cli.report.build import FORMATS, write_comparison, write_report
+    from pounding_cli.report.claims import judge
+    from pounding_cli.report.evidence import points
+    from pounding_cli.store import open_results
+
+    chosen = () if no_figures else formats or FORMATS
+    opened = {path: open_results(path) for path in files}
+    folders = _folders(files, output)
+    for path, results in opened.items():
+        written = write_report(results, folders[path], chosen)
+        if quiet:
+            continue
+        click.echo(f"{folders[path] / 'summary.md'}: {len(written)} files")
+        evidences = points(results)
+        if len(evidences) == 1:
+            for judgement in judge(evidences[0]):
+                click.echo(f"  {judgement.claim.key:22} {judgement.verdict}")
+    if len(files) > 1:
+        folder = output or Path("comparison")
+        page, _ = write_comparison({folders[path].name: results for path, results in opened.items()}, folder)
+        if not quiet:
+            click.echo(str(page))
+
+
+def _folders(files: tuple[Path, ...], output: Path | None) -> dict[Path, Path]:
+    """Where each report goes; files of one name are told apart by a number."""
+    if output is not None and len(files) == 1:
+        return {files[0]: output}
+    folders: dict[Path, Path] = {}
+    for path in files:
+        base = output / path.stem if output is not None else path.with_suffix("")
+        folder, number = base, 2
+        while folder in folders.values():
+            folder, number = base.with_name(f"{base.name}-{number}"), number + 1
+        folders[path] = folder
+    return folders

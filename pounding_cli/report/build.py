@@ -1,0 +1,81 @@
+"""Writing a whole report: figures, CSV tables, claims and page, for one results file or several."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from pounding_cli.report import page, sensitivity
+from pounding_cli.report.claims import judge
+from pounding_cli.report.evidence import Evidence, Tables, points
+from pounding_cli.report.figures import draw_all
+from pounding_cli.report.style import FORMATS, save, unwritable
+from pounding_cli.report.sweep import sweep_figures
+from pounding_cli.report.tables import write_csv
+
+
+def write_report(results: Tables, folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
+    """Write the report of one results file into `folder`; returns the files written.
+
+    formats : of the figures, any of "png", "svg", "pdf"; none leaves the figures out
+    Raises InputError where the folder cannot be written to.
+    """
+    evidences = points(results)
+    shown = nominal(evidences)
+    swept = len(evidences) > 1
+    figures = draw_all(shown) | (sweep_figures(evidences) if swept else {}) if formats else {}
+    files = save(figures, folder, formats)
+    judgements = judge(shown)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        files += write_csv(results, folder / "tables")
+        columns = sensitivity.judge_points(evidences)
+        files.append(folder / "tables" / "claims.csv")
+        sensitivity.frame(columns).to_csv(files[-1], index=False)
+        if swept:
+            title = f"Claims over the sweep: {results.title}"
+            files.append(_write(folder / "claims-sensitivity.md", sensitivity.page(title, columns)))
+        drawn = [f"{name}.png" for name in figures] if "png" in formats else []
+        lines = page.summary(shown, judgements, drawn, results.scene(), swept)
+        files.append(_write(folder / "summary.md", lines))
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    return files
+
+
+def write_comparison(results: Mapping[str, Tables], folder: Path) -> list[Path]:
+    """Write `comparison.md` and `comparison.csv`: the claims in several results, at every point."""
+    columns: list[sensitivity.Column] = []
+    for name, tables in results.items():
+        for evidence in points(tables):
+            columns.append((f"{name}: {evidence.label}" if evidence.label else name, judge(evidence)))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        title = "Claims compared: " + ", ".join(results)
+        text = _write(folder / "comparison.md", sensitivity.page(title, columns))
+        sensitivity.frame(columns).to_csv(folder / "comparison.csv", index=False)
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    return [text, folder / "comparison.csv"]
+
+
+def nominal(evidences: Sequence[Evidence]) -> Evidence:
+    """The point of the sweep that equals the study without its sweep; the first where none does."""
+    for evidence in evidences:
+        if all(_at(evidence.resolved, key) == value for key, value in evidence.point.items()):
+            return evidence
+    return evidences[0]
+
+
+def _at(tree: object, key: str) -> object:
+    """The value at a dotted key of nested dicts; None where there is none."""
+    for part in key.split("."):
+        if not isinstance(tree, Mapping):
+            return None
+        tree = tree.get(part)
+    return tree
+
+
+def _write(path: Path, lines: Sequence[str]) -> Path:
+    path.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
+    return path

@@ -1,0 +1,311 @@
+"""The paper's statements about Figs 6 and 7, their thresholds in words, and the numbers that test them."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+
+from pounding_cli.report.evidence import Evidence
+from pounding_cli.report.verdicts import Claim, Finding, Judgement, found
+
+NO_REDUCTION = 0.90
+"""A response is "practically" not reduced while it keeps at least this share of the other one [-]."""
+BIG_REDUCTION = 80.0
+"""The paper's reduction of the accelerations [%]."""
+SMALL_INCREASE = 15.0
+"""Up to here an increase is small [%]."""
+ADEQUATE = 1.10
+"""A gap is adequate while no storey's mean ratio exceeds this [-]."""
+SUBSTANTIAL = 1.20
+"""An increase is substantial from here, at the storey where it is largest [-]."""
+
+TABLE1 = {"elcentro": 1.00, "taft": 1.75, "eureka": 1.33, "olympia": 1.25, "parkfield": 0.82}
+"""Scales of the paper's Table 1 [-]."""
+IMPLIED = ("eureka", "olympia")
+"""Stand-ins of these motions are built from Table 1's scale, so they cannot test it."""
+
+RESPONSES = (("V_ratio", "elastic", "V/V0, elastic"), ("mu_ratio", "inelastic", "μ/μ0, inelastic"))
+"""What Figs 6 and 7 plot: the ratio, its analysis, its name."""
+
+
+def claims(evidence: Evidence) -> list[Claim]:
+    """The claims about the figure the study names, `claims: fig6` or `claims: fig7`; none without."""
+    figure = evidence.resolved.get("claims")
+    return [claim for claim in CLAIMS if figure in claim.figures]
+
+
+def judge(evidence: Evidence) -> list[Judgement]:
+    """Every claim about the study's figure, judged at one point of the sweep."""
+    return [claim.judge(evidence) for claim in claims(evidence)]
+
+
+def _quotient(
+    evidence: Evidence, case: str, base: str, ratio: str, analysis: str, building: str
+) -> pd.Series:
+    """One case's line in the figure over another's, per storey."""
+    mine = evidence.means(evidence.case_of(case), analysis, building, ratio)
+    return (mine / evidence.means(evidence.case_of(base), analysis, building, ratio)).dropna()
+
+
+def infill_response(evidence: Evidence) -> list[Finding]:
+    """Line of the infill over the lines of touching and of the gap, for the stiffer building."""
+    findings = []
+    for base in ("touching", "gap"):
+        for ratio, analysis, label in RESPONSES:
+            quotient = _quotient(evidence, "infill", base, ratio, analysis, evidence.stiffer)
+            words = f"{label}: infill over {base}, mean over the storeys"
+            findings.append(found(words, quotient.mean(), lambda number: number >= NO_REDUCTION))
+            if base == "touching":
+                findings.append(Finding(f"{label}: infill over {base}, lowest at any storey", quotient.min()))
+    return findings
+
+
+def infill_acceleration(evidence: Evidence) -> list[Finding]:
+    """Reduction of the floor accelerations of the stiffer building, infill against touching."""
+    findings = []
+    infill, touching, gap = (evidence.case_of(role) for role in ("infill", "touching", "gap"))
+    for analysis in evidence.analyses:
+        reduction = 100 * (1 - evidence.against(infill, touching, analysis, evidence.stiffer))
+        for name, number in (
+            ("mean over the floors", reduction.mean()),
+            ("at the floor where they fall most", reduction.max()),
+        ):
+            words = f"reduction of accelerations, infill against touching, {analysis}, {name}"
+            findings.append(found(words, number, lambda number: number > BIG_REDUCTION, "%"))
+        beside_gap = 100 * (1 - evidence.against(infill, gap, analysis, evidence.stiffer))
+        words = f"the same against the gap, {analysis}, mean over the floors"
+        findings.append(Finding(words, beside_gap.mean(), "%"))
+    return findings
+
+
+def softer_infill(evidence: Evidence) -> list[Finding]:
+    """Change of the responses when the infill is softened to 1/10 and 1/100 of the mean storey stiffness."""
+    findings = []
+    for case, share in (("infill_1_10", "1/10"), ("infill_1_100", "1/100")):
+        for ratio, analysis, label in RESPONSES:
+            quotient = _quotient(evidence, case, "infill", ratio, analysis, evidence.stiffer)
+            words = f"increase of {label}, infill at {share} against 1/5, mean over the storeys"
+            increase = 100 * (quotient.mean() - 1)
+            findings.append(found(words, increase, lambda number: 0 < number <= SMALL_INCREASE, "%"))
+    return findings
+
+
+def _gap_responses(evidence: Evidence, counts: bool) -> list[Finding]:
+    gap = evidence.case_of("gap")
+    findings = []
+    for building in (evidence.stiffer, *evidence.others):
+        for ratio, analysis, label in RESPONSES:
+            number = evidence.means(gap, analysis, building, ratio).max()
+            words = f"{label}: largest mean over the storeys of {building}, with the gap"
+            counted = found(words, number, lambda number: number <= ADEQUATE)
+            findings.append(counted if counts else Finding(words, number))
+    return findings
+
+
+def code_gap(evidence: Evidence) -> list[Finding]:
+    """Responses of every building with the code's separation as the gap."""
+    return [*_gap_responses(evidence, counts=True), _scenes_with_impacts(evidence)]
+
+
+def _scenes_with_impacts(evidence: Evidence) -> Finding:
+    links = evidence.link[evidence.link["case"] == evidence.case_of("gap")]
+    struck = links.groupby(["analysis", "record"])["impacts"].sum() > 0
+    return Finding("runs with the gap in which the buildings still collide", 100 * struck.mean(), "%")
+
+
+def _gap_width(evidence: Evidence) -> float:
+    """Width of the gap case [cm]; NaN where there is none."""
+    widths = evidence.link[evidence.link["case"] == evidence.case_of("gap")]["gap"]
+    return 100 * float(widths.max()) if len(widths) else math.nan
+
+
+def _separation(evidence: Evidence) -> float:
+    """The code's separation at the roof [cm], the largest over the neighbours; NaN where no code was used."""
+    return 100 * float(evidence.buildings["separation"].max())
+
+
+def separation(evidence: Evidence) -> list[Finding]:
+    """The code's separation of the study's buildings."""
+    words = "separation by the code, sum of the design displacements at the roof"
+    return [found(words, _separation(evidence), lambda number: 6.5 <= number <= 7.5, "cm")]
+
+
+def narrow_gap(evidence: Evidence) -> list[Finding]:
+    """The gap of the 2-system group against the code's separation, and what it does."""
+    difference = _separation(evidence) - _gap_width(evidence)
+    words = "separation by the code less the gap of the study"
+    return [
+        found(words, difference, lambda number: number > 0, "cm"),
+        *_gap_responses(evidence, counts=False),
+        _scenes_with_impacts(evidence),
+    ]
+
+
+def connected_stiffer(evidence: Evidence) -> list[Finding]:
+    """The stiffer building when connected: how much it gains, and in which analysis more."""
+    case = evidence.case_of("connected")
+    lines = {label: evidence.means(case, how, evidence.stiffer, ratio) for ratio, how, label in RESPONSES}
+    findings = [
+        found(f"{label}: largest mean over the storeys", line.max(), lambda number: number >= SUBSTANTIAL)
+        for label, line in lines.items()
+    ]
+    elastic, inelastic = (line.mean() for line in lines.values())
+    words = "mean over the storeys of μ/μ0, inelastic, less that of V/V0, elastic"
+    return [*findings, found(words, inelastic - elastic, lambda number: number > 0)]
+
+
+def connected_others(evidence: Evidence) -> list[Finding]:
+    """The other buildings when the group is connected."""
+    case = evidence.case_of("connected")
+    return [
+        found(
+            f"{label}: mean over the storeys of {building}",
+            evidence.means(case, analysis, building, ratio).mean(),
+            lambda number: number < 1,
+        )
+        for building in evidence.others
+        for ratio, analysis, label in RESPONSES
+    ]
+
+
+def connected_always(evidence: Evidence) -> list[Finding]:
+    """In how many motions the connection raises one building (mean over its storeys) and lowers another."""
+    findings = []
+    rows = evidence.storey[evidence.storey["case"] == evidence.case_of("connected")]
+    for ratio, analysis, label in RESPONSES:
+        here = rows[rows["analysis"] == analysis].dropna(subset=[ratio])
+        means = here.pivot_table(index="record", columns="building", values=ratio, aggfunc="mean")
+        share = 100 * ((means.max(axis=1) > 1) & (means.min(axis=1) < 1)).mean()
+        words = f"motions in which one building gains and another is relieved, {label}"
+        findings.append(found(words, share, lambda number: number == 100, "%"))
+    return findings
+
+
+def connected_closing(evidence: Evidence) -> list[Finding]:
+    """Largest closing of the connectors over the gap they bridge."""
+    links = evidence.link[(evidence.link["kind"] == "connector") & (evidence.link["gap"] > 0)]
+    share = 100 * (links["max_closing"] / links["gap"])
+    within = share.groupby([links["analysis"], links["record"]]).max() <= 100
+    return [
+        found("largest closing of a connector over its gap", share.max(), lambda number: number <= 100, "%"),
+        Finding("runs in which every connector keeps within its gap", 100 * within.mean(), "%"),
+    ]
+
+
+def scales(evidence: Evidence) -> list[Finding]:
+    """The scale that gives every motion El Centro's Arias intensity, over Table 1's."""
+    used = evidence.records.drop_duplicates("record").set_index("record").to_dict("index")
+    if "elcentro" not in used:
+        return [Finding("El Centro is not among the motions", math.nan)]
+    reference = used["elcentro"]
+    findings = []
+    for record, row in used.items():
+        if record not in TABLE1 or record == "elcentro":
+            continue
+        # Arias intensity goes with the square of the scale; `arias` is that of the motion as used.
+        factor = (
+            float(row["scale"])
+            / float(reference["scale"])
+            * math.sqrt(float(reference["arias"]) / float(row["arias"]))
+        )
+        words = (
+            f"{record} ({row['source']}): scale for equal Arias intensity over Table 1's {TABLE1[record]:.2f}"
+        )
+        number = factor / TABLE1[record]
+        if row["source"] == "stand-in" and record in IMPLIED:
+            findings.append(Finding(f"{words} (no test: this stand-in is built from that scale)", number))
+        else:
+            findings.append(found(words, number, lambda number: abs(number - 1) <= 0.02))
+    return findings
+
+
+CLAIMS: tuple[Claim, ...] = (
+    Claim(
+        "infill-response",
+        "There is practically no reduction in either story shears or ductility factors [by the infill].",
+        ("fig6", "fig7"),
+        "Holds where the infill keeps at least 90 % of V/V0 (elastic) and of μ/μ0 (inelastic) of the stiffer "
+        "building, mean over the storeys, both against touching and against the gap.",
+        infill_response,
+    ),
+    Claim(
+        "infill-accelerations",
+        "There is more than 80% reduction to the accelerations [by the infill].",
+        ("fig6", "fig7"),
+        "Holds where the largest floor accelerations of the stiffer building fall by more than 80 % against "
+        "touching, both in the mean over the floors and at the floor where they fall most, in each analysis.",
+        infill_acceleration,
+    ),
+    Claim(
+        "softer-infill",
+        "There is a small increase in the responses [...] if a 1/10 to 1/100 of this average value is used "
+        "instead.",
+        ("fig6", "fig7"),
+        "Holds where V/V0 and μ/μ0 of the stiffer building grow, by at most 15 %, mean over the storeys.",
+        softer_infill,
+    ),
+    Claim(
+        "code-gap",
+        "Results indicate that the code specified separation is quite adequate.",
+        ("fig7",),
+        "Holds where, with the 7 cm gap, no storey of any building has a mean ratio above 1.10.",
+        code_gap,
+    ),
+    Claim(
+        "narrow-gap",
+        "[...] a gap of 5cm (less than the UBC specification) for the 2-system.",
+        ("fig6",),
+        "Holds where the gap is smaller than the separation by the code; the responses are for information.",
+        narrow_gap,
+    ),
+    Claim(
+        "separation",
+        "The UBC specified separation distance (equal to the sum of the design maximum displacements) is "
+        "approximately 7cm.",
+        ("fig6", "fig7"),
+        "Holds where the separation rounds to 7 cm (6.5 to 7.5 cm).",
+        separation,
+    ),
+    Claim(
+        "connection-stiffer",
+        "There is a substantial increase to the response of the stiffer building, especially for the "
+        "inelastic case.",
+        ("fig6", "fig7"),
+        "Holds where the mean ratio reaches 1.20 at some storey, in both analyses, and μ/μ0 (inelastic) lies "
+        "above V/V0 (elastic) in the mean over the storeys.",
+        connected_stiffer,
+    ),
+    Claim(
+        "connection-other",
+        "At the same time [...] the response of the other connected system was found to reduce.",
+        ("fig6", "fig7"),
+        "Holds where the mean ratios of every other building lie below 1, mean over the storeys.",
+        connected_others,
+    ),
+    Claim(
+        "connection-always",
+        "The connection always penalizes one building and benefits the other.",
+        ("fig6", "fig7"),
+        "Holds where, in every single motion, one building's ratio lies above 1 and another's below 1, mean "
+        "over the storeys.",
+        connected_always,
+    ),
+    Claim(
+        "connection-closing",
+        "The maximum compression v must never be greater than the initial gap for meaningful results.",
+        ("fig6", "fig7"),
+        "Holds where no connector closes by more than the gap, in no run.",
+        connected_closing,
+    ),
+    Claim(
+        "scales",
+        "The scale [of Table 1] was computed by equating the Arias intensities of these motions to the Arias "
+        "intensity of the El Centro record.",
+        ("fig6", "fig7"),
+        "Holds where the scales for equal Arias intensity, over the analysed durations, are Table 1's within "
+        "2 %.",
+        scales,
+    ),
+)
+"""Every statement about Figs 6 and 7, in the order of the report."""

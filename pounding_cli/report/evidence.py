@@ -1,0 +1,224 @@
+"""What a report rests on: the tables of a results file at one point of its sweep, and their means."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import pandas as pd
+
+TABLES = ("storey", "floor", "link", "scene", "summary", "records")
+"""The tables of a results file, named as its methods and as the CSV files."""
+
+ROLES = ("touching", "gap", "infill", "connected")
+"""The four cases of Figs 6 and 7."""
+
+
+class Tables(Protocol):
+    """The part of `pounding_cli.store.Results` that a report reads."""
+
+    @property
+    def title(self) -> str: ...
+    @property
+    def study_text(self) -> str: ...
+    @property
+    def resolved(self) -> dict[str, Any]: ...
+    @property
+    def buildings(self) -> pd.DataFrame: ...
+    @property
+    def attrs(self) -> Mapping[str, Any]: ...
+    def storey(self) -> pd.DataFrame: ...
+    def floor(self) -> pd.DataFrame: ...
+    def link(self) -> pd.DataFrame: ...
+    def scene(self) -> pd.DataFrame: ...
+    def summary(self) -> pd.DataFrame: ...
+    def records(self) -> pd.DataFrame: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """The tables at one point of the sweep, without the swept columns; names are in the order of the file.
+
+    point : swept key -> value there; empty where nothing is swept
+    storey, floor, link, scene, records, buildings : frames as in docs/architecture.md
+    """
+
+    title: str
+    resolved: dict[str, Any]
+    point: dict[str, Any]
+    storey: pd.DataFrame
+    floor: pd.DataFrame
+    link: pd.DataFrame
+    scene: pd.DataFrame
+    records: pd.DataFrame
+    buildings: pd.DataFrame
+
+    @property
+    def label(self) -> str:
+        """The point in words, e.g. "impact.restitution = 0.4"; empty where nothing is swept."""
+        return ", ".join(f"{key} = {_value(value)}" for key, value in self.point.items())
+
+    @property
+    def cases(self) -> list[str]:
+        """Cases in the order of the file."""
+        return names(self.scene["case"])
+
+    @property
+    def analyses(self) -> list[str]:
+        """Analyses in the order of the file."""
+        return names(self.scene["analysis"])
+
+    @property
+    def group(self) -> list[str]:
+        """Buildings by place, left to right."""
+        return names(self.storey["building"])
+
+    @property
+    def periods(self) -> dict[str, float]:
+        """Fundamental period of every building of the group [s]."""
+        first = self.buildings.drop_duplicates("building").set_index("building")["period"]
+        return {name: float(first[name]) for name in self.group}
+
+    @property
+    def stiffer(self) -> str:
+        """The building with the shortest fundamental period (the first of them, from the left)."""
+        return min(self.periods, key=lambda name: self.periods[name])
+
+    @property
+    def others(self) -> list[str]:
+        """Every building of the group except the stiffer one."""
+        return [name for name in self.group if name != self.stiffer]
+
+    def case_of(self, role: str) -> str | None:
+        """The case that plays `role`: the one of that name, else the first whose links are of that kind."""
+        if role in self.cases:
+            return role
+        if role not in ROLES or self.link.empty:
+            return None
+        kind = {"touching": "pounding", "gap": "pounding"}.get(
+            role, "connector" if role == "connected" else role
+        )
+        links = self.link[self.link["kind"] == kind]
+        if role in ("touching", "gap"):
+            links = links[(links["gap"] == 0) if role == "touching" else (links["gap"] > 0)]
+        found = names(links["case"])
+        return found[0] if found else None
+
+    def means(self, case: str | None, analysis: str, building: str, ratio: str) -> pd.Series:
+        """Mean over the motions of a ratio to the building alone, per storey or floor.
+
+        ratio : "V_ratio", "mu_ratio" (index: storey) or "acceleration_ratio" (index: floor)
+        """
+        frame, level = (self.floor, "floor") if ratio == "acceleration_ratio" else (self.storey, "storey")
+        rows = frame[
+            (frame["case"] == case) & (frame["analysis"] == analysis) & (frame["building"] == building)
+        ]
+        return rows.groupby(level)[ratio].mean().dropna()
+
+    def against(self, case: str | None, base: str | None, analysis: str, building: str) -> pd.Series:
+        """Mean over the motions of a case's floor accelerations over those of another case, per floor."""
+        mine = self._accelerations(case, analysis, building)
+        theirs = self._accelerations(base, analysis, building)
+        ratios = (mine / theirs.where(theirs > 0)).dropna()
+        return ratios.groupby(level="floor").mean()
+
+    def _accelerations(self, case: str | None, analysis: str, building: str) -> pd.Series:
+        rows = self.floor[
+            (self.floor["case"] == case)
+            & (self.floor["analysis"] == analysis)
+            & (self.floor["building"] == building)
+        ]
+        return rows.set_index(["record", "floor"])["acceleration"]
+
+    @property
+    def failed(self) -> pd.DataFrame:
+        """The scenes whose status is not "done"."""
+        return self.scene[self.scene["status"] != "done"]
+
+
+def names(column: Iterable[Any]) -> list[str]:
+    """The distinct values of a column in order of appearance."""
+    return list(dict.fromkeys(str(value) for value in column))
+
+
+def axis_keys(frame: pd.DataFrame) -> list[str]:
+    """The swept keys of a table: every column before `case`; none where nothing is swept."""
+    columns = [str(column) for column in frame.columns]
+    return columns[: columns.index("case")]
+
+
+def points(results: Tables) -> list[Evidence]:
+    """The evidence at every point of the sweep, in the order of the file; one where nothing is swept."""
+    scene = results.scene()
+    keys = axis_keys(scene)
+    frames = {
+        "storey": results.storey(),
+        "floor": results.floor(),
+        "link": results.link(),
+        "scene": scene,
+        "records": results.records(),
+        "buildings": results.buildings,
+    }
+    rows = list(dict.fromkeys(scene[keys].itertuples(index=False, name=None))) if keys else [()]
+    return [
+        Evidence(
+            title=results.title,
+            resolved=results.resolved,
+            point=dict(zip(keys, row, strict=True)),
+            **{name: _cut(frame, keys, row) for name, frame in frames.items()},
+        )
+        for row in rows
+    ]
+
+
+def _cut(frame: pd.DataFrame, keys: Sequence[str], row: Sequence[Any]) -> pd.DataFrame:
+    """The rows of a frame at one point; a table without a swept column is the same at every point of it."""
+    for key, value in zip(keys, row, strict=True):
+        if key in frame.columns:
+            frame = frame[frame[key] == value].drop(columns=key)
+    return frame.reset_index(drop=True)
+
+
+def _value(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float | int | np.number) else str(value)
+
+
+def motion_label(records: pd.DataFrame) -> str:
+    """Motions by where they come from: "real: taft; stand-in: elcentro, eureka", or "stand-in motions"."""
+    if records.empty:
+        return "no motions"
+    kinds = records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(list).to_dict()
+    if set(kinds) == {"stand-in"}:
+        return "stand-in motions"
+    order = sorted(kinds, key=lambda kind: ("real", "user", "stand-in").index(kind))
+    return "; ".join(f"{kind}: {', '.join(kinds[kind])}" for kind in order)
+
+
+def motion_sentence(records: pd.DataFrame) -> str:
+    """The label as a sentence: "Motions: real: ...; stand-in: ...." or "All are stand-in motions."."""
+    label = motion_label(records)
+    return "All are stand-in motions." if label == "stand-in motions" else f"Motions: {label}."
+
+
+def flags(scene: pd.DataFrame) -> dict[str, int]:
+    """Every flag that was raised and in how many scenes, most frequent first."""
+    count: dict[str, int] = {}
+    for cell in scene["flags"]:
+        for flag in _split(cell):
+            count[flag] = count.get(flag, 0) + 1
+    return dict(sorted(count.items(), key=lambda item: -item[1]))
+
+
+def _split(cell: Any) -> list[str]:
+    """The sentences of one cell: a list, a JSON list, or one sentence a line."""
+    if cell is None or (isinstance(cell, float) and math.isnan(cell)):
+        return []
+    if isinstance(cell, str):
+        if cell.startswith("["):
+            return [str(flag) for flag in json.loads(cell)]
+        return [line.strip() for line in cell.splitlines() if line.strip()]
+    return [str(flag) for flag in cell]

@@ -1,0 +1,80 @@
+"""The claims at every point of a sweep, or in several results files, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import pandas as pd
+
+from pounding_cli.report.claims import judge
+from pounding_cli.report.evidence import Evidence
+from pounding_cli.report.tables import markdown
+from pounding_cli.report.verdicts import Judgement
+
+Column = tuple[str, list[Judgement]]
+"""What one column of the tables is about, and the judgements there."""
+
+
+def judge_points(evidences: Sequence[Evidence]) -> list[Column]:
+    """The judgements at every point of the sweep, headed by the point."""
+    return [(evidence.label or "as given", judge(evidence)) for evidence in evidences]
+
+
+def frame(columns: Sequence[Column], name: str = "where") -> pd.DataFrame:
+    """One row a finding: where, claim, verdict, finding, number, unit, passed."""
+    return pd.DataFrame(
+        [
+            {
+                name: where,
+                "claim": judgement.claim.key,
+                "verdict": str(judgement.verdict),
+                "finding": finding.words,
+                "number": finding.number,
+                "unit": finding.unit,
+                "passed": "" if finding.passed is None else finding.passed,
+            }
+            for where, judgements in columns
+            for judgement in judgements
+            for finding in judgement.findings
+        ],
+        columns=[name, "claim", "verdict", "finding", "number", "unit", "passed"],
+    )
+
+
+def page(title: str, columns: Sequence[Column]) -> list[str]:
+    """Markdown lines: the verdicts in one table, then the numbers of every claim."""
+    keys = list(dict.fromkeys(judgement.claim.key for _, judgements in columns for judgement in judgements))
+    by_key = [{judgement.claim.key: judgement for judgement in judgements} for _, judgements in columns]
+    heads = [where for where, _ in columns]
+    lines = [f"# {title}", ""]
+    if not keys:
+        return [*lines, "No results here name a figure of the paper (`claims: fig6` or `fig7`).", ""]
+    lines += ["## Verdicts", ""]
+    verdicts = [[f"[{key}](#{key})", *(_verdict(column.get(key)) for column in by_key)] for key in keys]
+    lines += markdown(["claim", *heads], verdicts)
+    for key in keys:
+        judged = [column.get(key) for column in by_key]
+        claim = next(judgement.claim for judgement in judged if judgement)
+        lines += [f"## {key}", "", f"> {claim.paper}", "", claim.rule, ""]
+        rows = _numbers(judged)
+        lines += markdown(["number found", *heads], [[words, *cells] for words, cells in rows.items()])
+    return lines
+
+
+def _verdict(judgement: Judgement | None) -> str:
+    return str(judgement.verdict) if judgement else "–"
+
+
+def _numbers(judged: Sequence[Judgement | None]) -> Mapping[str, list[str]]:
+    """The numbers of one claim by finding, one cell a column; those that miss their threshold are bold."""
+    words = dict.fromkeys(
+        finding.words for judgement in judged if judgement for finding in judgement.findings
+    )
+    rows: dict[str, list[str]] = {text: [] for text in words}
+    for judgement in judged:
+        here = {finding.words: finding for finding in judgement.findings} if judgement else {}
+        for text, cells in rows.items():
+            finding = here.get(text)
+            number = finding.text if finding else "–"
+            cells.append(f"**{number}**" if finding and finding.passed is False else number)
+    return rows

@@ -1,0 +1,116 @@
+"""How every figure looks: one colour, line and marker a case, legible in grey, and how figures are saved."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from pounding_cli.errors import InputError, Problem
+
+FORMATS = ("png", "svg", "pdf")
+"""What a figure can be saved as."""
+
+RC: Any = {
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "savefig.dpi": 180,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "pound",  # the same figure gives the same file
+}
+
+
+@dataclass(frozen=True)
+class Look:
+    """Colour (Okabe and Ito's set, apart in grey too), line and marker of one case."""
+
+    color: str
+    line: Any
+    marker: str
+
+
+_NAMED = {
+    "touching": Look("#000000", "-", "o"),
+    "gap": Look("#0072B2", (0, (5, 2)), "s"),
+    "infill": Look("#E69F00", "-", "^"),
+    "connected": Look("#AA2211", (0, (5, 1.5, 1, 1.5)), "D"),
+}
+_REST = (
+    Look("#009E73", (0, (1, 1.2)), "v"),
+    Look("#56B4E9", "-", "P"),
+    Look("#7B3294", (0, (5, 2)), "X"),
+    Look("#8C6D31", (0, (5, 1.5, 1, 1.5)), "<"),
+    Look("#666666", (0, (3, 1)), ">"),
+    Look("#CC79A7", "-", "*"),
+)
+
+
+def looks(cases: Sequence[str]) -> dict[str, Look]:
+    """A look for every case: the paper's four keep theirs, others take the rest in turn."""
+    others = [case for case in cases if case not in _NAMED]
+    given = {case: _REST[number % len(_REST)] for number, case in enumerate(others)}
+    return {case: _NAMED.get(case) or given[case] for case in cases}
+
+
+styled = mpl.rc_context(RC)
+"""Decorator of every function that draws: the settings hold while it draws and nowhere else."""
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure [in] that lays itself out; drawn without any window system."""
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def legend(ax: Axes, cases: Iterable[str], **keywords: Any) -> None:
+    """A legend of cases alone, with their line and marker."""
+    chosen = list(cases)
+    handles = [
+        Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, ms=5, lw=1.6, label=case)
+        for case, look in looks(chosen).items()
+    ]
+    ax.legend(handles=handles, handlelength=3.2, **keywords)
+
+
+def caption(figure: Figure, text: str) -> None:
+    """A caption under the figure, wrapped to its width."""
+    characters = int(figure.get_figwidth() * 18.5)
+    figure.supxlabel(textwrap.fill(text, characters), x=0.015, ha="left", fontsize=7.5, color="0.25")
+
+
+def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
+    """Write every figure in every format; returns the files. Raises InputError where the folder refuses."""
+    files = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, figure in figures.items():
+            for suffix in formats:
+                path = folder / f"{name}.{suffix}"
+                # Without a date in it, a figure that did not change is the same file.
+                dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+                with mpl.rc_context(RC):
+                    figure.savefig(path, metadata=dated)
+                files.append(path)
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    return files
+
+
+def unwritable(folder: Path, error: OSError) -> InputError:
+    """The refusal of a folder that cannot be written to."""
+    hint = "name a folder you may write to: pound report FILE.h5 -o FOLDER"
+    return InputError(Problem(f"cannot write the report to {folder}: {error.strerror or error}", hint))

@@ -1,0 +1,106 @@
+"""The whole report: files, page, sensitivity and comparison."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from report_fakes import CASES, make
+
+from pounding_cli.errors import InputError
+from pounding_cli.report.build import nominal, write_comparison, write_report
+from pounding_cli.report.evidence import points
+
+
+def test_report_holds_page_figures_and_every_table(tmp_path):
+    results = make(cases=tuple(CASES))
+    files = write_report(results, tmp_path, ("png",))
+    assert all(path.exists() for path in files)
+    page = (tmp_path / "summary.md").read_text(encoding="utf-8")
+    for line in page.splitlines():
+        if line.startswith("!["):
+            assert (tmp_path / line.split("](")[1].rstrip(")")).exists()
+    assert page.count("![") == len(list(tmp_path.glob("*.png"))) == 7
+    for table in ("storey", "floor", "link", "scene", "summary", "records", "buildings", "claims"):
+        assert (tmp_path / "tables" / f"{table}.csv").exists()
+    read = pd.read_csv(tmp_path / "tables" / "storey.csv")
+    np.testing.assert_array_equal(read["V_ratio"], results.storey()["V_ratio"])
+    assert not (tmp_path / "claims-sensitivity.md").exists()
+
+
+def test_page_tells_motions_key_numbers_and_claims(tmp_path):
+    write_report(make(sources={"taft": "real"}), tmp_path, ())
+    page = (tmp_path / "summary.md").read_text(encoding="utf-8")
+    assert page.startswith("# Two systems side by side\n")
+    assert "Motions: real: taft; stand-in: elcentro, eureka, olympia, parkfield." in page
+    # Touching, top storey: 1.4 x 1.04 = 1.46 elastic; 1.2 times that inelastic; 12 times the acceleration.
+    assert "| touching | 1.46 (5) | 1.46 (5) | 12.00 (1) | 1.46 (5) | 1.75 (5) | 12.00 (1) |" in page
+    assert "“There is more than 80% reduction to the accelerations [by the infill].” | **holds** |" in page
+    assert "Nothing: all 40 runs were done and none raised a flag." in page
+    assert "![" not in page
+
+
+def test_page_tells_flags_and_failed_runs(tmp_path):
+    results = make(flags="connector closed beyond its gap: stiff|soft floor 5")
+    scene = results.scene()
+    scene.loc[[0, 1], ["status", "advice"]] = ["event bound reached", "loosen the accuracy"]
+    write_report(results, tmp_path, ())
+    page = (tmp_path / "summary.md").read_text(encoding="utf-8")
+    assert "2 of 40 runs failed" in page
+    assert "| touching | elastic | elcentro | event bound reached | loosen the accuracy |" in page
+    assert "| connector closed beyond its gap: stiff\\|soft floor 5 | 40 |" in page
+
+
+def test_sweep_gives_the_verdict_at_every_value(tmp_path):
+    results = make(axis=("impact.restitution", [0.4, 0.5, 0.65]), resolved={"claims": "fig7"})
+    frame = results.storey()
+    gap = frame["case"] == "gap"
+    level = frame.loc[gap, "impact.restitution"].map({0.4: 1.0, 0.5: 1.05, 0.65: 1.3})
+    frame.loc[gap, "V_ratio"] = level
+    frame.loc[gap, "mu_ratio"] = level
+    write_report(results, tmp_path, ())
+    page = (tmp_path / "claims-sensitivity.md").read_text(encoding="utf-8")
+    assert "| [code-gap](#code-gap) | holds | holds | does not hold |" in page
+    words = "V/V0, elastic: largest mean over the storeys of stiff, with the gap"
+    assert f"| {words} | 1.00 | 1.05 | **1.30** |" in page
+    table = pd.read_csv(tmp_path / "tables" / "claims.csv")
+    row = table[(table["finding"] == words) & (table["where"] == "impact.restitution = 0.65")].iloc[0]
+    assert row["number"] == 1.3
+    assert row["verdict"] == "does not hold"
+
+
+def test_page_of_a_sweep_shows_the_point_of_the_study_itself(tmp_path):
+    results = make(
+        axis=("impact.restitution", [0.4, 0.5, 0.65]),
+        resolved={"claims": "fig6", "impact": {"restitution": 0.5}},
+    )
+    assert nominal(points(results)).point == {"impact.restitution": 0.5}
+    elsewhere = make(axis=("impact.restitution", [0.4, 0.65]), resolved={"impact": {"restitution": 0.5}})
+    assert nominal(points(elsewhere)).point == {"impact.restitution": 0.4}
+    write_report(results, tmp_path, ())
+    assert "those at impact.restitution = 0.5" in (tmp_path / "summary.md").read_text(encoding="utf-8")
+
+
+def test_comparison_sets_several_results_side_by_side(tmp_path):
+    one = make()
+    other = make(resolved={"claims": "fig7"})
+    write_comparison({"fig6": one, "fig7": other}, tmp_path)
+    page = (tmp_path / "comparison.md").read_text(encoding="utf-8")
+    assert "| claim | fig6 | fig7 |" in page
+    assert "| [narrow-gap](#narrow-gap) | holds | – |" in page
+    assert "| [code-gap](#code-gap) | – | holds partly |" in page
+    assert set(pd.read_csv(tmp_path / "comparison.csv")["where"]) == {"fig6", "fig7"}
+
+
+def test_results_that_name_no_figure_are_told_so(tmp_path):
+    results = make(resolved={"claims": None})
+    write_report(results, tmp_path, ())
+    assert "names no figure of the paper" in (tmp_path / "summary.md").read_text(encoding="utf-8")
+    write_comparison({"a": results, "b": results}, tmp_path)
+    assert "No results here name a figure" in (tmp_path / "comparison.md").read_text(encoding="utf-8")
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(InputError, match="cannot write the report"):
+        write_report(make(), tmp_path / "taken", ())

@@ -1,0 +1,185 @@
+"""The figures: what is drawn is what the tables say, and no text stands on another."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
+from report_fakes import CASES, make
+
+from pounding_cli.errors import InputError
+from pounding_cli.report import figures
+from pounding_cli.report.evidence import points
+from pounding_cli.report.style import looks, save
+from pounding_cli.report.sweep import sweep_figures
+
+ALL = tuple(CASES)
+FOUR = {"report": {"plot": ["touching", "gap", "infill", "connected"]}}
+
+
+def panels(figure):
+    """The axes that carry data, in the order they were made."""
+    return [ax for ax in figure.axes if ax.axison]
+
+
+def visible_texts(figure):
+    """Every piece of text that is really drawn, with its box on the canvas."""
+    drawn = {}
+    draw = Text.draw
+
+    def remember(text, renderer, *rest, **keywords):
+        if text.get_visible() and text.get_text().strip():
+            drawn[id(text)] = text
+        return draw(text, renderer, *rest, **keywords)
+
+    canvas = FigureCanvasAgg(figure)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Text, "draw", remember)
+        canvas.draw()
+    return [(text.get_text(), text.get_window_extent(canvas.get_renderer())) for text in drawn.values()]
+
+
+def assert_no_overlap(figure):
+    texts = visible_texts(figure)
+    assert len(texts) > 10
+    width, height = figure.bbox.width, figure.bbox.height
+    for number, (words, box) in enumerate(texts):
+        assert min(box.x0, box.y0, width - box.x1, height - box.y1) >= -1, f"{words!r} is cut"
+        for other, box2 in texts[number + 1 :]:
+            across = min(box.x1, box2.x1) - max(box.x0, box2.x0)
+            along = min(box.y1, box2.y1) - max(box.y0, box2.y0)
+            assert across <= 1 or along <= 1, f"{words!r} stands on {other!r}"
+
+
+def test_response_draws_mean_and_extremes_of_every_case():
+    figure = figures.response(points(make())[0], "stiff")
+    elastic, inelastic = panels(figure)
+    means = {line.get_label(): line for line in elastic.containers}
+    assert set(means) == set(CASES) - {"infill_1_10", "infill_1_100"}
+    data, _, bars = means["gap"].lines
+    storeys = np.arange(1, 6)
+    np.testing.assert_allclose(data.get_xdata(), 1.2 * (1 + 0.02 * (storeys - 3)), rtol=1e-12)
+    np.testing.assert_allclose(data.get_ydata(), storeys, atol=0.1)
+    whisker = bars[0].get_segments()[2][:, 0]  # storey 3: the motions run from 0.9 to 1.1 of the mean
+    np.testing.assert_allclose(whisker, [1.2 * 0.9, 1.2 * 1.1], rtol=1e-12)
+    inelastic_gap = next(c for c in inelastic.containers if c.get_label() == "gap").lines[0]
+    np.testing.assert_allclose(inelastic_gap.get_xdata()[2], 1.2 * 1.2, rtol=1e-12)
+    assert list(elastic.get_yticks()) == [1, 2, 3, 4, 5]
+
+
+def test_plot_of_the_study_chooses_the_cases_and_small_multiples_show_all():
+    evidence = points(make(cases=ALL, resolved=FOUR))[0]
+    drawn = [c.get_label() for c in panels(figures.response(evidence, "stiff"))[0].containers]
+    assert drawn == FOUR["report"]["plot"]
+    many = figures.small_multiples(evidence, "stiff")
+    assert [ax.get_title(loc="left") for ax in panels(many)] == [*ALL, *ALL]
+    assert "stiff-cases" in figures.draw_all(evidence)
+    assert "stiff-cases" not in figures.draw_all(points(make())[0])
+
+
+def test_group_drawing_fills_the_plotted_building_only():
+    figure = figures.response(
+        points(make(group=("soft-1", "stiff", "soft-2"), storeys={"soft-2": 3}))[0], "stiff"
+    )
+    blocks = figure.axes[0].patches
+    assert len(blocks) == 13
+    filled = {round(block.get_x(), 2) for block in blocks if block.get_facecolor()[:3] == (0, 0, 0)}
+    assert len(filled) == 1
+    assert sum(block.get_facecolor()[:3] == (0, 0, 0) for block in blocks) == 5
+    labels = [text.get_text() for text in figure.axes[0].texts]
+    assert labels == ["T = 0.60 s", "T = 0.36 s", "T = 0.60 s"]
+
+
+def test_accelerations_are_drawn_over_alone_and_over_touching():
+    axes = panels(figures.accelerations(points(make())[0], "stiff"))
+    assert len(axes) == 4
+    over_alone = {c.get_label(): c.lines[0].get_xdata()[0] for c in axes[0].containers}
+    over_touching = {c.get_label(): c.lines[0].get_xdata()[0] for c in axes[2].containers}
+    assert over_alone["infill"] == pytest.approx(2.0)
+    assert over_touching["infill"] == pytest.approx(2 / 12)
+    assert "touching" not in over_touching
+
+
+def test_connectors_on_floors_apart_are_not_joined_by_a_line():
+    axes = panels(figures.link_forces(points(make())[0]))
+    lines = {c.get_label(): c.lines[0] for c in axes[0].containers}
+    assert lines["connected"].get_linestyle() == "None"
+    np.testing.assert_allclose(lines["connected"].get_ydata(), [3, 5], atol=0.1)
+    # 12 MN a floor touching, motions from 1.0 to 1.4 of it: mean 1.2.
+    np.testing.assert_allclose(lines["touching"].get_xdata(), 12 * 1.2 * np.arange(1, 6), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sources", "words"),
+    [
+        ({}, "stand-in motions"),
+        ({"taft": "real"}, "real: taft; stand-in: elcentro, eureka, olympia, parkfield"),
+    ],
+)
+def test_every_figure_says_which_motions_it_stands_on(sources, words):
+    evidence = points(make(cases=ALL, sources=sources))[0]
+    for figure in figures.draw_all(evidence).values():
+        assert words in figure.get_supxlabel().replace("\n", " ")
+
+
+@pytest.mark.parametrize(
+    "results",
+    [
+        make(cases=ALL, sources={"taft": "real"}),
+        make(group=("soft-1", "stiff", "soft-2"), storeys={"soft-2": 3}),
+        make(storeys={"stiff": 20}),
+    ],
+    ids=["six cases", "three buildings", "twenty storeys"],
+)
+def test_no_text_stands_on_another(results):
+    evidence = points(results)[0]
+    for figure in figures.draw_all(evidence).values():
+        assert_no_overlap(figure)
+
+
+def test_sweep_figure_follows_the_swept_value():
+    evidences = points(make(axis=("impact.restitution", [0.65, 0.4])))
+    figure = sweep_figures(evidences)["stiff-sweep"]
+    line = panels(figure)[0].lines[0]  # touching: top storey 1.4 x 1.04, a tenth more at the second value
+    np.testing.assert_allclose(line.get_xdata(), [0.4, 0.65])
+    np.testing.assert_allclose(line.get_ydata(), [1.4 * 1.04 * 1.1, 1.4 * 1.04], rtol=1e-12)
+    assert_no_overlap(figure)
+
+
+def test_sweep_over_words_stands_on_their_names():
+    editions = ["UBC-1985", "UBC-1988", "UBC-1991"]
+    figure = sweep_figures(points(make(axis=("buildings.stiff.yield.code", editions))))["soft-sweep"]
+    assert [tick.get_text() for tick in panels(figure)[0].get_xticklabels()] == editions
+
+
+def test_cases_differ_in_colour_marker_and_line_together():
+    given = looks([*ALL, "one", "two"])
+    assert len({look.color for look in given.values()}) == 8
+    assert len({look.marker for look in given.values()}) == 8
+    assert given["touching"] == looks(["touching"])["touching"]
+
+
+def test_colours_of_the_four_cases_are_apart_in_grey():
+    rgb = [np.array(mpl.colors.to_rgb(look.color)) for look in looks(ALL[:4]).values()]
+    grey = sorted(float(colour @ [0.2126, 0.7152, 0.0722]) for colour in rgb)
+    assert min(np.diff(grey)) > 0.07
+
+
+def test_saving_gives_all_formats_and_the_same_bytes_again(tmp_path):
+    evidence = points(make())[0]
+    first, second = (
+        save({"a": figures.response(evidence, "stiff")}, tmp_path / name) for name in ("one", "two")
+    )
+    assert [path.suffix for path in first] == [".png", ".svg", ".pdf"]
+    for one, two in zip(first, second, strict=True):
+        assert one.stat().st_size > 5000
+        assert one.read_bytes() == two.read_bytes()
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(InputError, match="cannot write the report") as refused:
+        save({}, tmp_path / "taken")
+    assert "-o FOLDER" in refused.value.problems[0].hint
