@@ -58,9 +58,11 @@ class Motion:
         return Motion(self.name, self.dt, self.acceleration * factor, self.source)
 
     def windowed(self, duration: float) -> Motion:
-        """The first `duration` [s]; cut between samples on the straight line, a shorter motion is returned whole.
+        """The first `duration` [s], cut after a sample; a shorter motion is returned whole.
 
         The cut keeps the time step: the last sample kept is the last one not after `duration`.
         """
         keep = int(np.floor(duration / self.dt + 1e-9)) + 1
-        return self if keep >= self.acceleration.size else Motion(self.name, self.dt, self.acceleration[: max(keep, 2)], self.source)
+        if keep >= self.acceleration.size:
+            return self
+        return Motion(self.name, self.dt, self.acceleration[: max(keep, 2)], self.source)
