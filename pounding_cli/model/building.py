@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
 
@@ -26,6 +27,10 @@ class Building:
     hardening : post-yield over initial stiffness [-], 0 <= a < 1, shape (n,)
     alpha, beta : Rayleigh factors of the fixed-base building, C = alpha M + beta K0 [1/s], [s], >= 0
     foundation : None for a fixed base
+
+    Raises
+    ------
+    ValueError : an array has another shape, or a value is outside its range
     """
 
     name: str
@@ -45,6 +50,21 @@ class Building:
             object.__setattr__(self, key, array)
             if array.shape != (self.storeys,):
                 raise ValueError(f"{self.name}: {key} has shape {array.shape}, expected ({self.storeys},)")
+        if self.storeys == 0:
+            raise ValueError(f"{self.name}: no storeys; give at least one floor mass")
+        for key in ("mass", "height", "stiffness"):
+            self._check(key, lambda x: np.isfinite(x) & (x > 0), "must be finite and above zero")
+        self._check("yield_shear", lambda x: x > 0, "must be above zero; inf for a storey that cannot yield")
+        self._check("hardening", lambda x: (x >= 0) & (x < 1), "must be at least 0 and below 1")
+        for key in ("alpha", "beta"):
+            self._check(key, lambda x: np.isfinite(x) & (x >= 0), "must be finite and not negative")
+
+    def _check(self, key: str, holds: Callable[[np.ndarray], np.ndarray], rule: str) -> None:
+        values = np.atleast_1d(getattr(self, key))
+        wrong = np.flatnonzero(~holds(values))
+        if wrong.size:
+            place = f" of storey {wrong[0] + 1}" if key not in ("alpha", "beta") else ""
+            raise ValueError(f"{self.name}: {key}{place} is {values[wrong[0]]:g}; it {rule}")
 
     @property
     def storeys(self) -> int:

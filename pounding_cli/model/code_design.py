@@ -1,7 +1,7 @@
 """Seismic design by the Uniform Building Code: base shear, storey shears, design displacements, separation.
 
-Sources: ICBO, Uniform Building Code, editions 1985 (sec. 2312), 1988 (sec. 2312), 1991 (secs 2331-2337) and 1994
-(secs 1624-1631); clause numbers stand beside the formulas.
+Sources: ICBO, Uniform Building Code, editions 1985 and 1988 (sec. 2312), 1991 (secs 2331-2337) and
+1994 (secs 1624-1631); clause numbers stand beside the formulas.
 """
 
 from __future__ import annotations
@@ -25,10 +25,12 @@ class UbcDesign:
     Parameters
     ----------
     edition : one of EDITIONS; 1988, 1991 and 1994 share their formulas
-    zone : seismic zone factor Z [-], 0 < Z <= 1: 0.4 for zone 4 from 1988 on (Table 23-I, 16-I), 1.0 for zone 4 in 1985
+    zone : seismic zone factor Z [-], 0 < Z <= 1; in zone 4 0.4 from 1988 on (Table 23-I, in 1994 16-I), 1.0
+        in 1985
     soil : site coefficient S [-]: 1.0, 1.2, 1.5 (2.0 from 1988 on)
     importance : importance factor I [-]
-    rw : structural system coefficient Rw [-], from 1988 on (Table 23-O, 16-N): 12 for a special moment-resisting frame
+    rw : structural system coefficient Rw [-], from 1988 on: 12 for a special moment-resisting frame (Table
+        23-O, in 1994 16-N)
     k : horizontal force factor K [-], 1985 (Table 23-I): 0.67 for a ductile moment-resisting frame
 
     Raises
@@ -52,7 +54,7 @@ class UbcDesign:
                 raise ValueError(f"{word} is {value:g}: it must be finite and above zero")
         if self.zone > 1:
             raise ValueError(
-                f"Z is {self.zone:g}: give the zone factor (0.4 in zone 4; 1.0 in 1985), not the zone's number"
+                f"Z is {self.zone:g}: give the zone factor (0.4 in zone 4; 1.0 in 1985), not its number"
             )
 
     def base_shear_coefficient(self, period: float) -> float:
@@ -60,7 +62,8 @@ class UbcDesign:
 
         1988 on: V = Z I C W / Rw, C = 1.25 S / T^(2/3) <= 2.75, C / Rw >= 0.075
         (1988: sec. 2312(e)2; 1991: sec. 2334(b)1, eqs 34-1 and 34-2; 1994: sec. 1628.2.1, eqs 28-1 and 28-2).
-        With S = 1.2 and Rw = 12 the lower bound governs above T = 2.15 s only: neither building of the paper meets it.
+        With S = 1.2 and Rw = 12 the lower bound governs above T = 2.15 s only: no building of the paper meets
+        it.
 
         1985: V = Z I K C S W, C = 1 / (15 sqrt T) <= 0.12, C S <= 0.14 (sec. 2312(d), eqs 12-1 and 12-2).
 
@@ -77,7 +80,7 @@ class UbcDesign:
 
     @property
     def amplification(self) -> float:
-        """What multiplies elastic displacements under the design forces in a separation [-]: 3 Rw / 8, in 1985 3 / K.
+        """Separation over elastic displacement under the design forces [-]: 3 Rw / 8, in 1985 3 / K.
 
         1991: sec. 2337(b)11; 1994: sec. 1631.2.11; 1985: sec. 2312(j)1.D (3.0 / K times the drift).
         """
@@ -86,8 +89,8 @@ class UbcDesign:
     def floor_forces(self, mass: ArrayLike, height: ArrayLike, period: float) -> np.ndarray:
         """Design force on every floor [N], shape (n,): F_t at the roof, the rest of V by w_x h_x.
 
-        F_t = 0.07 T V <= 0.25 V, zero for T <= 0.7 s (1985: sec. 2312(e), eqs 12-5 to 12-7; 1991: sec. 2334(d), eqs 34-6 to
-        34-8; 1994: sec. 1628.4, eqs 28-6 to 28-8).
+        F_t = 0.07 T V <= 0.25 V, zero for T <= 0.7 s (1985: sec. 2312(e), eqs 12-5 to 12-7; 1991: sec.
+        2334(d), eqs 34-6 to 34-8; 1994: sec. 1628.4, eqs 28-6 to 28-8).
 
         Parameters
         ----------
@@ -108,19 +111,20 @@ class UbcDesign:
         return forces
 
     def yield_shears(self, mass: ArrayLike, height: ArrayLike, period: float) -> np.ndarray:
-        """Storey shears under the design forces [N], from the ground up, shape (n,); arguments as `floor_forces`.
+        """Storey shears under the design forces [N], from the ground up, shape (n,).
 
-        The paper takes them as the yield levels of the inelastic analyses (parametric studies).
+        The paper takes them as the yield levels of the inelastic analyses (parametric studies). Arguments and
+        errors as `floor_forces`.
         """
         return np.cumsum(self.floor_forces(mass, height, period)[::-1])[::-1]
 
     def design_displacements(
         self, mass: ArrayLike, height: ArrayLike, stiffness: ArrayLike, period: float
     ) -> np.ndarray:
-        """Design maximum floor displacements [m], shape (n,): elastic ones under the design forces x `amplification`.
+        """Design maximum floor displacements on a fixed base [m], from the ground up, shape (n,).
 
-        `stiffness` : storey stiffnesses [N/m], from the ground up, shape (n,), > 0; the base is fixed. The rest as
-        `floor_forces`.
+        Elastic displacements under the design forces times `amplification`. `stiffness` : storey stiffnesses
+        [N/m], from the ground up, shape (n,), > 0; other arguments and errors as `floor_forces`.
         """
         m, h, k = _per_storey(mass=mass, height=height, stiffness=stiffness)
         return self.amplification * np.cumsum(self.yield_shears(m, h, period) / k)
@@ -129,9 +133,10 @@ class UbcDesign:
 def code_separation(left: ArrayLike, right: ArrayLike) -> np.ndarray:
     """Separation two neighbours need at their common floors [m]: the sum of their design displacements.
 
-    `left`, `right` : design displacements [m], from the ground up, shapes (n,) and (m,), of buildings with equal storey
-    heights. Returns shape (min(n, m),); its last entry, at the lower roof, is the largest (UBC: clauses of
-    `UbcDesign.amplification`; the paper's "sum of the design maximum displacements").
+    `left`, `right` : design displacements [m], from the ground up, shapes (n,) and (m,), of buildings with
+        equal
+    storey heights. Returns shape (min(n, m),); its last entry, at the lower roof, is the largest (UBC:
+    clauses of `UbcDesign.amplification`; the paper's "sum of the design maximum displacements").
 
     Raises
     ------

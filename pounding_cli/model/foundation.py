@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Foundation:
-    """Sway and rocking of the base; a motion that is None does not exist (that direction is rigid).
+    """Sway and rocking of the base; without `sways` it does not translate, without `rocks` it does not turn.
 
-    mass [kg], sway_stiffness [N/m], sway_damping [N s/m]; inertia [kg m2], rocking_stiffness [N m/rad],
-    rocking_damping [N m s/rad]. With `sways` False the base does not translate; with `rocks` False it does not turn.
+    Parameters
+    ----------
+    mass : [kg], > 0 where the base sways
+    sway_stiffness : [N/m], > 0 where the base sways
+    sway_damping : [N s/m], >= 0
+    inertia : rotary inertia of the foundation alone [kg m2], > 0 where the base rocks
+    rocking_stiffness : [N m/rad], > 0 where the base rocks
+    rocking_damping : [N m s/rad], >= 0
+
+    Raises
+    ------
+    ValueError : a value is outside its range
     """
 
     mass: float = 0.0
@@ -21,3 +32,18 @@ class Foundation:
     rocking_damping: float = 0.0
     sways: bool = True
     rocks: bool = True
+
+    def __post_init__(self) -> None:
+        sway = ("mass", "sway_stiffness", "sway_damping")
+        rock = ("inertia", "rocking_stiffness", "rocking_damping")
+        for exists, names, switch in ((self.sways, sway, "sways"), (self.rocks, rock, "rocks")):
+            if not exists:
+                continue
+            for name in names:
+                value = getattr(self, name)
+                if not math.isfinite(value) or value < 0:
+                    raise ValueError(f"foundation: {name} is {value:g}; it must be finite and not negative")
+                if value == 0 and not name.endswith("damping"):
+                    raise ValueError(
+                        f"foundation: {name} is 0; give a value above zero, or set {switch} to False"
+                    )

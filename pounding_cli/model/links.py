@@ -33,7 +33,13 @@ def damping_ratio(restitution: float) -> float:
     """Damping ratio xi [-] of a dashpot that gives the coefficient of restitution e, 0 < e <= 1.
 
     xi = -ln e / sqrt(pi^2 + ln^2 e) (Anagnostopoulos 1988).
+
+    Raises
+    ------
+    ValueError : e outside 0 < e <= 1
     """
+    if not 0 < restitution <= 1:
+        raise ValueError(f"coefficient of restitution is {restitution:g}; it must be above 0 and at most 1")
     log = math.log(restitution)
     return -log / math.hypot(math.pi, log)
 
@@ -53,6 +59,10 @@ class Link:
     damping_ratio : xi [-], 0 <= xi < 1
     tension_cut : no force that pulls the floors together (pounding and infill)
     infill_law, dashpot_law : the printed forms of eqs (9) and (7) are selectable by name
+
+    Raises
+    ------
+    ValueError : a value is outside its range
     """
 
     left: int
@@ -66,6 +76,27 @@ class Link:
     tension_cut: bool = False
     infill_law: InfillLaw = InfillLaw.CONTINUOUS
     dashpot_law: DashpotLaw = DashpotLaw.REDUCED_MASS
+
+    def __post_init__(self) -> None:
+        if self.left < 0:
+            raise ValueError(f"link: left is {self.left}; places in the group count from 0")
+        if self.left_floor < 1 or self.right_floor < 1:
+            raise ValueError(f"link: floors {self.left_floor} and {self.right_floor}; floors count from 1")
+        if not (math.isfinite(self.gap) and self.gap >= 0):
+            raise ValueError(f"link: gap is {self.gap:g} m; it must be finite and not negative")
+        if self.kind is Kind.INFILL and self.gap == 0:
+            raise ValueError(
+                "link: an infill needs a gap above zero to fill; write pounding for a gap of zero"
+            )
+        names = ("stiffness", "impact_stiffness") if self.kind is Kind.INFILL else ("stiffness",)
+        for name in names:
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0):
+                raise ValueError(f"link: {name} is {value:g} N/m; it must be finite and above zero")
+        if not 0 <= self.damping_ratio < 1:
+            raise ValueError(
+                f"link: damping_ratio is {self.damping_ratio:g}; it must be at least 0 and below 1"
+            )
 
     def dashpot_mass(self, left_mass: float, right_mass: float) -> float:
         """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -29,7 +30,12 @@ class Scene:
     links : at most one between any two floors
     motion : already windowed and scaled
     analysis : Analysis
-    tail : free vibration after the motion [s]
+    tail : free vibration after the motion [s], >= 0
+
+    Raises
+    ------
+    ValueError : no buildings, a link to a building or floor that is not there, two links between the same two
+        floors, or a negative tail
     """
 
     buildings: tuple[Building, ...]
@@ -37,6 +43,27 @@ class Scene:
     motion: Motion
     analysis: Analysis
     tail: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.buildings:
+            raise ValueError("scene: no buildings; give at least one")
+        if not (math.isfinite(self.tail) and self.tail >= 0):
+            raise ValueError(f"scene: tail is {self.tail:g} s; it must be finite and not negative")
+        taken = set()
+        for link in self.links:
+            if link.left + 1 >= len(self.buildings):
+                raise ValueError(f"link: building {link.left} (from 0) has no neighbour on its right")
+            for place, floor in ((link.left, link.left_floor), (link.left + 1, link.right_floor)):
+                building = self.buildings[place]
+                if floor > building.storeys:
+                    raise ValueError(f"link: {building.name} has {building.storeys} floors, not {floor}")
+            ends = (link.left, link.left_floor, link.right_floor)
+            if ends in taken:
+                raise ValueError(
+                    f"link: two links between floors {link.left_floor} and {link.right_floor}"
+                    f" of buildings {link.left} and {link.left + 1}; give one"
+                )
+            taken.add(ends)
 
     @cached_property
     def digest(self) -> str:

@@ -32,8 +32,8 @@ def frequencies(mass: ArrayLike, stiffness: ArrayLike) -> np.ndarray:
 def stiffness_for_period(mass: ArrayLike, period: float, taper: float = 1.0) -> np.ndarray:
     """Storey stiffnesses [N/m] of the building whose fixed-base fundamental period is `period`, shape (n,).
 
-    The stiffness varies linearly with the storey's number from the ground up ("varies linearly with height", paper,
-    parametric studies).
+    The stiffness varies linearly with the storey's number from the ground up ("varies linearly with height",
+    paper, parametric studies).
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def stiffness_for_period(mass: ArrayLike, period: float, taper: float = 1.0) -> 
 def rayleigh_factors(mass: ArrayLike, stiffness: ArrayLike, damping: float) -> tuple[float, float]:
     """Rayleigh factors (alpha [1/s], beta [s]) that give `damping` in the first two fixed-base modes.
 
-    alpha = 2 xi w1 w2 / (w1 + w2), beta = 2 xi / (w1 + w2) (paper, assumptions; Clough & Penzien, Dynamics of Structures,
-    sec. 12-5). A one-storey building takes half of its damping from each.
+    alpha = 2 xi w1 w2 / (w1 + w2), beta = 2 xi / (w1 + w2) (paper, assumptions; Clough & Penzien, Dynamics of
+    Structures, sec. 12-5). A one-storey building takes half of its damping from each.
 
     Parameters
     ----------
