@@ -28,7 +28,7 @@ class Findings:
 
 
 def find(pair: Oscillators, low: float = 0.05, high: float = 2.0, points: int = 4001) -> Findings:
-    """Search Omega / omega10 between `low` and `high` [-]: a grid of `points`, then maxima and crossings refined.
+    """Search Omega / omega10 between `low` and `high` [-]: a grid of `points`, then refined.
 
     Two features closer together than one grid interval are seen as one.
     """

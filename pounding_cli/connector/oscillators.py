@@ -50,7 +50,7 @@ class Oscillators:
         """The pair in the paper's ratios, with m1 = 1 kg and omega10 = 1 rad/s.
 
         p : omega20 / omega10 [-]; connector : K / k1 [-]; damping : of both systems [-];
-        mass_ratio : m2 / m1 [-]; connector_damping : xi of the connector's dashpot [-] (eq. 7, with the reduced mass).
+        mass_ratio : m2 / m1 [-]; connector_damping : xi of the connector's dashpot [-] (eq. 7).
         """
         dashpot = eq7_dashpot(connector, connector_damping, 1.0, mass_ratio)
         return cls(1.0, mass_ratio, 1.0, mass_ratio * p**2, damping, damping, connector, dashpot)
