@@ -30,7 +30,7 @@ def plotted_cases(evidence: Evidence) -> list[str]:
 def draw_all(evidence: Evidence) -> dict[str, Figure]:
     """Every figure by file name: response and accelerations of every building, forces of the links."""
     figures = {}
-    for building in evidence.group:
+    for building in sorted(evidence.group, key=lambda name: name != main_building(evidence)):
         figures[f"{building}-response"] = response(evidence, building)
         figures[f"{building}-accelerations"] = accelerations(evidence, building)
         if len(evidence.cases) > 4:
@@ -38,6 +38,12 @@ def draw_all(evidence: Evidence) -> dict[str, Figure]:
     if evidence.link["peak_force"].notna().any():
         figures["link-forces"] = link_forces(evidence)
     return figures
+
+
+def main_building(evidence: Evidence) -> str:
+    """The building whose figures come first: `report: {building: NAME}` of the study, else the stiffer."""
+    chosen = (evidence.resolved.get("report") or {}).get("building")
+    return chosen if chosen in evidence.group else evidence.stiffer
 
 
 @styled

@@ -11,6 +11,9 @@ from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.tables import markdown
 from pounding_cli.report.verdicts import Judgement
 
+WIDEST = 6
+"""Points or files beyond which they become the rows of the tables."""
+
 Column = tuple[str, list[Judgement]]
 """What one column of the tables is about, and the judgements there."""
 
@@ -49,16 +52,27 @@ def page(title: str, columns: Sequence[Column]) -> list[str]:
     lines = [f"# {title}", ""]
     if not keys:
         return [*lines, "No results here name a figure of the paper (`claims: fig6` or `fig7`).", ""]
-    lines += ["## Verdicts", ""]
     verdicts = [[f"[{key}](#{key})", *(_verdict(column.get(key)) for column in by_key)] for key in keys]
-    lines += markdown(["claim", *heads], verdicts)
+    lines += ["## Verdicts", "", *_table("claim", heads, verdicts)]
     for key in keys:
         judged = [column.get(key) for column in by_key]
         claim = next(judgement.claim for judgement in judged if judgement)
         lines += [f"## {key}", "", f"> {claim.paper}", "", claim.rule, ""]
-        rows = _numbers(judged)
-        lines += markdown(["number found", *heads], [[words, *cells] for words, cells in rows.items()])
+        lines += ["Numbers found; those that miss their threshold are bold.", ""]
+        rows = [[words, *cells] for words, cells in _numbers(judged).items()]
+        if len(heads) > WIDEST:  # sentences at the head of a column would be as unwieldy as many columns
+            lines += [*(f"{number}. {row[0]}" for number, row in enumerate(rows, start=1)), ""]
+            rows = [[f"({number})", *row[1:]] for number, row in enumerate(rows, start=1)]
+        verdict = ["verdict", *(_verdict(judgement) for judgement in judged)]
+        lines += _table("number found", heads, [verdict, *rows])
     return lines
+
+
+def _table(corner: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """A table with `heads` at its columns, turned on its side where they are many."""
+    if len(heads) <= WIDEST:
+        return markdown([corner, *heads], rows)
+    return markdown(["", *(row[0] for row in rows)], zip(heads, *(row[1:] for row in rows), strict=True))
 
 
 def _verdict(judgement: Judgement | None) -> str:

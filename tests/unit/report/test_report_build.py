@@ -92,6 +92,17 @@ def test_comparison_sets_several_results_side_by_side(tmp_path):
     assert set(pd.read_csv(tmp_path / "comparison.csv")["where"]) == {"fig6", "fig7"}
 
 
+def test_many_points_become_the_rows_of_the_comparison(tmp_path):
+    swept = make(axis=("impact.restitution", [0.3, 0.4, 0.5, 0.6]))
+    write_comparison({"one": swept, "two": make(axis=("taper", [0.2, 0.3, 0.4]))}, tmp_path)
+    page = (tmp_path / "comparison.md").read_text(encoding="utf-8")
+    assert "|  | [infill-response](#infill-response) |" in page
+    assert "| one: impact.restitution = 0.6 | holds | holds |" in page
+    closing = page.split("## connection-closing")[1].split("## ")[0]
+    assert "1. largest closing of a connector over its gap" in closing
+    assert "| two: taper = 0.2 | holds | 80 % | 100 % |" in closing
+
+
 def test_results_that_name_no_figure_are_told_so(tmp_path):
     results = make(resolved={"claims": None})
     write_report(results, tmp_path, ())

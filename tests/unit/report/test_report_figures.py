@@ -79,6 +79,12 @@ def test_plot_of_the_study_chooses_the_cases_and_small_multiples_show_all():
     assert "stiff-cases" not in figures.draw_all(points(make())[0])
 
 
+def test_building_of_the_study_comes_first():
+    assert next(iter(figures.draw_all(points(make())[0]))) == "stiff-response"
+    chosen = make(resolved={"report": {"building": "soft"}})
+    assert next(iter(figures.draw_all(points(chosen)[0]))) == "soft-response"
+
+
 def test_group_drawing_fills_the_plotted_building_only():
     figure = figures.response(
         points(make(group=("soft-1", "stiff", "soft-2"), storeys={"soft-2": 3}))[0], "stiff"
