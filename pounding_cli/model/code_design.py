@@ -133,10 +133,9 @@ class UbcDesign:
 def code_separation(left: ArrayLike, right: ArrayLike) -> np.ndarray:
     """Separation two neighbours need at their common floors [m]: the sum of their design displacements.
 
-    `left`, `right` : design displacements [m], from the ground up, shapes (n,) and (m,), of buildings with
-        equal
-    storey heights. Returns shape (min(n, m),); its last entry, at the lower roof, is the largest (UBC:
-    clauses of `UbcDesign.amplification`; the paper's "sum of the design maximum displacements").
+    `left`, `right` : design displacements [m], from the ground up, shapes (n,) and (m,); storey heights are
+    equal. Returns shape (min(n, m),); its last entry, at the lower roof, is the largest (UBC: clauses of
+    `UbcDesign.amplification`; the paper's "sum of the design maximum displacements").
 
     Raises
     ------
