@@ -1,0 +1,170 @@
+"""From a building of the study file to `model.Building`: lists filled in, stiffness and yield shears derived."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pounding_cli.model.building import Building
+from pounding_cli.model.code_design import UbcDesign, code_separation
+from pounding_cli.model.foundation import Foundation
+from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
+from pounding_cli.study.problems import Faults, Path
+from pounding_cli.study.schema import BuildingSpec, CodeDesign, FoundationSpec
+from pounding_cli.study.source import Node
+
+FLOOR_TOLERANCE = 1e-3
+"""Floors of two buildings within this difference in elevation face each other [m]."""
+
+_PER_STOREY = ("mass", "height", "hardening", "stiffness", "yield_shear")
+
+
+def build(name: str, spec: BuildingSpec, root: Node, path: Path, faults: Faults) -> Building | None:
+    """The building `spec` describes, or None with the reasons noted in `faults`."""
+    before = len(faults.problems)
+    storeys = _storeys(spec, root, path, faults)
+    if spec.period is None and spec.stiffness is None:
+        faults.at(
+            root,
+            path,
+            f"building '{name}' has neither 'period' nor 'stiffness'",
+            "write e.g. `period: 0.36 s`",
+        )
+    code = spec.yield_ if spec.yield_shear is None else None
+    design = _design(code, root, (*path, "yield"), faults) if code else None
+    foundation = _foundation(spec.foundation, root, (*path, "foundation"), faults)
+    if len(faults.problems) > before or storeys is None:
+        return None
+    try:
+        return _derived(name, spec, storeys, design, foundation)
+    except (ValueError, FloatingPointError) as error:
+        faults.at(root, path, str(error), "check the building's masses, heights, period and stiffness")
+        return None
+
+
+def _storeys(spec: BuildingSpec, root: Node, path: Path, faults: Faults) -> int | None:
+    lengths = {key: len(value) for key in _PER_STOREY if isinstance(value := getattr(spec, key), tuple)}
+    storeys = spec.storeys if spec.storeys is not None else next(iter(lengths.values()), None)
+    if storeys is None:
+        faults.at(root, path, "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`")
+    for key, length in lengths.items():
+        if length != storeys:
+            plural = "storey" if storeys == 1 else "storeys"
+            faults.at(
+                root,
+                (*path, key),
+                f"{key} has {length} value{'s' if length > 1 else ''} for {storeys} {plural}",
+                f"write {storeys} values from the ground up, or one for all",
+            )
+    return storeys
+
+
+def _design(code: CodeDesign, root: Node, path: Path, faults: Faults) -> UbcDesign | None:
+    old = code.code == "UBC-1985"
+    wrong = "Rw" if old else "K"
+    if (code.rw if old else code.k) is not None:
+        right = "`K: 0.67`" if old else "`Rw: 12`"
+        faults.at(
+            root, (*path, wrong), f"{code.code} has no {wrong}", f"write {right} in its place", key=True
+        )
+        return None
+    if old and code.k is None:
+        faults.at(
+            root, path, "'K' is missing: UBC-1985 needs it", "write K, e.g. `K: 0.67` for a ductile frame"
+        )
+        return None
+    if old and "zone" not in code.model_fields_set:
+        faults.at(root, path, "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4")
+        return None
+    known = {"rw": code.rw} if code.rw is not None else {}
+    known |= {"k": code.k} if code.k is not None else {}
+    return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **known)
+
+
+def _foundation(spec: FoundationSpec | str, root: Node, path: Path, faults: Faults) -> Foundation | None:
+    if not isinstance(spec, FoundationSpec):
+        return None
+    sways, rocks = spec.sway_stiffness is not None, spec.rocking_stiffness is not None
+    for moves, stiffness, others in (
+        (sways, "sway_stiffness", ("mass", "sway_damping")),
+        (rocks, "rocking_stiffness", ("inertia", "rocking_damping")),
+    ):
+        for key in others:
+            if not moves and getattr(spec, key) > 0:
+                faults.at(
+                    root,
+                    (*path, key),
+                    f"'{key}' has no effect without '{stiffness}'",
+                    f"give '{stiffness}' too, or remove it",
+                )
+    if not sways and not rocks:
+        faults.at(
+            root,
+            path,
+            "this foundation cannot move",
+            "give 'sway_stiffness' or 'rocking_stiffness', or write `foundation: fixed`",
+        )
+    return Foundation(
+        spec.mass, spec.sway_stiffness or 0.0, spec.sway_damping,
+        spec.inertia, spec.rocking_stiffness or 0.0, spec.rocking_damping, sways, rocks,
+    )  # fmt: skip
+
+
+def _derived(
+    name: str, spec: BuildingSpec, storeys: int, design: UbcDesign | None, foundation: Foundation | None
+) -> Building:
+    mass, height, hardening = (
+        _filled(getattr(spec, key), storeys) for key in ("mass", "height", "hardening")
+    )
+    if spec.stiffness is not None:
+        stiffness = np.array(spec.stiffness)
+        period = 2 * np.pi / float(frequencies(mass, stiffness)[0])
+    else:
+        assert spec.period is not None
+        period = spec.period
+        stiffness = stiffness_for_period(mass, period, spec.taper)
+    if design is not None:
+        yield_shear = design.yield_shears(mass, height, period)
+    elif spec.yield_shear == "never":
+        yield_shear = np.full(storeys, np.inf)
+    else:
+        yield_shear = np.array(spec.yield_shear)
+    if spec.rayleigh is not None:
+        alpha, beta = spec.rayleigh.alpha, spec.rayleigh.beta
+    else:
+        alpha, beta = rayleigh_factors(mass, stiffness, spec.damping)
+    return Building(
+        name, mass, height, stiffness, yield_shear, hardening, float(alpha), float(beta), foundation
+    )
+
+
+def _filled(value: Any, storeys: int) -> np.ndarray:
+    return np.array(value) if isinstance(value, tuple) else np.full(storeys, float(value))
+
+
+def design_displacements(spec: BuildingSpec, building: Building) -> np.ndarray | None:
+    """Design maximum displacements by the code that set the yield shears [m], shape (n,); None without a code."""
+    if spec.yield_shear is not None:
+        return None
+    design = _design(spec.yield_, Node({}, (0, 0), keys={}), (), Faults(""))
+    assert design is not None
+    return design.design_displacements(
+        building.mass, building.height, building.stiffness, float(building.periods[0])
+    )
+
+
+def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:
+    """Code separation of two neighbours at their highest common storey [m]; None where one was not designed by a code."""
+    return None if left is None or right is None else float(code_separation(left, right)[-1])
+
+
+def common_floors(left: Building, right: Building) -> tuple[tuple[int, int], ...]:
+    """Floors of `left` and `right`, from 1, that stand at the same elevation (within FLOOR_TOLERANCE)."""
+    other = right.elevation
+    pairs = []
+    for floor, elevation in enumerate(left.elevation, 1):
+        place = int(np.argmin(np.abs(other - elevation)))
+        if abs(other[place] - elevation) <= FLOOR_TOLERANCE:
+            pairs.append((floor, place + 1))
+    return tuple(pairs)

@@ -1,0 +1,214 @@
+"""From a case of the study file to the links of a scene, floor by floor and pair by pair."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import DashpotLaw, InfillLaw, Kind, Link, damping_ratio
+from pounding_cli.study.problems import Faults, Path, nearest
+from pounding_cli.study.rules import StiffnessRule
+from pounding_cli.study.schema import CaseSpec, Impact, LinkSpec, PairSpec
+from pounding_cli.study.source import Node
+
+DEFAULT_MATERIAL = StiffnessRule(0.2, "mean")
+"""s_mat and s_con unless given: 1/5 of the mean storey stiffness of the stiffer building (paper, parametric studies)."""
+
+
+@dataclass(frozen=True)
+class Street:
+    """What the links of a case depend on besides the case: the buildings by place and by type, and the impact element."""
+
+    group: Sequence[Building]
+    types: Mapping[str, Building]
+    common: Sequence[Sequence[tuple[int, int]]]
+    impact: Impact
+
+
+@dataclass(frozen=True)
+class _Layer:
+    """One mapping that speaks about a link: the nearest comes first."""
+
+    spec: LinkSpec
+    path: Path
+
+
+def links_of(case: CaseSpec, street: Street, root: Node, path: Path, faults: Faults) -> tuple[Link, ...]:
+    """All links of a case, by pair and then from the ground up; what is wrong is noted in `faults`."""
+    reader = _Reader(street, root, faults)
+    pairs = len(street.group) - 1
+    if case.pairs is not None and len(case.pairs) != pairs:
+        faults.at(
+            root,
+            (*path, "pairs"),
+            f"pairs has {len(case.pairs)} entries for {pairs} pair{'s' if pairs > 1 else ''} of neighbours",
+            f"write {pairs}, left to right",
+        )
+        return ()
+    outer = _Layer(case, path)
+    links: list[Link] = []
+    for place in range(pairs):
+        layers = [outer]
+        if case.pairs is not None:
+            entry = case.pairs[place]
+            layers.insert(0, _layer(entry, (*path, "pairs", place), PairSpec))
+        links += reader.pair(place, layers)
+    return tuple(links)
+
+
+def _layer(entry: Any, path: Path, model: type[LinkSpec] = LinkSpec) -> _Layer:
+    return _Layer(model(link=entry) if isinstance(entry, str) else entry, path)
+
+
+def _says(layers: Sequence[_Layer], key: str) -> Any:
+    """What the nearest layer that gives `key` says; the default of the outermost otherwise."""
+    for layer in layers:
+        if key in layer.spec.model_fields_set:
+            return getattr(layer.spec, key)
+    return getattr(layers[-1].spec, key, None)
+
+
+def _where(layers: Sequence[_Layer], key: str) -> Path:
+    for layer in layers:
+        if key in layer.spec.model_fields_set:
+            return (*layer.path, key)
+    return layers[0].path
+
+
+class _Reader:
+    """Builds links and notes what is wrong with them."""
+
+    def __init__(self, street: Street, root: Node, faults: Faults) -> None:
+        self.street, self.root, self.faults = street, root, faults
+
+    def refuse(self, path: Path, message: str, hint: str, key: bool = False) -> None:
+        self.faults.at(self.root, path, message, hint, key)
+
+    def pair(self, place: int, layers: list[_Layer]) -> list[Link]:
+        common = dict(self.street.common[place])
+        floors, by_floor, elsewhere = (_says(layers, key) for key in ("floors", "by_floor", "elsewhere"))
+        named = set(common) if floors == "all" else set(floors)
+        if floors != "all":
+            for number, floor in enumerate(floors):
+                self._exists(place, floor, (*_where(layers, "floors"), number), "write floors among")
+        elif any("elsewhere" in layer.spec.model_fields_set for layer in layers):
+            self.refuse(
+                _where(layers, "elsewhere"),
+                "'elsewhere' needs 'floors'",
+                "list the floors that differ: `floors: [3, 5]`",
+            )
+        for floor in by_floor:
+            self._exists(place, floor, (*_where(layers, "by_floor"), str(floor)), "write floors among")
+        links = []
+        for left, right in common.items():
+            if left in by_floor:
+                inner = [_layer(by_floor[left], (*_where(layers, "by_floor"), str(left))), *layers]
+            elif left in named:
+                inner = layers
+            else:
+                inner = [_layer(elsewhere, _where(layers, "elsewhere")), *layers]
+            link = self.link(place, left, right, inner)
+            if link is not None:
+                links.append(link)
+        return links
+
+    def _exists(self, place: int, floor: int, path: Path, hint: str) -> None:
+        floors = [left for left, _ in self.street.common[place]]
+        if floor not in floors:
+            one, other = self.street.group[place].name, self.street.group[place + 1].name
+            self.refuse(
+                path,
+                f"{one} and {other} have no common floor {floor}",
+                f"{hint} {', '.join(map(str, floors))}",
+            )
+
+    def link(self, place: int, left: int, right: int, layers: list[_Layer]) -> Link | None:
+        word = _says(layers, "link")
+        if word is None:
+            self.refuse(
+                layers[0].path, "'link' is missing", "write `link: pounding`, infill, connector or none"
+            )
+            return None
+        if word == "none":
+            return None
+        kind = Kind(word)
+        gap = _says(layers, "gap")
+        if gap is None:
+            self.refuse(
+                layers[0].path,
+                "'gap' is missing",
+                "write the distance between the buildings, e.g. `gap: 5 cm`, or `gap: 0 cm`",
+            )
+            return None
+        if kind is Kind.INFILL and gap == 0:
+            self.refuse(
+                _where(layers, "gap"),
+                "an infill in a gap of zero has no thickness",
+                "write `link: pounding` for buildings in touch, or a gap above 0",
+            )
+            return None
+        for layer in layers:
+            if kind is not Kind.INFILL and layer.spec.law is not None and layer.spec.link == word:
+                self.refuse(
+                    (*layer.path, "law"),
+                    f"'law' means nothing for link: {word}",
+                    "remove it; it belongs to an infill",
+                    key=True,
+                )
+        impact = self.value(self.street.impact.stiffness, ("impact", "stiffness"))
+        stiffness = self._stiffness(kind, layers)
+        if impact is None or stiffness is None:
+            return None
+        if kind is Kind.INFILL and stiffness > impact:
+            self.refuse(
+                _where(layers, "stiffness"),
+                f"the infill's initial stiffness {stiffness:.3g} N/m is above the impact stiffness {impact:.3g} N/m",
+                "an infill stiffens to impact.stiffness (paper, Fig. 3): lower the one or raise the other",
+            )
+            return None
+        cut = _says(layers, "tension_cut")
+        return Link(
+            place, left, right, kind, gap, stiffness, impact, self._damping(layers),
+            self.street.impact.tension_cut if cut is None else cut,
+            InfillLaw(_says(layers, "law") or "continuous"), DashpotLaw(self.street.impact.dashpot),
+        )  # fmt: skip
+
+    def _stiffness(self, kind: Kind, layers: list[_Layer]) -> float | None:
+        # A stiffness given around a link holds for it only where the kind is the same.
+        for place, layer in enumerate(layers):
+            if layer.spec.stiffness is not None and _says(layers[place:], "link") == kind.value:
+                return self.value(layer.spec.stiffness, (*layer.path, "stiffness"))
+        default = self.street.impact.stiffness if kind is Kind.POUNDING else DEFAULT_MATERIAL
+        return self.value(default, ("impact", "stiffness"))
+
+    def _damping(self, layers: list[_Layer]) -> float:
+        for spec in (*(layer.spec for layer in layers), self.street.impact):
+            given = spec.model_fields_set
+            if "damping_ratio" in given and spec.damping_ratio is not None:
+                return spec.damping_ratio
+            if "restitution" in given and spec.restitution is not None:
+                return damping_ratio(spec.restitution) + 0.0  # no negative zero at e = 1
+        return damping_ratio(self.street.impact.restitution) + 0.0
+
+    def value(self, given: float | StiffnessRule, path: Path) -> float | None:
+        """A stiffness in N/m."""
+        if not isinstance(given, StiffnessRule):
+            return given
+        buildings = list(self.street.group)
+        if given.building is not None:
+            if given.building not in self.street.types:
+                self.refuse(
+                    path,
+                    f"no building '{given.building}' is defined",
+                    nearest(given.building, self.street.types),
+                )
+                return None
+            buildings = [self.street.types[given.building]]
+        of = max if given.which == "stiffest" else _mean
+        return given.factor * max(float(of(b.stiffness)) for b in buildings)
+
+
+def _mean(values: Any) -> float:
+    return float(sum(values)) / len(values)

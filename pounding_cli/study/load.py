@@ -1,0 +1,199 @@
+"""`load_study`: a study file read, validated to the last sweep value, with every problem named at its line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pounding_cli.errors import Problem
+from pounding_cli.study import buildings as building_room
+from pounding_cli.study.plan import Axis
+from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.resolve import Resolver, places, shown
+from pounding_cli.study.schema import StudyModel
+from pounding_cli.study.source import Node, read_source
+from pounding_cli.study.sweep import SweepAxis, read_axes
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A validated study.
+
+    path : the file; text : the file as written; title : its title or its name
+    axes : the axes of the sweep
+    warnings : what is allowed but should be known
+    model, resolver : the study as written, and what answers for every point of the sweep
+    """
+
+    path: Path
+    text: str
+    title: str
+    axes: tuple[Axis, ...]
+    warnings: tuple[Problem, ...]
+    model: StudyModel
+    resolver: Resolver
+
+    def resolved(self) -> dict[str, Any]:
+        """The study as plain data: every default filled in, SI numbers, the sweep set aside.
+
+        Buildings also carry what was derived (`derived`: mass, height, stiffness, yield_shear, alpha, beta, period); the
+        places of the group are under `places`, and `separation` holds the code separation [m] of each pair of
+        neighbours, None where no code set the yield shears.
+        """
+        base, resolver = self.resolver.base, self.resolver
+        plain: dict[str, Any] = shown(self.model)
+        plain["title"] = self.title
+        plain["sweep"] = [
+            {"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in self.axes
+        ]
+        types, street = resolver.types(base), resolver.group(base)
+        assert types is not None and street is not None
+        for name, building in types.items():
+            plain["buildings"][name]["derived"] = {
+                **{key: getattr(building, key).tolist() for key in ("mass", "height", "stiffness")},
+                "yield_shear": [
+                    None if value == float("inf") else value for value in building.yield_shear.tolist()
+                ],
+                "alpha": building.alpha,
+                "beta": building.beta,
+                "period": float(building.periods[0]),
+            }
+        plain["places"] = list(places(self.model.group))
+        allowed = {
+            name: building_room.design_displacements(spec, types[name])
+            for name, spec in self.model.buildings.items()
+        }
+        plain["separation"] = [
+            building_room.separation(allowed[one], allowed[other])
+            for one, other in zip(self.model.group, self.model.group[1:], strict=False)
+        ]
+        return plain
+
+
+def load_study(path: str | Path) -> Study:
+    """Read and validate a study file.
+
+    Raises `InputError` with every problem found in it, each with file, line, column, message and hint. The study as
+    written is checked, and every value of every axis on its own; `expand` checks their combinations.
+    """
+    path = Path(path)
+    text, root = read_source(path)
+    file = str(path)
+    faults = Faults(file)
+    axes = read_axes(root, faults)
+    resolver = Resolver(root, axes, file, path.resolve().parent)
+    faults.extend(resolver.problems(resolver.base))
+    faulty = bool(faults.problems)
+    for place, axis in enumerate(axes):
+        for index in range(len(axis)):
+            point = (*resolver.base[:place], index, *resolver.base[place + 1 :])
+            faults.extend(_at_value(resolver.problems(point), axis, index, faulty))
+    model = resolver.model(resolver.base)
+    if model is not None:
+        _whole_study(model, root, faults)
+    faults.refuse()
+    assert model is not None
+    return Study(
+        path,
+        text,
+        model.title or path.stem,
+        _said(axes, resolver),
+        _warnings(model, root, resolver),
+        model,
+        resolver,
+    )
+
+
+def _at_value(problems: tuple[Problem, ...], axis: SweepAxis, index: int, faulty: bool) -> list[Problem]:
+    """Problems at one value of an axis; those that stand elsewhere in the file name the value that brings them out."""
+    marks = {node.mark[0] for node in axis.nodes[index]}
+    here = []
+    for problem in problems:
+        if problem.line in marks:
+            here.append(problem)
+        elif not faulty:
+            value = ", ".join(
+                f"{name} = {_text(node)}" for name, node in zip(axis.names, axis.nodes[index], strict=True)
+            )
+            message = f"{problem.message} (where {value})"
+            here.append(Problem(message, problem.hint, problem.file, problem.line, problem.column))
+    return here
+
+
+def _text(node: Node) -> str:
+    return node.text or str(node.plain())
+
+
+def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
+    """The axes with SI numbers where the values are quantities, the file's words where they are not."""
+    said = []
+    for place, axis in enumerate(axes):
+        rows = []
+        for index, nodes in enumerate(axis.nodes):
+            point = (*resolver.base[:place], index, *resolver.base[place + 1 :])
+            rows.append(
+                tuple(
+                    _value(resolver, point, path, node) for path, node in zip(axis.paths, nodes, strict=True)
+                )
+            )
+        said.append(Axis(axis.names, tuple(rows)))
+    return tuple(said)
+
+
+def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], node: Node) -> float | str:
+    found: Any = resolver.section(point, path[0])
+    for step in path[1:]:
+        if isinstance(found, dict):
+            found = found.get(step, found.get(int(step)) if step.isdigit() else None)
+        elif isinstance(found, tuple) and step.isdigit():
+            found = found[int(step)]
+        elif found is not None:
+            names = {info.alias or name: name for name, info in type(found).model_fields.items()}
+            found = getattr(found, names[step])
+    if isinstance(found, int | float) and not isinstance(found, bool):
+        return float(found)
+    return _text(node)
+
+
+def _whole_study(model: StudyModel, root: Node, faults: Faults) -> None:
+    """What concerns no section alone."""
+    fixed_step = model.method != "taylor"
+    if fixed_step and model.time_step is None:
+        faults.at(
+            root, ("method",), f"method: {model.method} needs 'time_step'", "write e.g. `time_step: 1e-4 s`"
+        )
+    if not fixed_step and model.time_step is not None:
+        faults.at(
+            root,
+            ("time_step",),
+            "'time_step' means nothing to method: taylor",
+            "remove it; `accuracy:` sets the cost",
+            key=True,
+        )
+    for place, case in enumerate(model.report.plot or ()):
+        if case not in model.cases:
+            faults.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, model.cases))
+    known = dict.fromkeys((*places(model.group), *model.group))
+    if model.report.building is not None and model.report.building not in known:
+        faults.at(
+            root,
+            ("report", "building"),
+            f"no building '{model.report.building}' in the group",
+            nearest(model.report.building, known),
+        )
+    for place, analysis in enumerate(model.analyses):
+        if analysis in model.analyses[:place]:
+            faults.at(root, ("analyses", place), f"'{analysis}' stands twice", "remove one")
+
+
+def _warnings(model: StudyModel, root: Node, resolver: Resolver) -> tuple[Problem, ...]:
+    notes = resolver.warnings
+    if model.impact.dashpot == "printed":
+        notes.at(
+            root,
+            ("impact", "dashpot"),
+            "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass",
+            "leave it out for the dashpot that gives the coefficient of restitution",
+        )
+    return tuple(notes.problems)

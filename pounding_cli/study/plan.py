@@ -1,0 +1,72 @@
+"""What a study comes to: scenes, each once, and the table rows that point at them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pounding_cli.model.scene import Scene
+
+if TYPE_CHECKING:
+    from pounding_cli.study.load import Study
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One dimension of the sweep.
+
+    names : dotted keys as in the file, more than one when they move together
+    values : one tuple per point, as long as names: an SI number, or the text of the file for what is no number
+    """
+
+    names: tuple[str, ...]
+    values: tuple[tuple[float | str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One place in the tables: `point` is the index on every axis; `scene` and `baselines` are keys of Plan.scenes."""
+
+    point: tuple[int, ...]
+    case: str
+    analysis: str
+    record: str
+    scene: str
+    baselines: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class MotionUse:
+    """A record as it is used: digest, peak [m/s2] and Arias intensity [m/s] after window [s] and scale [-]."""
+
+    name: str
+    source: str
+    digest: str
+    scale: float
+    window: float
+    pga: float
+    arias: float
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Everything to run.
+
+    scenes : by digest, linked scenes and baselines, each once
+    rows : swept axes slowest, then case, analysis, record
+    buildings : names by place, left to right (soft-1, soft-2 where a type stands twice)
+    motions : one per record; where the sweep changes them, those of its first point
+    accuracy : relative error wanted [-]; the time step [s] for a fixed-step method
+    """
+
+    study: Study
+    axes: tuple[Axis, ...]
+    cases: tuple[str, ...]
+    analyses: tuple[str, ...]
+    records: tuple[str, ...]
+    buildings: tuple[str, ...]
+    scenes: dict[str, Scene]
+    rows: tuple[Row, ...]
+    motions: tuple[MotionUse, ...]
+    accuracy: float
+    method: str

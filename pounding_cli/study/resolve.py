@@ -1,0 +1,323 @@
+"""A study at one point of its sweep: the sections validated, buildings, links and motions built, each only once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from pounding_cli.errors import Problem
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import Link
+from pounding_cli.study import buildings as building_room
+from pounding_cli.study.inherit import inherited, refuse_alternatives
+from pounding_cli.study.links import Street, links_of
+from pounding_cli.study.motions import Shelf, Used, motions_of
+from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.rules import StiffnessRule
+from pounding_cli.study.schema import BuildingSpec, StudyModel
+from pounding_cli.study.source import Node
+from pounding_cli.study.sweep import SweepAxis
+
+Point = tuple[int, ...]
+"""Index on every axis; -1 where the file's own value stands."""
+
+FEWEST, MOST = 2, 20
+"""Buildings in a group."""
+
+
+class Resolver:
+    """Answers what a study is at a point of its sweep; what axes do not touch is worked out once.
+
+    Every answer comes with the problems met on the way; an answer with problems is None.
+    """
+
+    def __init__(self, root: Node, axes: tuple[SweepAxis, ...], file: str, folder: Path) -> None:
+        self.root, self.axes, self.file = root, axes, file
+        self.warnings = Faults(file)
+        self.shelf = Shelf(folder)
+        self._touched = [frozenset(path[0] for path in axis.paths) for axis in axes]
+        self._found: dict[tuple[Any, ...], tuple[Any, tuple[Problem, ...]]] = {}
+        self._met: dict[Problem, None] = {}
+        self._types: dict[tuple[str, BuildingSpec], Building] = {}
+
+    @property
+    def base(self) -> Point:
+        """The study as written, nothing swept."""
+        return (-1,) * len(self.axes)
+
+    def key(self, point: Point, sections: Iterable[str]) -> Point:
+        """`point` with the axes that touch none of `sections` set aside."""
+        wanted = set(sections)
+        return tuple(
+            place if touched & wanted else -1 for place, touched in zip(point, self._touched, strict=True)
+        )
+
+    def _once(self, name: Any, point: Point, sections: tuple[str, ...], work: Callable[[Faults], Any]) -> Any:
+        key = (name, self.key(point, sections))
+        if key not in self._found:
+            faults = Faults(self.file)
+            answer = work(faults)
+            self._found[key] = (None if faults.problems else answer, tuple(faults.problems))
+        answer, problems = self._found[key]
+        self._met.update(dict.fromkeys(problems))
+        return answer
+
+    def problems(self, point: Point) -> tuple[Problem, ...]:
+        """Everything wrong with the study at this point."""
+        self._met.clear()
+        self.model(point)
+        self.motions(point)
+        if self.group(point) is not None:
+            for case in self.section(point, "cases") or ():
+                self.links(point, case)
+        return tuple(self._met)
+
+    # The file's tree and the models of its sections
+
+    def tree(self, point: Point, section: str) -> Node | None:
+        """One section of the file at this point, buildings with their inheritance carried out."""
+        return self._once(
+            ("tree", section),
+            point,
+            (section,),
+            lambda faults: self._tree(self.key(point, (section,)), section, faults),
+        )
+
+    def _tree(self, point: Point, section: str, faults: Faults) -> Node | None:
+        root = Node({}, self.root.mark, keys={})
+        own = self.root.get(section)
+        if own is not None:
+            root = Node({section: own}, self.root.mark, keys={section: (self.root.keys or {})[section]})
+        for place, axis in zip(point, self.axes, strict=True):
+            if place < 0:
+                continue
+            for path, node in zip(axis.paths, axis.nodes[place], strict=True):
+                if path[0] == section:
+                    root = root.replaced(path, node)
+        found = root.get(section)
+        return inherited(found, faults) if section == "buildings" and found is not None else found
+
+    def root_at(self, point: Point) -> Node:
+        """The whole tree at this point, to place problems in."""
+        values = {name: self.tree(point, name) or node for name, node in self.root.value.items()}
+        for touched in self._touched:
+            for name in touched - set(values):
+                found = self.tree(point, name)
+                if found is not None:
+                    values[name] = found
+        keys = {name: (self.root.keys or {}).get(name, node.mark) for name, node in values.items()}
+        return Node(values, self.root.mark, keys=keys)
+
+    def model(self, point: Point) -> StudyModel | None:
+        """The validated study at this point."""
+        if self.key(point, StudyModel.model_fields) == self.base:
+            return self._once("model", self.base, (), self._whole)
+        base = self.model(self.base)
+        sections = {name for touched in self._touched for name in touched}
+        found = {name: self._section(point, name) for name in sections}
+        if base is None or any(answer is None for answer in found.values()):
+            return None
+        return base.model_copy(update={name: answer[0] for name, answer in found.items()})
+
+    def _whole(self, faults: Faults) -> StudyModel | None:
+        root = self.root_at(self.base)
+        _refuse_twofold(root, faults)
+        try:
+            return StudyModel.model_validate(root.plain())
+        except ValidationError as error:
+            faults.validation(root, error, StudyModel)
+            return None
+
+    def _section(self, point: Point, name: str) -> tuple[Any] | None:
+        """One section validated alone, in a tuple so that None stays apart from a value that is None."""
+
+        def work(faults: Faults) -> tuple[Any] | None:
+            node = self.tree(point, name)
+            if node is None:
+                return None
+            root = Node({name: node}, self.root.mark, keys={name: node.mark})
+            _refuse_twofold(root, faults)
+            holder = StudyModel.model_construct()
+            try:
+                setattr(holder, name, node.plain())
+            except ValidationError as error:
+                faults.validation(root, error, StudyModel)
+                return None
+            return (getattr(holder, name),)
+
+        return self._once(("section", name), point, (name,), work)
+
+    def section(self, point: Point, name: str) -> Any:
+        """One validated section; None where the study does not validate."""
+        base = self.model(self.base)
+        if self.key(point, (name,)) == self.base:
+            return None if base is None else getattr(base, name)
+        found = self._section(point, name)
+        return None if found is None else found[0]
+
+    # What the sections describe
+
+    def types(self, point: Point) -> Mapping[str, Building] | None:
+        """Every building type by name."""
+        specs = self.section(point, "buildings")
+        if specs is None:
+            return None
+
+        def work(faults: Faults) -> dict[str, Building]:
+            root = self.root_at(point)
+            return {
+                name: built
+                for name, spec in specs.items()
+                if (built := self._type(name, spec, root, faults)) is not None
+            }
+
+        return self._once("types", point, ("buildings",), work)
+
+    def _type(self, name: str, spec: BuildingSpec, root: Node, faults: Faults) -> Building | None:
+        if (name, spec) not in self._types:
+            built = building_room.build(name, spec, root, ("buildings", name), faults)
+            if built is None:
+                return None
+            self._types[name, spec] = built
+        return self._types[name, spec]
+
+    def group(self, point: Point) -> Street | None:
+        """The buildings by place, their common floors, and the impact element."""
+        types, names, impact = (
+            self.types(point), self.section(point, "group"), self.section(point, "impact")
+        )  # fmt: skip
+        if types is None or names is None or impact is None:
+            return None
+
+        def work(faults: Faults) -> Street | None:
+            root = self.root_at(point)
+            if not _group_is_sound(names, types, root, faults):
+                return None
+            placed = [_named(types[name], label) for name, label in zip(names, places(names), strict=True)]
+            common = [_common(one, other) for one, other in zip(placed, placed[1:], strict=False)]
+            for place, floors in enumerate(common):
+                if not floors:
+                    one, other = placed[place], placed[place + 1]
+                    faults.at(
+                        root,
+                        ("group", place + 1),
+                        f"{one.name} and {other.name} have no floor at one elevation: "
+                        f"{_metres(one)} against {_metres(other)} m",
+                        "pounding between floors and columns is not modelled: make the storey heights match somewhere",
+                    )
+            return Street(placed, types, common, impact)
+
+        return self._once("group", point, ("buildings", "group", "impact"), work)
+
+    def links(self, point: Point, case: str) -> tuple[Link, ...] | None:
+        """The links of one case."""
+        street, cases = self.group(point), self.section(point, "cases")
+        if street is None or cases is None:
+            return None
+        return self._once(
+            ("links", case),
+            point,
+            ("buildings", "group", "impact", "cases"),
+            lambda faults: links_of(cases[case], street, self.root_at(point), ("cases", case), faults),
+        )
+
+    def motions(self, point: Point) -> dict[str, Used] | None:
+        """The motions by name, cut and scaled."""
+        spec = self.section(point, "records")
+        if spec is None:
+            return None
+        return self._once(
+            "motions",
+            point,
+            ("records",),
+            lambda faults: motions_of(spec, self.shelf, self.root_at(point), faults, self.warnings),
+        )
+
+
+def places(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Names by place: a type that stands more than once is told apart by a number (soft-1, soft-2)."""
+    count: dict[str, int] = {}
+    labels = []
+    for name in names:
+        count[name] = count.get(name, 0) + 1
+        labels.append(f"{name}-{count[name]}" if names.count(name) > 1 else name)
+    return tuple(labels)
+
+
+def _named(building: Building, label: str) -> Building:
+    return building if building.name == label else replace(building, name=label)
+
+
+_floors: dict[tuple[bytes, bytes], tuple[tuple[int, int], ...]] = {}
+
+
+def _common(left: Building, right: Building) -> tuple[tuple[int, int], ...]:
+    key = (left.height.tobytes(), right.height.tobytes())
+    if key not in _floors:
+        _floors[key] = building_room.common_floors(left, right)
+    return _floors[key]
+
+
+def _metres(building: Building) -> str:
+    shown = [f"{elevation:g}" for elevation in building.elevation[:6]]
+    return ", ".join(shown) + (", ..." if building.storeys > 6 else "")
+
+
+def _group_is_sound(names: tuple[str, ...], types: Mapping[str, Any], root: Node, faults: Faults) -> bool:
+    before = len(faults.problems)
+    for place, name in enumerate(names):
+        if name not in types:
+            faults.at(root, ("group", place), f"no building '{name}' is defined", nearest(name, types))
+    if len(names) < FEWEST:
+        faults.at(
+            root,
+            ("group",),
+            f"the group has {len(names)} building{'s' if len(names) != 1 else ''}: one alone has no neighbour to hit",
+            "name at least two, e.g. `group: [stiff, soft]`; every building alone is computed as the baseline anyway",
+        )
+    if len(names) > MOST:
+        faults.at(root, ("group",), f"the group has {len(names)} buildings", f"name at most {MOST}")
+    labels = places(names)
+    for place, label in enumerate(labels):
+        if labels.index(label) != place:
+            faults.at(
+                root,
+                ("group", place),
+                f"two places of the group are called '{label}'",
+                "give the building another name",
+            )
+    return len(faults.problems) == before
+
+
+def _refuse_twofold(root: Node, faults: Faults) -> None:
+    """Restitution and damping ratio in one mapping, under `impact` and in every link of every case."""
+    impact = root.get("impact")
+    if impact is not None:
+        refuse_alternatives(impact, "link", faults)
+    stack = [root.get("cases")]
+    while stack:
+        node = stack.pop()
+        if node is not None and node.is_mapping:
+            refuse_alternatives(node, "link", faults)
+            stack += node.value.values()
+        elif node is not None and node.is_list:
+            stack += node.value
+
+
+def shown(value: Any) -> Any:
+    """A value of a validated model as plain data: SI numbers, rules as text."""
+    if isinstance(value, StiffnessRule):
+        return str(value)
+    if isinstance(value, BaseModel):
+        return {
+            info.alias or name: shown(getattr(value, name)) for name, info in type(value).model_fields.items()
+        }
+    if isinstance(value, dict):
+        return {str(key): shown(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [shown(item) for item in value]
+    return value

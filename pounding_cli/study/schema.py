@@ -1,0 +1,341 @@
+"""The study file as pydantic models: every key, its unit, its default and what it means."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag, WithJsonSchema
+
+from pounding_cli.study import units
+from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
+from pounding_cli.study.units import Quantity, limited
+
+METHODS = ("taylor", "central-difference")
+"""Methods a study may name; all but the first march with a fixed time step."""
+
+Method = Literal["taylor", "central-difference"]
+Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
+LinkKind = Literal["pounding", "infill", "connector", "none"]
+AnalysisKind = Literal["elastic", "inelastic"]
+
+Name = Annotated[str, StringConstraints(pattern=r"^\w[\w +-]*$", max_length=60, strip_whitespace=True)]
+Length = Annotated[float, units.LENGTH]
+Gap = Annotated[float, units.GAP]
+Mass = Annotated[float, units.MASS]
+Period = Annotated[float, limited(units.TIME, name="period", high=60.0)]
+Force = Annotated[float, units.FORCE]
+StoreyStiffness = Annotated[float, units.STIFFNESS]
+LinkStiffness = Annotated[float | StiffnessRule, STIFFNESS_FORM]
+Taper = Annotated[float, Quantity("taper", "", "1/3", 0.0, 10.0, open_low=True)]
+DampingShare = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)]
+Hardening = Annotated[float, Quantity("hardening ratio", "", "0.05", 0.0, 1.0, open_high=True)]
+Window = Annotated[
+    float | str, limited(units.TIME, name="window", example="10 s", words=("duration", "table1", "whole"))
+]
+Duration = Annotated[
+    float | str, limited(units.TIME, name="duration", example="10 s", words=("table1", "whole"))
+]
+Restitution = Annotated[float, Quantity("coefficient of restitution", "", "0.5", 0.0, 1.0, open_low=True)]
+
+
+def _list_or_one(value: Any) -> str:
+    return "list" if isinstance(value, list | tuple) else "one"
+
+
+def _word_or_mapping(value: Any) -> str:
+    return "word" if isinstance(value, str | int | float) or value is None else "mapping"
+
+
+_FILLED = Field(min_length=1)
+_EITHER = Discriminator(_list_or_one)
+Masses = Annotated[Annotated[tuple[Mass, ...], _FILLED, Tag("list")] | Annotated[Mass, Tag("one")], _EITHER]
+Heights = Annotated[
+    Annotated[tuple[Length, ...], _FILLED, Tag("list")] | Annotated[Length, Tag("one")], _EITHER
+]
+Hardenings = Annotated[
+    Annotated[tuple[Hardening, ...], _FILLED, Tag("list")] | Annotated[Hardening, Tag("one")], _EITHER
+]
+YieldShears = Annotated[
+    Annotated[tuple[Force, ...], _FILLED, Tag("list")] | Annotated[Literal["never"], Tag("one")], _EITHER
+]
+
+
+class Model(BaseModel):
+    """Base of every mapping in the file: unknown keys are refused, values are frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, coerce_numbers_to_str=True, validate_default=True)
+
+
+class RecordFile(Model):
+    """A motion in a file of one's own."""
+
+    file: str = Field(description="path of the file, relative to the study file", examples=["motions/x.AT2"])
+    name: Name | None = Field(None, description="what tables call the motion; the file's stem unless given")
+    unit: Literal["g", "m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2"] | None = Field(
+        None, description="unit of the acceleration; g unless the file says otherwise"
+    )
+    dt: Annotated[float, limited(units.TIME, name="time step", example="0.01 s")] | None = Field(
+        None, description="time step [s]; needed for one column of values"
+    )
+    format: Literal["at2", "two-column", "column"] | None = Field(
+        None, description="found from the file unless given"
+    )
+
+
+class AriasScale(Model):
+    """Every record is scaled to the Arias intensity of one of them."""
+
+    arias: str = Field(description="the record whose Arias intensity is taken", examples=["elcentro"])
+    window: Window = Field(
+        "duration",
+        description="part of each record its intensity is measured over [s]; `duration`: the analysed part",
+    )
+
+
+class PgaScale(Model):
+    """Every record is scaled to one peak ground acceleration."""
+
+    pga: Annotated[float, units.ACCELERATION] = Field(
+        description="peak ground acceleration [m/s2]", examples=["0.35 g"]
+    )
+
+
+def _scale_kind(value: Any) -> str:
+    if isinstance(value, dict):
+        return "pga" if "pga" in value else "arias"
+    if isinstance(value, AriasScale):
+        return "arias"
+    return "pga" if isinstance(value, PgaScale) else "factor"
+
+
+_FACTOR = Quantity("scale factor", "", "1.5", 0.0, 1e6, open_low=True, words=("table1",))
+Scale = Annotated[
+    Annotated[float | str, _FACTOR, Tag("factor")]
+    | Annotated[AriasScale, Tag("arias")]
+    | Annotated[PgaScale, Tag("pga")],
+    Discriminator(_scale_kind),
+]
+Record = Annotated[
+    Annotated[str, Tag("word")] | Annotated[RecordFile, Tag("mapping")], Discriminator(_word_or_mapping)
+]
+
+
+class Records(Model):
+    """The ground motions, the part of each that is used, and its scale."""
+
+    use: tuple[Record, ...] = Field(
+        description="catalogue names, or {file: PATH}",
+        min_length=1,
+        examples=[["elcentro", {"file": "motions/x.AT2"}]],
+    )
+    duration: Duration = Field(
+        "table1", description="how much of each record is used [s]; `table1`: the paper's durations"
+    )
+    scale: Scale = Field(1.0, description="a factor, `table1`, {arias: RECORD} or {pga: 0.35 g}")
+
+
+class CodeDesign(Model):
+    """Yield shears equal to the storey shears of the Uniform Building Code."""
+
+    code: Edition = Field("UBC-1991", description="edition")
+    zone: Annotated[float, Quantity("zone factor Z", "", "0.4", 0.0, 1.0, open_low=True)] = Field(
+        0.4, description="zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given"
+    )
+    soil: Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 2.0)] = Field(
+        1.2, description="soil factor S [-]"
+    )
+    importance: Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)] = Field(
+        1.0, description="importance factor I [-]"
+    )
+    rw: Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)] | None = Field(
+        None, alias="Rw", description="system factor of UBC 1988 to 1994 [-]; 12 unless given"
+    )
+    k: Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)] | None = Field(
+        None, alias="K", description="system factor of UBC 1985 [-]; must be given there"
+    )
+
+
+class Rayleigh(Model):
+    """Structural damping C = alpha M + beta K0 of the fixed-base building."""
+
+    alpha: Annotated[float, Quantity("alpha", "1/s", "0.5", 0.0)] = Field(description="mass factor [1/s]")
+    beta: Annotated[float, Quantity("beta", "s", "0.001 s", 0.0)] = Field(description="stiffness factor [s]")
+
+
+class FoundationSpec(Model):
+    """Sway and rocking of the base; a motion whose stiffness is absent does not take place."""
+
+    mass: Annotated[float, Quantity("foundation mass", "kg", "100 t", 0.0)] = Field(
+        0.0, description="mass of the base [kg]"
+    )
+    sway_stiffness: StoreyStiffness | None = Field(
+        None, description="translational spring [N/m]; absent: no sway"
+    )
+    sway_damping: Annotated[float, Quantity("sway damping", "N s/m", "1e6 N s/m", 0.0)] = Field(
+        0.0, description="translational dashpot [N s/m]"
+    )
+    inertia: Annotated[float, Quantity("rotary inertia", "kg m2", "1000 t m2", 0.0)] = Field(
+        0.0, description="rotary inertia of the base [kg m2]"
+    )
+    rocking_stiffness: (
+        Annotated[float, Quantity("rocking stiffness", "N m", "5e9 N m", 0.0, open_low=True)] | None
+    ) = Field(None, description="rotational spring [N m/rad]; absent: no rocking")
+    rocking_damping: Annotated[float, Quantity("rocking damping", "N m s", "1e7 N m s", 0.0)] = Field(
+        0.0, description="rotational dashpot [N m s/rad]"
+    )
+
+
+Base = Annotated[
+    Annotated[Literal["fixed"], Tag("word")] | Annotated[FoundationSpec, Tag("mapping")],
+    Discriminator(_word_or_mapping),
+]
+
+
+class BuildingSpec(Model):
+    """One building type; lists run from the ground up."""
+
+    like: str | None = Field(None, description="another building whose keys are taken unless given here")
+    storeys: Annotated[int, Field(ge=1, le=100)] | None = Field(
+        None, description="number of storeys; the length of a list unless given", examples=[5]
+    )
+    period: Period | None = Field(
+        None, description="fundamental period of the fixed-base building [s]", examples=["0.36 s"]
+    )
+    mass: Masses = Field("200 t", description="floor mass [kg], one or a list")
+    height: Heights = Field("3 m", description="storey height [m], one or a list")
+    taper: Taper = Field("1/3", description="top over bottom storey stiffness [-], linear in between")
+    stiffness: Annotated[tuple[StoreyStiffness, ...], Field(min_length=1)] | None = Field(
+        None, description="storey stiffnesses [N/m], instead of period and taper"
+    )
+    damping: DampingShare = Field("5 %", description="damping ratio of the first two modes [-]")
+    rayleigh: Rayleigh | None = Field(None, description="Rayleigh factors, instead of damping")
+    hardening: Hardenings = Field(0.05, description="post-yield over initial stiffness [-], one or a list")
+    yield_: CodeDesign = Field(CodeDesign(), alias="yield", description="code that sets the yield shears")
+    yield_shear: YieldShears | None = Field(
+        None, description="storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
+    )
+    foundation: Base = Field("fixed", description="springs under the base; `fixed`: none")
+
+
+class Impact(Model):
+    """The impact element of pounding, and what an infill stiffens to."""
+
+    stiffness: LinkStiffness = Field("20 x stiffest storey", description="impact spring s_imp [N/m]")
+    restitution: Restitution = Field(0.5, description="coefficient of restitution e [-]")
+    damping_ratio: DampingShare | None = Field(
+        None, description="damping ratio of the dashpot [-], instead of restitution"
+    )
+    tension_cut: bool = Field(
+        False, description="no force that pulls the floors together at the end of a contact"
+    )
+    dashpot: Literal["reduced-mass", "printed"] = Field(
+        "reduced-mass", description="mass in eq. (7); `printed` is its form in the paper, whose unit is wrong"
+    )
+
+
+class LinkSpec(Model):
+    """One link; what is not given is taken from the case around it and then from `impact`."""
+
+    link: LinkKind | None = Field(None, description="what stands between the floors")
+    gap: Gap | None = Field(None, description="initial distance d [m]", examples=["5 cm", "0 cm"])
+    stiffness: LinkStiffness | None = Field(
+        None, description="s_imp, s_mat or s_con [N/m]; infill and connector: 1/5 mean storey unless given"
+    )
+    restitution: Restitution | None = Field(None, description="coefficient of restitution e [-]")
+    damping_ratio: DampingShare | None = Field(None, description="damping ratio [-], instead of restitution")
+    tension_cut: bool | None = Field(None, description="no force that pulls the floors together")
+    law: Literal["continuous", "printed"] | None = Field(
+        None, description="infill beyond its thickness: continuous, or eq. (9) as printed, which jumps"
+    )
+
+
+LinkOrWord = Annotated[
+    Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(_word_or_mapping)
+]
+Floor = Annotated[int, Field(ge=1, le=100)]
+Floors = Annotated[
+    Annotated[tuple[Floor, ...], _FILLED, Tag("list")] | Annotated[Literal["all"], Tag("one")], _EITHER
+]
+
+
+class PairSpec(LinkSpec):
+    """The links of one pair of neighbours."""
+
+    floors: Floors = Field(
+        "all", description="floors with this link, numbered in the left building of the pair"
+    )
+    elsewhere: LinkOrWord = Field("none", description="the link on the floors not listed")
+    by_floor: dict[Floor, LinkOrWord] = Field(
+        {}, description="links of single floors; they come before `floors`"
+    )
+
+
+PairOrWord = Annotated[
+    Annotated[LinkKind, Tag("word")] | Annotated[PairSpec, Tag("mapping")], Discriminator(_word_or_mapping)
+]
+
+
+class CaseSpec(PairSpec):
+    """A case: what stands between the buildings of the group."""
+
+    pairs: Annotated[tuple[PairOrWord, ...], Field(min_length=1)] | None = Field(
+        None, description="one entry for each pair of neighbours, left to right, where they differ"
+    )
+
+
+class ReportSpec(Model):
+    """What the report shows first."""
+
+    plot: tuple[str, ...] | None = Field(None, description="cases in the main figure; all unless given")
+    building: str | None = Field(None, description="building of the main figure; the stiffest unless given")
+
+
+_AXIS = {"type": "array", "minItems": 1}
+_SWEEP_FORM = {
+    "anyOf": [
+        {"type": "object", "additionalProperties": _AXIS},
+        {"type": "array", "items": {"type": "object", "additionalProperties": _AXIS}},
+    ],
+    "title": "Sweep",
+    "examples": [{"impact.restitution": [0.4, 0.5, 0.65]}],
+}
+
+
+class StudyModel(Model):
+    """A study of earthquake pounding between adjacent buildings."""
+
+    model_config = ConfigDict(frozen=False, validate_assignment=True, title="pound study")
+
+    title: str = Field("", description="shown on every figure and table; the file's name unless given")
+    records: Records = Field(description="ground motions")
+    buildings: dict[Name, BuildingSpec] = Field(description="building types by name", min_length=1)
+    group: tuple[str, ...] = Field(description="buildings from left to right", examples=[["stiff", "soft"]])
+    impact: Impact = Field(Impact(), description="impact element")
+    cases: dict[Name, CaseSpec] = Field(description="cases by name", min_length=1)
+    analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = Field(
+        ("elastic", "inelastic"), description="whether storeys may yield"
+    )
+    accuracy: Annotated[float, Quantity("accuracy", "", "1e-6", 1e-14, 0.1)] = Field(
+        1e-6, description="relative error wanted of the peaks [-]"
+    )
+    method: Method = Field("taylor", description="how the equations of motion are solved")
+    time_step: Annotated[float, limited(units.TIME, name="time step", example="1e-4 s")] | None = Field(
+        None, description="time step of a fixed-step method [s]"
+    )
+    tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = Field(
+        0.0, description="free vibration after the motion [s]"
+    )
+    claims: Literal["fig6", "fig7"] | None = Field(
+        None, description="figure of the paper this study reproduces"
+    )
+    report: ReportSpec = Field(ReportSpec(), description="what the report shows first")
+    sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = Field(
+        None,
+        description="axes: dotted keys with the values they take; the keys of one list entry move together",
+    )
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema (2020-12) of a study file, for editors."""
+    schema = StudyModel.model_json_schema(by_alias=True)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -1,0 +1,145 @@
+"""The axes of a sweep: dotted keys with the values they take, substituted into the file's tree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pounding_cli.study.problems import Faults, keys_at, nearest
+from pounding_cli.study.schema import StudyModel
+from pounding_cli.study.source import Node
+
+FIXED = ("title", "group", "analyses", "accuracy", "method", "time_step", "claims", "report", "sweep")
+"""Keys that are one for the whole study."""
+
+MOST_POINTS = 2_000_000
+
+
+@dataclass(frozen=True)
+class SweepAxis:
+    """One axis: its keys, and for every point the node each key takes."""
+
+    names: tuple[str, ...]
+    nodes: tuple[tuple[Node, ...], ...]
+
+    @property
+    def paths(self) -> tuple[tuple[str, ...], ...]:
+        """The keys as paths."""
+        return tuple(tuple(name.split(".")) for name in self.names)
+
+    def __len__(self) -> int:
+        return len(self.nodes)
+
+
+def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
+    """The axes under `sweep:`: each key of a mapping is one; the keys of one entry of a list move together."""
+    sweep = root.get("sweep")
+    if sweep is None or sweep.value is None:
+        return ()
+    if sweep.is_mapping:
+        groups = [[key] for key in sweep.value]
+        holders = [sweep] * len(groups)
+    elif sweep.is_list:
+        holders = [node for node in sweep.value if node.is_mapping and node.value]
+        for node in sweep.value:
+            if not (node.is_mapping and node.value):
+                faults.add(
+                    node.mark,
+                    "an axis is a mapping of keys to lists",
+                    "write `- {impact.restitution: [0.4, 0.5]}`",
+                )
+        groups = [list(holder.value) for holder in holders]
+    else:
+        faults.add(sweep.mark, "'sweep' is not a mapping", "write `sweep: {impact.restitution: [0.4, 0.5]}`")
+        return ()
+    axes: list[SweepAxis] = []
+    seen: dict[str, int] = {}
+    for holder, names in zip(holders, groups, strict=True):
+        good = True
+        for name in names:
+            good &= _key(name, holder, root, faults) & _values(name, holder, faults)
+            mark = (holder.keys or {})[name]
+            if name in seen:
+                faults.add(
+                    mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two"
+                )
+                good = False
+            seen.setdefault(name, mark[0])
+        if not good:
+            continue
+        columns = [holder.value[name].value for name in names]
+        if len({len(column) for column in columns}) > 1:
+            lengths = ", ".join(
+                f"{name} has {len(column)}" for name, column in zip(names, columns, strict=True)
+            )
+            faults.add(
+                holder.mark,
+                f"keys that move together need lists of one length: {lengths}",
+                "give as many values of each",
+            )
+            continue
+        axes.append(SweepAxis(tuple(names), tuple(zip(*columns, strict=True))))
+    points = 1
+    for axis in axes:
+        points *= len(axis)
+    if points > MOST_POINTS:
+        faults.add(
+            sweep.mark,
+            f"the sweep has {points} points",
+            f"keep it to {MOST_POINTS}: make axes shorter, or let keys move together in a list entry",
+        )
+        return ()
+    return tuple(axes)
+
+
+def _key(name: str, holder: Node, root: Node, faults: Faults) -> bool:
+    mark = (holder.keys or {})[name]
+    path = tuple(name.split("."))
+    whole = path[0] in ("records", "buildings", "impact", "cases") and len(path) < (
+        3 if path[0] in ("buildings", "cases") else 2
+    )
+    if path[0] in FIXED or path[:2] == ("records", "use") or path[-1] == "like":
+        faults.add(
+            mark, f"'{name}' cannot be an axis: it is one for the whole study", "run one study for each value"
+        )
+        return False
+    for place, step in enumerate(path):
+        known = keys_at(StudyModel, path[:place], root)
+        above = root.get(*path[:place])
+        if above is not None and above.is_list and step.isdigit() and int(step) < len(above.value):
+            continue
+        if step not in known:
+            before = ".".join(path[:place])
+            where = f" under '{before}'" if before else ""
+            faults.add(mark, f"sweep axis '{name}': no key '{step}'{where}", nearest(step, known))
+            return False
+    if whole:
+        faults.add(
+            mark,
+            f"sweep axis '{name}' is a whole section",
+            f"name one value in it, e.g. `{name}.{_first(name, root)}`",
+        )
+        return False
+    return True
+
+
+def _first(name: str, root: Node) -> str:
+    names = keys_at(StudyModel, tuple(name.split(".")), root)
+    return names[-1] if names else "KEY"
+
+
+def _values(name: str, holder: Node, faults: Faults) -> bool:
+    node = holder.value[name]
+    if not node.is_list:
+        faults.add(node.mark, f"the values of '{name}' are not a list", f"write `{name}: [first, second]`")
+        return False
+    if not node.value:
+        faults.add(node.mark, f"the axis '{name}' has no values", "give at least one")
+        return False
+    texts: dict[str, int] = {}
+    for value in node.value:
+        text = value.text or str(value.plain())
+        if text in texts and len(holder.value) == 1:
+            faults.add(value.mark, f"{text} stands twice on the axis '{name}'", "remove one of the two")
+            return False
+        texts[text] = 1
+    return True

@@ -1,0 +1,226 @@
+"""Quantities as people write them, `5 cm` or `0.35 g`, turned into SI numbers (units are read by pint)."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import PydanticCustomError, core_schema
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+GRAVITY = 9.80665
+"""Standard acceleration of gravity [m/s2]: the `g` of an acceleration."""
+
+NUMBER = r"[-+]?(?:\.\d+|\d+(?:\.\d*)?)(?:[eE][-+]?\d+)?"
+_QUANTITY = re.compile(
+    rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*(?P<unit>[A-Za-zµ°%].*?)?\s*\Z"
+)
+_POWER = re.compile(r"(?<=[A-Za-z])([23])(?![0-9])")
+_UNIT = re.compile(r"[A-Za-zµ°%][A-Za-z0-9µ²³·*^/(). -]*\Z")
+
+# The units of this field and no more: pint's own list is long to load and reads `g` as gram, `h` as hour, `a` as year.
+_DEFINITIONS = """
+milli- = 1e-3 = m-
+centi- = 1e-2 = c-
+kilo- = 1e3 = k-
+mega- = 1e6 = M-
+giga- = 1e9 = G-
+metre = [length] = m = meter
+second = [time] = s = sec
+gram = [mass] = g
+tonne = 1e6 * gram = t = ton
+radian = [] = rad
+percent = 0.01 * radian = pct
+newton = kilogram * metre / second ** 2 = N
+pascal = newton / metre ** 2 = Pa
+inch = 0.0254 * metre = in
+foot = 0.3048 * metre = ft
+minute = 60 * second = min
+hertz = 1 / second = Hz
+gal = 0.01 * metre / second ** 2 = Gal
+"""
+
+
+@cache
+def _registry() -> UnitRegistry:
+    from pint import UnitRegistry
+
+    registry: UnitRegistry = UnitRegistry(None)
+    registry.load_definitions([line for line in _DEFINITIONS.splitlines() if line])
+    return registry
+
+
+@cache
+def _factor(unit: str, si: str) -> float | None:
+    """One `unit` in `si` [-], or None where the dimensions differ.  Raises ValueError for an unknown unit."""
+    if si == "m/s2" and unit == "g":
+        return GRAVITY
+    if unit == "%":
+        return 0.01 if si == "" else None
+    if not _UNIT.match(unit):
+        raise ValueError(unit)
+    registry = _registry()
+    try:
+        wanted = registry.parse_units(_POWER.sub(r"**\1", si)) if si else registry.parse_units("radian")
+        given = registry.parse_units(_POWER.sub(r"**\1", unit))
+        ratio = registry.Quantity(1.0, given)
+        if ratio.dimensionality != registry.Quantity(1.0, wanted).dimensionality:
+            return None
+        return float(ratio.to(wanted).magnitude)
+    except Exception as error:  # pint raises many kinds, tokenizer errors among them
+        raise ValueError(unit) from error
+
+
+def refuse(message: str, hint: str) -> PydanticCustomError:
+    """A pydantic error that carries a hint; braces in the texts are left alone."""
+    return PydanticCustomError("refused", "{message}", {"message": message, "hint": hint})
+
+
+def hinted(kind: str, message: str, hint: str) -> PydanticCustomError:
+    """Like `refuse`, with an error type of its own."""
+    return PydanticCustomError(kind, "{message}", {"message": message, "hint": hint})
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with a unit: put it into `Annotated[float, ...]`.
+
+    name : what the number is; si : its SI unit ("" for a plain number); example : how to write one;
+    low, high : the range allowed, in SI; open_low, open_high : the end itself is excluded; words : other texts taken as
+    they are
+    """
+
+    name: str
+    si: str
+    example: str
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    open_high: bool = False
+    words: tuple[str, ...] = ()
+
+    @property
+    def range(self) -> str:
+        """The range in words, e.g. "above 0 s and at most 20 s"."""
+        unit = f" {self.si}" if self.si else ""
+        parts = []
+        if self.low > -math.inf:
+            parts.append(f"above {self.low:g}{unit}" if self.open_low else f"at least {self.low:g}{unit}")
+        if self.high < math.inf:
+            parts.append(f"below {self.high:g}{unit}" if self.open_high else f"at most {self.high:g}{unit}")
+        return " and ".join(parts)
+
+    @property
+    def wanted(self) -> str:
+        """What to write, in words."""
+        what = f"a {self.name}" + (f" [{self.si}]" if self.si else "")
+        limits = f" {self.range}" if self.range else ""
+        words = "".join(f" or {word}" for word in self.words)
+        return f"write {what}{limits}{words}, e.g. {self.example}"
+
+    def read(self, value: Any) -> Any:
+        """The SI number, or one of `words` as it is.  Raises PydanticCustomError saying what to write."""
+        if isinstance(value, str) and value.strip() in self.words:
+            return value.strip()
+        number = self._number(value)
+        if not math.isfinite(number):
+            raise refuse(f"{value} is not a finite number", self.wanted)
+        too_low = number < self.low or (self.open_low and number == self.low)
+        too_high = number > self.high or (self.open_high and number == self.high)
+        if too_low or too_high:
+            unit = f" {self.si}" if self.si else ""
+            raise refuse(f"the {self.name} is {number:g}{unit}; it must be {self.range}", self.wanted)
+        return number
+
+    def _number(self, value: Any) -> float:
+        if isinstance(value, bool) or value is None or not isinstance(value, int | float | str):
+            shown = (
+                {True: "true", False: "false", None: "nothing"}.get(value, "this")
+                if _plain(value)
+                else "this"
+            )
+            raise refuse(f"{shown} is not a {self.name}", self.wanted)
+        if not isinstance(value, str):
+            return float(value)
+        found = _QUANTITY.match(value)
+        if not found:
+            raise refuse(f"'{value}' is not a number with a unit", self.wanted)
+        number = float(found["top"])
+        if found["bottom"] is not None:
+            bottom = float(found["bottom"])
+            if bottom == 0.0:
+                raise refuse(f"'{value}' divides by zero", self.wanted)
+            number /= bottom
+        unit = found["unit"]
+        if unit is None:
+            return number
+        try:
+            factor = _factor(unit, self.si)
+        except ValueError:
+            raise refuse(f"'{unit}' is not a unit this program knows", self.wanted) from None
+        if factor is None:
+            expected = f"expected {self.si}" if self.si else "expected a plain number"
+            raise refuse(f"'{value}' is no {self.name}: {expected}", self.wanted)
+        return number * factor
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        number: dict[str, Any] = {"type": "number"}
+        if self.low > -math.inf:
+            number["exclusiveMinimum" if self.open_low else "minimum"] = self.low
+        if self.high < math.inf:
+            number["exclusiveMaximum" if self.open_high else "maximum"] = self.high
+        title = f"{self.name} [{self.si}]" if self.si else self.name
+        return {
+            "anyOf": [number, {"type": "string"}],
+            "title": title,
+            "examples": [self.example, *self.words],
+        }
+
+
+def _plain(value: Any) -> bool:
+    return value is None or isinstance(value, bool)
+
+
+def limited(quantity: Quantity, **changes: Any) -> Quantity:
+    """The same quantity with another name, example or range."""
+    return replace(quantity, **changes)
+
+
+@dataclass(frozen=True)
+class TextForm:
+    """A value read by a function of one's own; `form` tells in words and in the JSON schema what it may look like."""
+
+    read: Callable[[Any], Any]
+    form: str
+    examples: tuple[Any, ...]
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        kinds = [{"type": "number"}, {"type": "string"}]
+        return {"anyOf": kinds, "title": self.form, "examples": list(self.examples)}
+
+
+LENGTH = Quantity("length", "m", "3 m", 0.0, open_low=True)
+GAP = Quantity("gap", "m", "5 cm", 0.0, 10.0)
+MASS = Quantity("mass", "kg", "200 t", 0.0, open_low=True)
+TIME = Quantity("time", "s", "0.36 s", 0.0, open_low=True)
+STIFFNESS = Quantity("stiffness", "N/m", "200 kN/mm", 0.0, open_low=True)
+FORCE = Quantity("force", "N", "900 kN", 0.0, open_low=True)
+ACCELERATION = Quantity("acceleration", "m/s2", "0.35 g", 0.0, open_low=True)
+RATIO = Quantity("number", "", "0.05")
