@@ -1,1 +1,27 @@
-"""The results file: HDF5 written and read."""
+"""The results file: one HDF5 file a study, written whole or not at all, read back as tidy tables."""
+
+from __future__ import annotations
+
+from pounding_cli.store.files import check_output
+from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, solution_key
+from pounding_cli.store.overview import Overview, overview
+from pounding_cli.store.parts import PartStore
+from pounding_cli.store.results import Results, open_results
+from pounding_cli.store.solutions import stored_solutions
+from pounding_cli.store.write import Run, is_current, write_results
+
+__all__ = [
+    "FORMAT",
+    "FORMAT_VERSION",
+    "Overview",
+    "PartStore",
+    "Results",
+    "Run",
+    "check_output",
+    "is_current",
+    "open_results",
+    "overview",
+    "solution_key",
+    "stored_solutions",
+    "write_results",
+]

@@ -1,0 +1,73 @@
+"""The library's front door: load a study, run it, open its results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pounding_cli.batch.progress import Progress
+    from pounding_cli.store import Results
+    from pounding_cli.study import Study
+
+
+def load_study(path: str | Path) -> Study:
+    """Read and check a study file.
+
+    Raises
+    ------
+    InputError : with every problem found, each with line and column
+    """
+    from pounding_cli.study import load_study as load
+
+    return load(Path(path))
+
+
+def run(
+    study: Study | str | Path,
+    output: str | Path | None = None,
+    *,
+    workers: int | None = None,
+    engine: str = "processes",
+    progress: Progress | None = None,
+) -> Results:
+    """Run what a study still lacks and open its results.
+
+    Parameters
+    ----------
+    study : a loaded study or the path of its file
+    output : the results file; `results/<study stem>.h5` unless given
+    workers : scenes side by side; the cores of this machine unless given
+    engine : "processes" or "serial"
+    progress : as in `pounding_cli.batch.progress`; nothing is shown unless given
+
+    Raises
+    ------
+    InputError : the study or the output is refused
+
+    Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables.
+    """
+    from pounding_cli.batch import run_plan
+    from pounding_cli.study import expand
+
+    loaded = load_study(study) if isinstance(study, str | Path) else study
+    path = Path(output) if output is not None else default_output(Path(loaded.path))
+    run_plan(expand(loaded), path, progress=progress, workers=workers, engine_name=engine)
+    return open_results(path)
+
+
+def open_results(path: str | Path) -> Results:
+    """The tables of a results file.
+
+    Raises
+    ------
+    InputError : no such file, not a results file, or one of another format version
+    """
+    from pounding_cli.store import open_results as read
+
+    return read(path)
+
+
+def default_output(study: Path) -> Path:
+    """Where results go unless told otherwise: `results/<study stem>.h5` in the current directory."""
+    return Path("results") / f"{study.stem}.h5"

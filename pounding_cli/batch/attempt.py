@@ -1,0 +1,35 @@
+"""One scene, solved or reported: whatever goes wrong in it stays in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.response import Response
+from pounding_cli.store.codec import failed
+
+Solve = Callable[..., Response]
+"""solve(scene, accuracy=..., method=...) -> Response"""
+
+
+@dataclass(frozen=True)
+class Task:
+    """How every scene of a run is solved; goes to the workers once."""
+
+    solve: Solve
+    accuracy: float
+    method: str
+
+    def __call__(self, scene: Scene) -> Response:
+        """The response; an exception becomes a failed response that names it."""
+        try:
+            return self.solve(scene, accuracy=self.accuracy, method=self.method)
+        except Exception as error:  # one scene must not take the others with it
+            advice = "this is a fault of the program: please report it with the study file"
+            return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
+
+    def without(self, scene: Scene, status: str, advice: str) -> Response:
+        """The response of a scene that gave none."""
+        storeys = [building.storeys for building in scene.buildings]
+        return failed(storeys, len(scene.links), status, advice, self.method, self.accuracy)

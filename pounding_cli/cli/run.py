@@ -1,0 +1,128 @@
+"""`pound run`: run what a study still lacks and print its summary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from pounding_cli.batch import Outcome
+    from pounding_cli.store import Overview
+
+FEW_POINTS = 8
+"""Points of a sweep that are printed one by one; of more, the range is."""
+
+
+@click.command("run", short_help="Run what a study still lacks and print its summary.")
+@click.argument("study", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE.h5",
+    help="Results file; results/<study>.h5 in the current folder unless given.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing but scenes that failed.")
+@click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Scenes solved side by side; all cores unless given.",
+)
+@click.option(
+    "--engine",
+    type=click.Choice(("serial", "processes")),
+    default="processes",
+    show_default=True,
+    help="Where scenes are solved; small studies are solved serially either way.",
+)
+@click.pass_context
+def command(
+    ctx: click.Context, study: Path, output: Path | None, quiet: bool, workers: int | None, engine: str
+) -> None:
+    """Run what STUDY still lacks, write one results file, print a summary.
+
+    Scenes that an earlier run solved are reused, also after the study was changed, and the count is printed.
+    Ctrl-C keeps what is solved; the same command goes on from there.
+    Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
+
+    \b
+    Example:
+      pound run configs/fig6.yaml
+      pound run configs/fig6.yaml -o results/fig6.h5 --workers 4
+    """
+    from pounding_cli.api import default_output, load_study
+    from pounding_cli.batch import run_plan
+    from pounding_cli.batch.progress import chosen
+    from pounding_cli.study import expand
+
+    plan = expand(load_study(study))
+    path = output or default_output(study)
+    outcome = run_plan(plan, path, progress=chosen(quiet), workers=workers, engine_name=engine)
+    if not quiet:
+        from pounding_cli.store import overview
+
+        _print(overview(path), outcome)
+    for failure in outcome.failures:
+        click.echo(f"failed: {failure.place}: {failure.status}", err=True)
+        if failure.advice:
+            click.echo(f"    {failure.advice}", err=True)
+    if outcome.failures:
+        ctx.exit(1)
+
+
+def _print(found: Overview, outcome: Outcome) -> None:
+    """The summary: mean ratios, motions, flags, counts, times."""
+    import sys
+
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    click.echo(found.title)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("case", "analysis", "ratio"):
+        table.add_column(heading)
+    for building in found.buildings:
+        table.add_column(f"{building} roof", justify="right")
+        table.add_column("largest (storey)", justify="right")
+    for line in found.lines:
+        cells = []
+        for roof, largest, at in zip(line.roof, line.largest, line.at, strict=True):
+            cells += [_number(roof), _number(largest, at)]
+        table.add_row(line.case, line.analysis, line.ratio, *cells)
+    # Away from a terminal nothing is wrapped, whatever the width a pipe claims to have.
+    Console(width=None if sys.stdout.isatty() else 40 + 45 * len(found.buildings)).print(table)
+    many = f" at {found.points} points of the sweep" if found.points > 1 else ""
+    motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
+    click.echo(f"Means over {found.records} motions{many}.\nMotions, {motions}")
+    for flag, scenes in found.flags.items():
+        click.echo(f"Note, {scenes} scenes: {flag}")
+    side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
+    click.echo(
+        f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
+        f"solver {_time(outcome.solver_seconds)}, in all {_time(outcome.wall_seconds)}"
+    )
+    click.echo(f"Results: {outcome.path}")
+
+
+def _number(values: np.ndarray, at: np.ndarray | None = None) -> str:
+    """One number a point of the sweep, or its range where there are many."""
+    shown = [
+        f"{value:.3f}" + (f" ({storey})" if at is not None else "") if value == value else "-"
+        for value, storey in zip(values, values if at is None else at, strict=True)
+    ]
+    if len(shown) <= FEW_POINTS:
+        return "\n".join(shown)
+    known = values[values == values]
+    return f"{known.min():.3f} to {known.max():.3f}" if known.size else "-"
+
+
+def _time(seconds: float) -> str:
+    if seconds < 1:
+        return f"{1000 * seconds:.0f} ms"
+    return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"

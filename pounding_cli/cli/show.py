@@ -1,0 +1,119 @@
+"""`pound show`: print a table of a results file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
+_SENTENCES = ("effects", "dropped", "flags")
+
+
+@click.command("show", short_help="Print a table of a results file.")
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.h5")
+@click.argument("table", type=click.Choice(TABLES), default="summary")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(("table", "csv", "json")),
+    default="table",
+    show_default=True,
+    help="Columns for the eye, or all digits as CSV or JSON (SI).",
+)
+@click.option("--case", multiple=True, help="Only this case; may be given more than once.")
+@click.option("--analysis", multiple=True, help="Only this analysis.")
+@click.option("--record", multiple=True, help="Only this record.")
+@click.option("--building", multiple=True, help="Only this building.")
+def command(
+    file: Path,
+    table: str,
+    form: str,
+    case: tuple[str, ...],
+    analysis: tuple[str, ...],
+    record: tuple[str, ...],
+    building: tuple[str, ...],
+) -> None:
+    """Print TABLE of a results file: storey, floor, link, scene, summary, records or buildings.
+
+    Columns are described in docs/results.md.
+
+    \b
+    Example:
+      pound show results/fig6.h5
+      pound show results/fig6.h5 storey --format csv --case touching --building stiff
+    """
+    from pounding_cli.store import open_results
+
+    results = open_results(file)
+    frame: pd.DataFrame = results.buildings if table == "buildings" else getattr(results, table)()
+    wanted = {"case": case, "analysis": analysis, "record": record, "building": building}
+    frame = _filtered(frame, {name: values for name, values in wanted.items() if values}, table)
+    if form == "csv":
+        click.echo(_one_line(frame).to_csv(index=False, lineterminator="\n"), nl=False)
+    elif form == "json":
+        click.echo(_json(frame))
+    else:
+        click.echo(results.title)
+        click.echo(_columns(_one_line(frame)))
+
+
+def _filtered(frame: pd.DataFrame, wanted: dict[str, tuple[str, ...]], table: str) -> pd.DataFrame:
+    """The rows asked for; a name that is not there is refused with those that are."""
+    from pounding_cli.errors import InputError, Problem
+
+    problems = []
+    rows = frame
+    for name, values in wanted.items():
+        if name not in frame.columns:
+            message = f"--{name}: the table {table} has no column {name}"
+            problems.append(Problem(message, "leave the option out, or choose another table"))
+            continue
+        there = list(dict.fromkeys(frame[name]))
+        problems += [
+            Problem(f"--{name}: there is no {name} {value!r}", f"write one of: {', '.join(there)}")
+            for value in values
+            if value not in there
+        ]
+        rows = rows[rows[name].isin(values)]
+    if problems:
+        raise InputError(problems)
+    return rows
+
+
+def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
+    """Cells of several sentences on one line each, so that one row is one line."""
+    changed = {
+        name: frame[name].str.replace("\n", "; ") for name in (*_SENTENCES, "advice") if name in frame.columns
+    }
+    return frame.assign(**changed)
+
+
+def _json(frame: pd.DataFrame) -> str:
+    """Rows as JSON objects with all digits; null where there is no number, lists of sentences."""
+    rows = frame.astype(object).where(frame.notna(), None).to_dict("records")
+    for row in rows:
+        row.update({name: row[name].splitlines() for name in _SENTENCES if name in row})
+    return json.dumps(rows, indent=1, default=float)
+
+
+def _columns(frame: pd.DataFrame) -> str:
+    """Columns under their names with units, numbers to four digits."""
+    from pounding_cli.store.layout import COORDINATES, VARIABLES
+
+    units = {name: variable.unit for name, variable in VARIABLES.items()}
+    units |= {
+        name.removeprefix("record_"): unit for name, (unit, _) in COORDINATES.items() if "record_" in name
+    }
+    names = [str(name) for name in frame]
+    headings = {name: f"{name} [{units[name]}]" for name in names if units.get(name, "1") not in ("", "1")}
+    if frame.empty:
+        return "no rows"
+    return frame.rename(columns=headings).to_string(
+        index=False, float_format=lambda value: f"{value:.4g}", na_rep="-"
+    )

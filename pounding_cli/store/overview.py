@@ -1,0 +1,98 @@
+"""The few numbers of a results file that `pound run` prints, read without pandas."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pounding_cli.store.files import opened
+
+MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
+"""What is shown of each analysis: the paper's Figs 6 and 7 show these two."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """Mean over the records of one ratio in one case, building by building; shapes (points,).
+
+    roof : in the top storey [-]
+    largest : the largest of a building's storeys [-]
+    at : the storey it stands in, from 1; 0 where nothing is known
+    """
+
+    case: str
+    analysis: str
+    ratio: str
+    roof: tuple[np.ndarray, ...]
+    largest: tuple[np.ndarray, ...]
+    at: tuple[np.ndarray, ...]
+
+
+@dataclass(frozen=True)
+class Overview:
+    """What a run found.
+
+    motions : source ("real", "stand-in", "user") -> names
+    flags : sentence -> number of scenes
+    points : points of the sweep, 1 where nothing is swept
+    """
+
+    title: str
+    buildings: tuple[str, ...]
+    lines: tuple[Line, ...]
+    motions: dict[str, list[str]]
+    flags: dict[str, int]
+    points: int
+    records: int
+    solver_seconds: float
+
+
+def overview(path: Path) -> Overview:
+    """Read it from a results file.
+
+    Raises
+    ------
+    InputError : not a results file of this program
+    """
+    with opened(path) as file:
+        cases, analyses, buildings, records, sources = (
+            list(file[name].asstr()[:])
+            for name in ("case", "analysis", "building", "record", "record_source")
+        )
+        swept = len(json.loads(file.attrs["swept"]))
+        means = {ratio: file[f"{ratio}_mean"][()] for ratio, _ in MEASURES.values()}
+        # Storeys of a building, in whichever point of the sweep it has most of them.
+        mass = file["mass"][()]
+        there = np.isfinite(mass).any(axis=tuple(range(mass.ndim - 2)))
+        lines = []
+        for c, case in enumerate(cases):
+            for a, analysis in enumerate(analyses):
+                ratio, symbol = MEASURES[analysis]
+                values = means[ratio].reshape(-1, *means[ratio].shape[swept:])[:, c, a]
+                each = [_building(values[:, b], int(there[b].sum())) for b in range(len(buildings))]
+                roof, largest, at = zip(*each, strict=True)
+                lines.append(Line(case, analysis, symbol, roof, largest, at))
+        flags = Counter(flag for cell in file["flags"].asstr()[()].flat for flag in cell.splitlines())
+        return Overview(
+            str(file.attrs["title"]),
+            tuple(buildings),
+            tuple(lines),
+            {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
+            dict(flags.most_common()),
+            int(np.prod(means["V_ratio"].shape[:swept])),
+            len(records),
+            float(file.attrs["solver_seconds"]),
+        )
+
+
+def _building(values: np.ndarray, storeys: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Roof, largest and its storey, from means of shape (points, storeys)."""
+    values = values[:, :storeys]
+    known = np.isfinite(values)
+    filled = np.where(known, values, -np.inf)
+    largest = np.where(known.any(axis=1), filled.max(axis=1), np.nan)
+    return values[:, -1], largest, np.where(known.any(axis=1), filled.argmax(axis=1) + 1, 0)

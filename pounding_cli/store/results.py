@@ -1,0 +1,213 @@
+"""A results file read back: tidy tables, swept axes first."""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+
+from pounding_cli.store.files import opened
+from pounding_cli.store.layout import PLACE, SCENES
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_STOREY = (
+    "V", "V0", "V_ratio", "mu", "mu0", "mu_ratio", "drift", "drift0", "residual_drift",
+)  # fmt: skip
+_FLOOR = (
+    "acceleration", "acceleration0", "acceleration_ratio",
+    "displacement", "displacement_max", "displacement_min",
+)  # fmt: skip
+_LINK_FACTS = ("left", "right", "floor")
+_LINK = ("kind", "gap", "impacts", "peak_force", "max_closing", "impulse", "contact_time")
+_SCENE = (
+    "status", "advice", "method", "tolerance", "steps", "events", "seconds", "energy_residual",
+    "error_estimate", "sensitivity", "effects", "dropped", "flags",
+)  # fmt: skip
+_RECORD = ("source", "digest", "scale", "window", "pga", "arias")
+_RATIOS = ("V_ratio", "mu_ratio", "acceleration_ratio")
+_MEASURES = ("mean", "std", "min", "max")
+
+
+def open_results(path: str | Path) -> Results:
+    """The results of a study.
+
+    Raises
+    ------
+    InputError : no such file, not a results file of this program, or of another format version
+    """
+    return Results(Path(path))
+
+
+class Results:
+    """The tables of one results file (docs/results.md), each read when asked for.
+
+    Attributes
+    ----------
+    path : the file
+    title, study_text, resolved : the study, as written and with every default filled in (SI)
+    axes : swept key -> its values; keys of one axis (zipped) have the same length
+    attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with opened(path) as file:
+            software = {f"software_{name}": _plain(value) for name, value in file["software"].attrs.items()}
+            self.attrs: dict[str, Any] = {
+                name: _plain(value) for name, value in file.attrs.items() if name != "coordinates"
+            } | software
+            self.title = str(self.attrs["title"])
+            self.study_text: str = file["study/text"].asstr()[()]
+            self._resolved: str = file["study/resolved"].asstr()[()]
+            self._swept: list[list[str]] = json.loads(self.attrs["swept"])
+            self.axes: dict[str, list[Any]] = {
+                name: _values(file[name]).tolist() for names in self._swept for name in names
+            }
+
+    @cached_property
+    def resolved(self) -> dict[str, Any]:
+        """The study with every default filled in, SI."""
+        return json.loads(self._resolved)
+
+    def storey(self) -> pd.DataFrame:
+        """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios."""
+        return self._levels("storey", _STOREY)
+
+    def floor(self) -> pd.DataFrame:
+        """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]."""
+        return self._levels("floor", _FLOOR)
+
+    def link(self) -> pd.DataFrame:
+        """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]."""
+        with opened(self.path) as file:
+            if "link" not in file:
+                return _frame({name: [] for name in (*self.axes, *PLACE, "link", *_LINK_FACTS, *_LINK)})
+            dims = (*self._dims, *PLACE, "link")
+            shape = file["impacts"].shape
+            facts = {name: self._spread(_values(file[f"link_{name}"]), shape) for name in _LINK_FACTS}
+            columns = self._index(file, dims, shape) | facts
+            for name in _LINK:
+                array = _values(file[name])
+                if name in ("kind", "gap"):  # the same for every analysis and record
+                    at = len(self._dims) + 1
+                    array = np.broadcast_to(np.expand_dims(array, (at, at + 1)), shape)
+                columns[name] = array.ravel()
+            columns["right_floor"] = self._spread(_values(file["link_right_floor"]), shape)
+        frame = _frame(columns)
+        return frame[frame["kind"] != ""].reset_index(drop=True)
+
+    def scene(self) -> pd.DataFrame:
+        """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
+        with opened(self.path) as file:
+            shape = file["status"].shape
+            columns = self._index(file, (*self._dims, *PLACE), shape)
+            columns |= {name: _values(file[name]).ravel() for name in _SCENE}
+            columns |= {v.name: _values(file[v.name]).ravel() for v in SCENES if v.name.startswith("energy_")}
+        frame = _frame(columns)
+        return frame[frame["status"] != ""].reset_index(drop=True)
+
+    def summary(self) -> pd.DataFrame:
+        """Statistics over the records of every ratio [-]; floor i stands with storey i.
+
+        Standard deviations are with n - 1; `records_used` counts the records with a V_ratio.
+        """
+        with opened(self.path) as file:
+            dims = (*self._dims, "case", "analysis", "building", "storey")
+            shape = file["V_ratio_mean"].shape
+            columns = self._index(file, dims, shape)
+            for ratio in _RATIOS:
+                for measure in _MEASURES:
+                    columns[f"{ratio}_{measure}"] = _values(file[f"{ratio}_{measure}"]).ravel()
+            columns["records_used"] = _values(file["V_ratio_count"]).ravel()
+            there = self._there(file, 2)
+        return _frame(columns)[there].reset_index(drop=True)
+
+    def records(self) -> pd.DataFrame:
+        """Per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used."""
+        with opened(self.path) as file:
+            columns = {"record": _values(file["record"])}
+            return _frame(columns | {name: _values(file[f"record_{name}"]) for name in _RECORD})
+
+    @cached_property
+    def buildings(self) -> pd.DataFrame:
+        """Per building and storey: place from 1 at the left, mass [kg], height [m], stiffness [N/m],
+        yield shear [N], fundamental period [s], the code's separation from the next building [m].
+
+        Swept axes that change a building come first.
+        """
+        with opened(self.path) as file:
+            dims = tuple(_name(scale[0]) for scale in file["mass"].dims)
+            shape = file["mass"].shape
+            columns = self._index(file, dims, shape)
+            storey = columns.pop("storey")
+            places = np.arange(1, shape[-2] + 1)[:, None]
+            columns |= {"place": np.broadcast_to(places, shape).ravel(), "storey": storey}
+            for name in ("mass", "height", "stiffness", "yield_shear"):
+                columns[name] = _values(file[name]).ravel()
+            for name in ("period", "separation"):
+                columns[name] = np.broadcast_to(_values(file[name])[..., None], shape).ravel()
+        frame = _frame(columns)
+        return frame[frame["mass"].notna()].reset_index(drop=True)
+
+    @property
+    def _dims(self) -> tuple[str, ...]:
+        return tuple(names[0] for names in self._swept)
+
+    def _levels(self, level: str, names: tuple[str, ...]) -> pd.DataFrame:
+        with opened(self.path) as file:
+            shape = file[names[0]].shape
+            columns = self._index(file, (*self._dims, *PLACE, "building", level), shape)
+            columns |= {name: _values(file[name]).ravel() for name in names}
+            there = self._there(file, 3)
+        return _frame(columns)[there].reset_index(drop=True)
+
+    def _there(self, file: h5py.File, between: int) -> np.ndarray:
+        """Which rows stand for a storey that exists; `between` dimensions lie between axes and building."""
+        kept = [_name(scale[0]) for scale in file["mass"].dims]
+        there = np.isfinite(_values(file["mass"]))
+        for number, dim in enumerate(self._dims):
+            if dim not in kept:
+                there = np.expand_dims(there, number)
+        there = np.expand_dims(there, tuple(range(len(self._dims), len(self._dims) + between)))
+        sizes = {dim: len(self.axes[dim]) for dim in self._dims}
+        of_place = tuple(file[dim].size for dim in ("case", "analysis", "record")[:between])
+        return np.broadcast_to(there, (*sizes.values(), *of_place, *there.shape[-2:])).ravel()
+
+    def _index(self, file: h5py.File, dims: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+        """The columns that say where a value stands; a zipped axis gives one for each of its keys."""
+        zipped = {names[0]: names for names in self._swept}
+        columns = {}
+        for number, dim in enumerate(dims):
+            across = [1] * len(shape)
+            across[number] = shape[number]
+            for name in zipped.get(dim, [dim]):
+                columns[name] = np.broadcast_to(_values(file[name]).reshape(across), shape).ravel()
+        return columns
+
+    @staticmethod
+    def _spread(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+        return np.broadcast_to(values, shape).ravel()
+
+
+def _values(dataset: h5py.Dataset) -> np.ndarray:
+    return dataset.asstr()[()] if h5py.check_string_dtype(dataset.dtype) else dataset[()]
+
+
+def _name(dataset: h5py.Dataset) -> str:
+    return dataset.name.lstrip("/")
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _frame(columns: dict[str, Any]) -> pd.DataFrame:
+    import pandas as pd  # here, so that `pound run` on a finished study need not load it
+
+    return pd.DataFrame(columns)

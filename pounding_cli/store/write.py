@@ -1,0 +1,258 @@
+"""Writing the results file: to a temporary file beside it, then in its place in one step."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import h5py
+import numpy as np
+
+import pounding_cli
+from pounding_cli.errors import InputError
+from pounding_cli.solve.response import Response
+from pounding_cli.store.dense import Dense, assemble
+from pounding_cli.store.files import opened
+from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, solution_key, solver_version
+from pounding_cli.store.layout import COORDINATES, VARIABLES
+from pounding_cli.store.solutions import write_solutions
+
+if TYPE_CHECKING:
+    from pounding_cli.study import Plan
+
+_PACKED_ABOVE = 1 << 15
+"""Arrays above this size [bytes] are compressed; smaller ones are not worth the chunk index."""
+
+_SOFTWARE = ("numpy", "scipy", "numba", "h5py")
+
+
+@dataclass(frozen=True)
+class Run:
+    """How the results came about: wall time [s], scenes solved now, scenes reused, how many side by side."""
+
+    wall_seconds: float = 0.0
+    solved: int = 0
+    reused: int = 0
+    engine: str = "serial"
+    workers: int = 1
+
+
+def write_results(path: Path, plan: Plan, responses: Mapping[str, Response], run: Run | None = None) -> None:
+    """Write one results file, whole or not at all.
+
+    Parameters
+    ----------
+    path : the file; one that exists is replaced in one step
+    plan : the study expanded
+    responses : by scene digest; every scene of the plan
+    run : how they came about
+
+    Raises
+    ------
+    OSError : the disk is full, or the folder went away; `path` is as it was
+    """
+    hidden = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with h5py.File(hidden, "w", libver=("v110", "latest")) as file:
+            _write(file, plan, responses, run or Run())
+        _sync(hidden)
+        hidden.replace(path)
+        _sync(path.parent)
+    finally:
+        hidden.unlink(missing_ok=True)
+
+
+def is_current(path: Path, plan: Plan) -> bool:
+    """Whether the file already holds exactly this plan, every scene done."""
+    try:
+        with opened(path) as file:
+            return file.attrs["content"] == content_digest(plan) and int(file.attrs["scenes_failed"]) == 0
+    except (InputError, KeyError, OSError):
+        return False
+
+
+def content_digest(plan: Plan) -> str:
+    """SHA-256 of all that a results file says, solver included, cost and machine left out."""
+    sha = hashlib.sha256()
+    for part in (
+        solution_key(plan.accuracy, plan.method),
+        plan.study.text,
+        _json(plan.study.resolved()),
+        repr((plan.axes, plan.cases, plan.analyses, plan.records, plan.buildings, plan.motions)),
+        repr(
+            [(row.point, row.case, row.analysis, row.record, row.scene, row.baselines) for row in plan.rows]
+        ),
+    ):
+        sha.update(part.encode() + b"\0")
+    return sha.hexdigest()
+
+
+def _write(file: h5py.File, plan: Plan, responses: Mapping[str, Response], run: Run) -> None:
+    dense = assemble(plan, responses)
+    scales = _write_coordinates(file, plan, dense)
+    for name, (dims, array) in dense.data.items():
+        if array.size == 0:  # no case has a link
+            continue
+        variable = VARIABLES[name]
+        _dataset(file, name, dims, array, variable.unit, variable.text, scales)
+    study = file.create_group("study")
+    study.attrs["title"] = plan.study.title
+    study["text"] = plan.study.text
+    study["resolved"] = _json(plan.study.resolved())
+    write_solutions(file, {key: responses[key] for key in plan.scenes})
+    _write_attributes(file, plan, responses, run)
+
+
+def _write_coordinates(file: h5py.File, plan: Plan, dense: Dense) -> dict[str, h5py.Dataset]:
+    """Write the coordinate variables; the dimension scales, by dimension."""
+    scales: dict[str, h5py.Dataset] = {}
+    numbers = {dim: np.arange(1, dense.sizes[dim] + 1) for dim in ("storey", "floor")}
+    texts = {
+        "case": plan.cases,
+        "analysis": plan.analyses,
+        "record": plan.records,
+        "building": plan.buildings,
+    }
+    for axis in plan.axes:
+        values = _axis_values([value[0] for value in axis.values])
+        scales[axis.names[0]] = _scale(file, axis.names[0], values, "", f"swept: {axis.names[0]}")
+    for dim, names in texts.items():
+        scales[dim] = _scale(file, dim, _text(names), *COORDINATES[dim])
+    for dim, values in numbers.items():
+        scales[dim] = _scale(file, dim, values, *COORDINATES[dim])
+    beside: list[str] = []
+    for axis in plan.axes:
+        for number, name in enumerate(axis.names[1:], start=1):
+            values = _axis_values([value[number] for value in axis.values])
+            _dataset(file, name, (axis.names[0],), values, "", f"swept with {axis.names[0]}", scales)
+            beside.append(name)
+    if dense.links:
+        labels = [_link_label(plan.buildings, place) for place in dense.links]
+        scales["link"] = _scale(file, "link", _text(labels), *COORDINATES["link"])
+        left, left_floor, right_floor = (np.array(column) for column in zip(*dense.links, strict=True))
+        facts = {
+            "link_left": _text([plan.buildings[place] for place in left]),
+            "link_right": _text([plan.buildings[place + 1] for place in left]),
+            "link_floor": left_floor,
+            "link_right_floor": right_floor,
+        }
+        for name, array in facts.items():
+            _dataset(file, name, ("link",), array, *COORDINATES[name], scales)
+        beside += facts
+    for name in ("source", "digest", "scale", "window", "pga", "arias"):
+        column = [getattr(motion, name) for motion in plan.motions]
+        array = _text(column) if name in ("source", "digest") else np.array(column, float)
+        _dataset(file, f"record_{name}", ("record",), array, *COORDINATES[f"record_{name}"], scales)
+        beside.append(f"record_{name}")
+    file.attrs["coordinates"] = " ".join(beside)  # xarray then takes them for coordinates
+    return scales
+
+
+def _write_attributes(file: h5py.File, plan: Plan, responses: Mapping[str, Response], run: Run) -> None:
+    solutions = [responses[key] for key in plan.scenes]
+    file.attrs.update(
+        {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "title": plan.study.title,
+            "swept": json.dumps([list(axis.names) for axis in plan.axes]),
+            "content": content_digest(plan),
+            "solution_key": solution_key(plan.accuracy, plan.method),
+            "accuracy": plan.accuracy,
+            "method": plan.method,
+            "scenes": len(solutions),
+            "scenes_failed": sum(response.status != "done" for response in solutions),
+            "scenes_solved_last": run.solved,
+            "scenes_reused_last": run.reused,
+            "solver_seconds": float(sum(response.seconds for response in solutions)),
+            "wall_seconds_last": run.wall_seconds,
+            "engine": run.engine,
+            "workers": run.workers,
+            "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        }
+    )
+    software = file.create_group("software")
+    software.attrs.update(
+        {
+            "pounding_cli": pounding_cli.__version__,
+            "solver": solver_version(),
+            "python": platform.python_version(),
+            "platform": platform.platform(),
+            "machine": platform.machine(),
+            "cores": os.cpu_count() or 0,
+            **{name: metadata.version(name) for name in _SOFTWARE},
+        }
+    )
+
+
+def _scale(file: h5py.File, name: str, values: np.ndarray, unit: str, text: str) -> h5py.Dataset:
+    dataset = file.create_dataset(name, data=values, dtype=_dtype(values))
+    _describe(dataset, unit, text)
+    dataset.make_scale(name)
+    return dataset
+
+
+def _dataset(
+    file: h5py.File,
+    name: str,
+    dims: tuple[str, ...],
+    array: np.ndarray,
+    unit: str,
+    text: str,
+    scales: dict[str, h5py.Dataset],
+) -> None:
+    packed = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
+    big = array.dtype != object and array.nbytes > _PACKED_ABOVE
+    dataset = file.create_dataset(name, data=array, dtype=_dtype(array), **(packed if big else {}))
+    _describe(dataset, unit, text)
+    for number, dim in enumerate(dims):
+        dataset.dims[number].attach_scale(scales[dim])
+
+
+def _describe(dataset: h5py.Dataset, unit: str, text: str) -> None:
+    dataset.attrs["long_name"] = text
+    if unit:
+        dataset.attrs["units"] = unit
+
+
+def _dtype(array: np.ndarray):
+    return h5py.string_dtype() if array.dtype == object else array.dtype
+
+
+def _text(values) -> np.ndarray:
+    return np.array([str(value) for value in values], dtype=object)
+
+
+def _axis_values(values: list) -> np.ndarray:
+    """Numbers stay numbers; an axis with any text is text."""
+    numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
+    return np.array(values, float) if numeric else _text(values)
+
+
+def _link_label(buildings: tuple[str, ...], place: tuple[int, int, int]) -> str:
+    left, left_floor, right_floor = place
+    floors = f"{left_floor}" if left_floor == right_floor else f"{left_floor}|{right_floor}"
+    return f"{buildings[left]}|{buildings[left + 1]} floor {floors}"
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, default=str, sort_keys=True)
+
+
+def _sync(path: Path) -> None:
+    """Bring a file, or the entry of a file in its folder, to the disk."""
+    if path.is_dir() and os.name == "nt":
+        return  # a folder has no handle to synchronise there
+    handle = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
