@@ -1,4 +1,4 @@
-"""From a building of the study file to `model.Building`: lists filled in, stiffness and yield shears derived."""
+"""From a building of the study file to `model.Building`: lists filled in, stiffness, yield shears derived."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ def _filled(value: Any, storeys: int) -> np.ndarray:
 
 
 def design_displacements(spec: BuildingSpec, building: Building) -> np.ndarray | None:
-    """Design maximum displacements by the code that set the yield shears [m], shape (n,); None without a code."""
+    """Design displacements by the code that set the yield shears [m], shape (n,); None without one."""
     if spec.yield_shear is not None:
         return None
     design = _design(spec.yield_, Node({}, (0, 0), keys={}), (), Faults(""))
@@ -155,7 +155,7 @@ def design_displacements(spec: BuildingSpec, building: Building) -> np.ndarray |
 
 
 def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:
-    """Code separation of two neighbours at their highest common storey [m]; None where one was not designed by a code."""
+    """Code separation of two neighbours at the lower roof [m]; None where no code designed one."""
     return None if left is None or right is None else float(code_separation(left, right)[-1])
 
 

@@ -38,7 +38,8 @@ def expand(study: Study) -> Plan:
             resolver.motions(point),
             resolver.section(point, "tail"),
         )
-        assert street is not None and motions is not None
+        assert street is not None
+        assert motions is not None
         shown, records = shown or motions, records or tuple(motions)
         buildings = tuple(street.group)
         for case in cases:

@@ -1,4 +1,4 @@
-"""`like:` - a building takes the keys of another; what is given nearer wins, also against its alternatives."""
+"""`like:` a building takes the keys of another; what is given nearer wins, also against its alternatives."""
 
 from __future__ import annotations
 
@@ -35,20 +35,23 @@ def refuse_alternatives(node: Node, kind: str, faults: Faults) -> None:
 
 
 def inherited(buildings: Node, faults: Faults) -> Node:
-    """The mapping of buildings with every `like:` carried out; unknown names and circles are noted and left out."""
+    """The buildings with every `like:` carried out; unknown names and circles are noted and left out."""
     if not buildings.is_mapping:
         return buildings
     done: dict[str, Node] = {}
+    circles: set[frozenset[str]] = set()
     for name, node in buildings.value.items():
         refuse_alternatives(node, "building", faults)
         below = node.get("yield")
         if below is not None:
             refuse_alternatives(below, "yield", faults)
-        done[name] = _follow(name, buildings, faults, ())
+        done[name] = _follow(name, buildings, faults, (), circles)
     return Node(done, buildings.mark, keys=buildings.keys)
 
 
-def _follow(name: str, buildings: Node, faults: Faults, seen: tuple[str, ...]) -> Node:
+def _follow(
+    name: str, buildings: Node, faults: Faults, seen: tuple[str, ...], circles: set[frozenset[str]]
+) -> Node:
     node: Node = buildings.value[name]
     like = node.get("like")
     if like is None or not isinstance(like.value, str):
@@ -57,14 +60,18 @@ def _follow(name: str, buildings: Node, faults: Faults, seen: tuple[str, ...]) -
         faults.add(
             like.mark,
             f"like: no building '{like.value}' is defined",
-            nearest(like.value, set(buildings.value) - {name}),
+            nearest(like.value, [other for other in buildings.value if other != name]),
         )
         return node
     if like.value in (*seen, name):
-        circle = " -> ".join((*seen, name, like.value))
-        faults.add(like.mark, f"like: goes round in a circle: {circle}", "let one of them stand on its own")
+        if frozenset((*seen, name)) not in circles:
+            circles.add(frozenset((*seen, name)))
+            shown = " -> ".join((*seen, name, like.value))
+            faults.add(
+                like.mark, f"like: goes round in a circle: {shown}", "let one of them stand on its own"
+            )
         return node
-    return merged(_follow(like.value, buildings, faults, (*seen, name)), node, "building")
+    return merged(_follow(like.value, buildings, faults, (*seen, name), circles), node, "building")
 
 
 def merged(parent: Node, child: Node, kind: str = "") -> Node:

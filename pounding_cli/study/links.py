@@ -14,17 +14,28 @@ from pounding_cli.study.schema import CaseSpec, Impact, LinkSpec, PairSpec
 from pounding_cli.study.source import Node
 
 DEFAULT_MATERIAL = StiffnessRule(0.2, "mean")
-"""s_mat and s_con unless given: 1/5 of the mean storey stiffness of the stiffer building (paper, parametric studies)."""
+"""s_mat and s_con unless given: 1/5 of the mean storey stiffness of the stiffer building (paper)."""
 
 
 @dataclass(frozen=True)
 class Street:
-    """What the links of a case depend on besides the case: the buildings by place and by type, and the impact element."""
+    """What the links of a case depend on besides the case.
+
+    group, types : buildings by place and by name; common : common floors of each pair of neighbours
+    impact : the impact element
+    A sketch stands in for a street that is not sound, so that its cases can be looked at all the same: `group`
+    and `common` are empty then, and `defined` still holds every name the file defines.
+    """
 
     group: Sequence[Building]
     types: Mapping[str, Building]
     common: Sequence[Sequence[tuple[int, int]]]
     impact: Impact
+    defined: Sequence[str]
+
+    @property
+    def is_sketch(self) -> bool:
+        return not self.group
 
 
 @dataclass(frozen=True)
@@ -38,7 +49,7 @@ class _Layer:
 def links_of(case: CaseSpec, street: Street, root: Node, path: Path, faults: Faults) -> tuple[Link, ...]:
     """All links of a case, by pair and then from the ground up; what is wrong is noted in `faults`."""
     reader = _Reader(street, root, faults)
-    pairs = len(street.group) - 1
+    pairs = len(case.pairs or "1") if street.is_sketch else len(street.group) - 1
     if case.pairs is not None and len(case.pairs) != pairs:
         faults.at(
             root,
@@ -59,7 +70,7 @@ def links_of(case: CaseSpec, street: Street, root: Node, path: Path, faults: Fau
 
 
 def _layer(entry: Any, path: Path, model: type[LinkSpec] = LinkSpec) -> _Layer:
-    return _Layer(model(link=entry) if isinstance(entry, str) else entry, path)
+    return _Layer(model.model_validate({"link": entry}) if isinstance(entry, str) else entry, path)
 
 
 def _says(layers: Sequence[_Layer], key: str) -> Any:
@@ -87,8 +98,12 @@ class _Reader:
         self.faults.at(self.root, path, message, hint, key)
 
     def pair(self, place: int, layers: list[_Layer]) -> list[Link]:
-        common = dict(self.street.common[place])
         floors, by_floor, elsewhere = (_says(layers, key) for key in ("floors", "by_floor", "elsewhere"))
+        if self.street.is_sketch:
+            listed = {*by_floor, *(() if floors == "all" else floors)} or {1}
+            common = {floor: floor for floor in (*listed, max(listed) + 1)}
+        else:
+            common = dict(self.street.common[place])
         named = set(common) if floors == "all" else set(floors)
         if floors != "all":
             for number, floor in enumerate(floors):
@@ -115,6 +130,8 @@ class _Reader:
         return links
 
     def _exists(self, place: int, floor: int, path: Path, hint: str) -> None:
+        if self.street.is_sketch:
+            return
         floors = [left for left, _ in self.street.common[place]]
         if floor not in floors:
             one, other = self.street.group[place].name, self.street.group[place + 1].name
@@ -164,7 +181,7 @@ class _Reader:
         if kind is Kind.INFILL and stiffness > impact:
             self.refuse(
                 _where(layers, "stiffness"),
-                f"the infill's initial stiffness {stiffness:.3g} N/m is above the impact stiffness {impact:.3g} N/m",
+                f"the infill's stiffness {stiffness:.3g} N/m is above the impact stiffness {impact:.3g} N/m",
                 "an infill stiffens to impact.stiffness (paper, Fig. 3): lower the one or raise the other",
             )
             return None
@@ -184,7 +201,8 @@ class _Reader:
         return self.value(default, ("impact", "stiffness"))
 
     def _damping(self, layers: list[_Layer]) -> float:
-        for spec in (*(layer.spec for layer in layers), self.street.impact):
+        speakers: list[LinkSpec | Impact] = [*(layer.spec for layer in layers), self.street.impact]
+        for spec in speakers:
             given = spec.model_fields_set
             if "damping_ratio" in given and spec.damping_ratio is not None:
                 return spec.damping_ratio
@@ -198,14 +216,16 @@ class _Reader:
             return given
         buildings = list(self.street.group)
         if given.building is not None:
-            if given.building not in self.street.types:
+            if given.building not in self.street.defined:
                 self.refuse(
                     path,
                     f"no building '{given.building}' is defined",
-                    nearest(given.building, self.street.types),
+                    nearest(given.building, self.street.defined),
                 )
                 return None
-            buildings = [self.street.types[given.building]]
+            buildings = [self.street.types[given.building]] if given.building in self.street.types else []
+        if not buildings:
+            return None
         of = max if given.which == "stiffest" else _mean
         return given.factor * max(float(of(b.stiffness)) for b in buildings)
 

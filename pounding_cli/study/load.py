@@ -1,4 +1,4 @@
-"""`load_study`: a study file read, validated to the last sweep value, with every problem named at its line."""
+"""`load_study`: a study file read and validated to the last sweep value, every problem named at its line."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class Study:
     def resolved(self) -> dict[str, Any]:
         """The study as plain data: every default filled in, SI numbers, the sweep set aside.
 
-        Buildings also carry what was derived (`derived`: mass, height, stiffness, yield_shear, alpha, beta, period); the
-        places of the group are under `places`, and `separation` holds the code separation [m] of each pair of
-        neighbours, None where no code set the yield shears.
+        Buildings also carry what was derived (`derived`: mass, height, stiffness, yield_shear, alpha, beta,
+        period); the places of the group are under `places`, and `separation` holds the code separation [m] of
+        each pair of neighbours, None where no code set the yield shears.
         """
         base, resolver = self.resolver.base, self.resolver
         plain: dict[str, Any] = shown(self.model)
@@ -48,7 +48,8 @@ class Study:
             {"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in self.axes
         ]
         types, street = resolver.types(base), resolver.group(base)
-        assert types is not None and street is not None
+        assert types is not None
+        assert street is not None
         for name, building in types.items():
             plain["buildings"][name]["derived"] = {
                 **{key: getattr(building, key).tolist() for key in ("mass", "height", "stiffness")},
@@ -74,8 +75,8 @@ class Study:
 def load_study(path: str | Path) -> Study:
     """Read and validate a study file.
 
-    Raises `InputError` with every problem found in it, each with file, line, column, message and hint. The study as
-    written is checked, and every value of every axis on its own; `expand` checks their combinations.
+    Raises `InputError` with every problem found in it, each with file, line, column, message and hint. The
+    study as written is checked, and every value of every axis on its own; `expand` checks their combinations.
     """
     path = Path(path)
     text, root = read_source(path)
@@ -89,7 +90,7 @@ def load_study(path: str | Path) -> Study:
         for index in range(len(axis)):
             point = (*resolver.base[:place], index, *resolver.base[place + 1 :])
             faults.extend(_at_value(resolver.problems(point), axis, index, faulty))
-    model = resolver.model(resolver.base)
+    model = resolver.model()
     if model is not None:
         _whole_study(model, root, faults)
     faults.refuse()
@@ -106,7 +107,7 @@ def load_study(path: str | Path) -> Study:
 
 
 def _at_value(problems: tuple[Problem, ...], axis: SweepAxis, index: int, faulty: bool) -> list[Problem]:
-    """Problems at one value of an axis; those that stand elsewhere in the file name the value that brings them out."""
+    """Problems at one value of an axis; those that stand elsewhere in the file name that value."""
     marks = {node.mark[0] for node in axis.nodes[index]}
     here = []
     for problem in problems:

@@ -16,7 +16,7 @@ class Axis:
     """One dimension of the sweep.
 
     names : dotted keys as in the file, more than one when they move together
-    values : one tuple per point, as long as names: an SI number, or the text of the file for what is no number
+    values : one tuple per point, as long as names: SI numbers, or the file's text for what is no number
     """
 
     names: tuple[str, ...]
@@ -25,7 +25,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Row:
-    """One place in the tables: `point` is the index on every axis; `scene` and `baselines` are keys of Plan.scenes."""
+    """One place in the tables: `point` is the index on every axis; scene and baselines are keys of Plan.scenes."""
 
     point: tuple[int, ...]
     case: str
@@ -37,7 +37,7 @@ class Row:
 
 @dataclass(frozen=True)
 class MotionUse:
-    """A record as it is used: digest, peak [m/s2] and Arias intensity [m/s] after window [s] and scale [-]."""
+    """A record as it is used: digest, peak [m/s2], Arias intensity [m/s] after window [s] and scale [-]."""
 
     name: str
     source: str

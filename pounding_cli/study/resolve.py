@@ -1,9 +1,10 @@
-"""A study at one point of its sweep: the sections validated, buildings, links and motions built, each only once."""
+"""A study at one point of its sweep: sections validated; buildings, links, motions built, each only once."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from pounding_cli.study.links import Street, links_of
 from pounding_cli.study.motions import Shelf, Used, motions_of
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.rules import StiffnessRule
-from pounding_cli.study.schema import BuildingSpec, StudyModel
+from pounding_cli.study.schema import BuildingSpec, Impact, StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis
 
@@ -32,7 +33,7 @@ FEWEST, MOST = 2, 20
 class Resolver:
     """Answers what a study is at a point of its sweep; what axes do not touch is worked out once.
 
-    Every answer comes with the problems met on the way; an answer with problems is None.
+    Every answer keeps the problems met on the way; `problems` tells them. Answers are whole where it tells none.
     """
 
     def __init__(self, root: Node, axes: tuple[SweepAxis, ...], file: str, folder: Path) -> None:
@@ -60,8 +61,7 @@ class Resolver:
         key = (name, self.key(point, sections))
         if key not in self._found:
             faults = Faults(self.file)
-            answer = work(faults)
-            self._found[key] = (None if faults.problems else answer, tuple(faults.problems))
+            self._found[key] = (work(faults), tuple(faults.problems))
         answer, problems = self._found[key]
         self._met.update(dict.fromkeys(problems))
         return answer
@@ -69,11 +69,12 @@ class Resolver:
     def problems(self, point: Point) -> tuple[Problem, ...]:
         """Everything wrong with the study at this point."""
         self._met.clear()
-        self.model(point)
+        if point == self.base:
+            self.model()
+        self.section(point, "tail")
         self.motions(point)
-        if self.group(point) is not None:
-            for case in self.section(point, "cases") or ():
-                self.links(point, case)
+        for case in self.section(point, "cases") or ():
+            self.links(point, case)
         return tuple(self._met)
 
     # The file's tree and the models of its sections
@@ -112,16 +113,9 @@ class Resolver:
         keys = {name: (self.root.keys or {}).get(name, node.mark) for name, node in values.items()}
         return Node(values, self.root.mark, keys=keys)
 
-    def model(self, point: Point) -> StudyModel | None:
-        """The validated study at this point."""
-        if self.key(point, StudyModel.model_fields) == self.base:
-            return self._once("model", self.base, (), self._whole)
-        base = self.model(self.base)
-        sections = {name for touched in self._touched for name in touched}
-        found = {name: self._section(point, name) for name in sections}
-        if base is None or any(answer is None for answer in found.values()):
-            return None
-        return base.model_copy(update={name: answer[0] for name, answer in found.items()})
+    def model(self) -> StudyModel | None:
+        """The validated study as written."""
+        return self._once("model", self.base, (), self._whole)
 
     def _whole(self, faults: Faults) -> StudyModel | None:
         root = self.root_at(self.base)
@@ -132,32 +126,36 @@ class Resolver:
             faults.validation(root, error, StudyModel)
             return None
 
-    def _section(self, point: Point, name: str) -> tuple[Any] | None:
-        """One section validated alone, in a tuple so that None stays apart from a value that is None."""
-
-        def work(faults: Faults) -> tuple[Any] | None:
-            node = self.tree(point, name)
-            if node is None:
-                return None
-            root = Node({name: node}, self.root.mark, keys={name: node.mark})
-            _refuse_twofold(root, faults)
-            holder = StudyModel.model_construct()
-            try:
-                setattr(holder, name, node.plain())
-            except ValidationError as error:
-                faults.validation(root, error, StudyModel)
-                return None
-            return (getattr(holder, name),)
-
-        return self._once(("section", name), point, (name,), work)
-
     def section(self, point: Point, name: str) -> Any:
-        """One validated section; None where the study does not validate."""
-        base = self.model(self.base)
-        if self.key(point, (name,)) == self.base:
-            return None if base is None else getattr(base, name)
-        found = self._section(point, name)
-        return None if found is None else found[0]
+        """One validated section, or its default.
+
+        Of a section with problems, what remains without the faulty entries: so that the rest is looked at too.
+        """
+        return self._once(
+            ("section", name), point, (name,), lambda faults: self._section(point, name, faults)
+        )
+
+    def _section(self, point: Point, name: str, faults: Faults) -> Any:
+        node = self.tree(point, name)
+        if node is None:
+            field = StudyModel.model_fields[name]
+            return None if field.is_required() else field.get_default()
+        root = Node({name: node}, self.root.mark, keys={name: node.mark})
+        _refuse_twofold(root, faults)
+        value = node.plain()
+        try:
+            return _validated(name, value)
+        except ValidationError as error:
+            faults.validation(root, error, StudyModel)
+            if not isinstance(value, dict):
+                return None
+            faulty = {str(item["loc"][1]) for item in error.errors() if len(item["loc"]) > 1}
+        try:
+            return _validated(
+                name, {k: v for k, v in value.items() if k not in faulty} | _harmless(name, faulty)
+            )
+        except ValidationError:
+            return None
 
     # What the sections describe
 
@@ -172,7 +170,7 @@ class Resolver:
             return {
                 name: built
                 for name, spec in specs.items()
-                if (built := self._type(name, spec, root, faults)) is not None
+                if _stands(name, specs) and (built := self._type(name, spec, root, faults)) is not None
             }
 
         return self._once("types", point, ("buildings",), work)
@@ -195,10 +193,12 @@ class Resolver:
 
         def work(faults: Faults) -> Street | None:
             root = self.root_at(point)
-            if not _group_is_sound(names, types, root, faults):
+            defined = root.get("buildings")
+            known = list(defined.value) if defined is not None and defined.is_mapping else []
+            if not _group_is_sound(names, known, root, faults) or any(name not in types for name in names):
                 return None
             placed = [_named(types[name], label) for name, label in zip(names, places(names), strict=True)]
-            common = [_common(one, other) for one, other in zip(placed, placed[1:], strict=False)]
+            common = [_common(one, other) for one, other in pairwise(placed)]
             for place, floors in enumerate(common):
                 if not floors:
                     one, other = placed[place], placed[place + 1]
@@ -207,23 +207,27 @@ class Resolver:
                         ("group", place + 1),
                         f"{one.name} and {other.name} have no floor at one elevation: "
                         f"{_metres(one)} against {_metres(other)} m",
-                        "pounding between floors and columns is not modelled: make the storey heights match somewhere",
+                        "a floor striking a column is not modelled: let the storey heights agree somewhere",
                     )
-            return Street(placed, types, common, impact)
+            return Street(placed, types, common, impact, known) if all(common) else None
 
         return self._once("group", point, ("buildings", "group", "impact"), work)
 
     def links(self, point: Point, case: str) -> tuple[Link, ...] | None:
         """The links of one case."""
         street, cases = self.group(point), self.section(point, "cases")
-        if street is None or cases is None:
-            return None
-        return self._once(
-            ("links", case),
-            point,
-            ("buildings", "group", "impact", "cases"),
-            lambda faults: links_of(cases[case], street, self.root_at(point), ("cases", case), faults),
-        )
+
+        def work(faults: Faults) -> tuple[Link, ...]:
+            root = self.root_at(point)
+            around = street or self._sketch(point, root)
+            return links_of(cases[case], around, root, ("cases", case), faults)
+
+        return self._once(("links", case), point, ("buildings", "group", "impact", "cases"), work)
+
+    def _sketch(self, point: Point, root: Node) -> Street:
+        defined = root.get("buildings")
+        known = list(defined.value) if defined is not None and defined.is_mapping else []
+        return Street((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), known)
 
     def motions(self, point: Point) -> dict[str, Used] | None:
         """The motions by name, cut and scaled."""
@@ -267,7 +271,7 @@ def _metres(building: Building) -> str:
     return ", ".join(shown) + (", ..." if building.storeys > 6 else "")
 
 
-def _group_is_sound(names: tuple[str, ...], types: Mapping[str, Any], root: Node, faults: Faults) -> bool:
+def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Node, faults: Faults) -> bool:
     before = len(faults.problems)
     for place, name in enumerate(names):
         if name not in types:
@@ -276,8 +280,8 @@ def _group_is_sound(names: tuple[str, ...], types: Mapping[str, Any], root: Node
         faults.at(
             root,
             ("group",),
-            f"the group has {len(names)} building{'s' if len(names) != 1 else ''}: one alone has no neighbour to hit",
-            "name at least two, e.g. `group: [stiff, soft]`; every building alone is computed as the baseline anyway",
+            f"the group has {len(names)} building{'s' if len(names) != 1 else ''}: pounding takes two",
+            "name at least two, e.g. `group: [stiff, soft]`; each alone is computed as a baseline anyway",
         )
     if len(names) > MOST:
         faults.at(root, ("group",), f"the group has {len(names)} buildings", f"name at most {MOST}")
@@ -291,6 +295,29 @@ def _group_is_sound(names: tuple[str, ...], types: Mapping[str, Any], root: Node
                 "give the building another name",
             )
     return len(faults.problems) == before
+
+
+def _stands(name: str, specs: Mapping[str, BuildingSpec]) -> bool:
+    """Whether the chain of `like:` from this building ends; else what it lacks says nothing."""
+    seen: set[str] = set()
+    while (like := specs[name].like) is not None:
+        seen.add(name)
+        if like in seen or like not in specs:
+            return False
+        name = like
+    return True
+
+
+def _validated(section: str, value: Any) -> Any:
+    holder = StudyModel.model_construct()
+    setattr(holder, section, value)
+    return getattr(holder, section)
+
+
+def _harmless(section: str, faulty: set[str]) -> dict[str, Any]:
+    """Values in place of faulty ones that bring out no further problem, where the default could."""
+    values = {"duration": "whole", "scale": 1.0} if section == "records" else {}
+    return {key: value for key, value in values.items() if key in faulty}
 
 
 def _refuse_twofold(root: Node, faults: Faults) -> None:

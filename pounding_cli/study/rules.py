@@ -1,4 +1,4 @@
-"""Link stiffnesses given as a multiple of a storey's, `20 x stiffest storey` or `1/5 mean storey of stiff`."""
+"""Link stiffnesses as multiples of a storey's: `20 x stiffest storey`, `1/5 mean storey of stiff`."""
 
 from __future__ import annotations
 
@@ -19,8 +19,7 @@ _HINT = "write an SI or unit value such as 200 kN/mm, or `20 x stiffest storey`,
 class StiffnessRule:
     """`factor` times the stiffest or the mean storey of a building, or of all buildings of the group.
 
-    The mean storey of the group is that of the building whose mean storey is stiffest: "one of the buildings" in the
-    paper's words.
+    The mean storey of the group is that of the building whose mean storey is stiffest ("one of the buildings").
     """
 
     factor: float

@@ -60,6 +60,11 @@ YieldShears = Annotated[
 ]
 
 
+def optional(default: Any, description: str, **more: Any) -> Any:
+    """A key that need not be given."""
+    return Field(default=default, description=description, **more)
+
+
 class Model(BaseModel):
     """Base of every mapping in the file: unknown keys are refused, values are frozen."""
 
@@ -70,14 +75,16 @@ class RecordFile(Model):
     """A motion in a file of one's own."""
 
     file: str = Field(description="path of the file, relative to the study file", examples=["motions/x.AT2"])
-    name: Name | None = Field(None, description="what tables call the motion; the file's stem unless given")
-    unit: Literal["g", "m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2"] | None = Field(
+    name: Name | None = optional(
+        None, description="what tables call the motion; the file's stem unless given"
+    )
+    unit: Literal["g", "m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2"] | None = optional(
         None, description="unit of the acceleration; g unless the file says otherwise"
     )
-    dt: Annotated[float, limited(units.TIME, name="time step", example="0.01 s")] | None = Field(
+    dt: Annotated[float, limited(units.TIME, name="time step", example="0.01 s")] | None = optional(
         None, description="time step [s]; needed for one column of values"
     )
-    format: Literal["at2", "two-column", "column"] | None = Field(
+    format: Literal["at2", "two-column", "column"] | None = optional(
         None, description="found from the file unless given"
     )
 
@@ -86,7 +93,7 @@ class AriasScale(Model):
     """Every record is scaled to the Arias intensity of one of them."""
 
     arias: str = Field(description="the record whose Arias intensity is taken", examples=["elcentro"])
-    window: Window = Field(
+    window: Window = optional(
         "duration",
         description="part of each record its intensity is measured over [s]; `duration`: the analysed part",
     )
@@ -128,29 +135,29 @@ class Records(Model):
         min_length=1,
         examples=[["elcentro", {"file": "motions/x.AT2"}]],
     )
-    duration: Duration = Field(
+    duration: Duration = optional(
         "table1", description="how much of each record is used [s]; `table1`: the paper's durations"
     )
-    scale: Scale = Field(1.0, description="a factor, `table1`, {arias: RECORD} or {pga: 0.35 g}")
+    scale: Scale = optional(1.0, description="a factor, `table1`, {arias: RECORD} or {pga: 0.35 g}")
 
 
 class CodeDesign(Model):
     """Yield shears equal to the storey shears of the Uniform Building Code."""
 
-    code: Edition = Field("UBC-1991", description="edition")
-    zone: Annotated[float, Quantity("zone factor Z", "", "0.4", 0.0, 1.0, open_low=True)] = Field(
+    code: Edition = optional("UBC-1991", description="edition")
+    zone: Annotated[float, Quantity("zone factor Z", "", "0.4", 0.0, 1.0, open_low=True)] = optional(
         0.4, description="zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given"
     )
-    soil: Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 2.0)] = Field(
+    soil: Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 2.0)] = optional(
         1.2, description="soil factor S [-]"
     )
-    importance: Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)] = Field(
+    importance: Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)] = optional(
         1.0, description="importance factor I [-]"
     )
-    rw: Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)] | None = Field(
+    rw: Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)] | None = optional(
         None, alias="Rw", description="system factor of UBC 1988 to 1994 [-]; 12 unless given"
     )
-    k: Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)] | None = Field(
+    k: Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)] | None = optional(
         None, alias="K", description="system factor of UBC 1985 [-]; must be given there"
     )
 
@@ -165,22 +172,22 @@ class Rayleigh(Model):
 class FoundationSpec(Model):
     """Sway and rocking of the base; a motion whose stiffness is absent does not take place."""
 
-    mass: Annotated[float, Quantity("foundation mass", "kg", "100 t", 0.0)] = Field(
+    mass: Annotated[float, Quantity("foundation mass", "kg", "100 t", 0.0)] = optional(
         0.0, description="mass of the base [kg]"
     )
-    sway_stiffness: StoreyStiffness | None = Field(
+    sway_stiffness: StoreyStiffness | None = optional(
         None, description="translational spring [N/m]; absent: no sway"
     )
-    sway_damping: Annotated[float, Quantity("sway damping", "N s/m", "1e6 N s/m", 0.0)] = Field(
+    sway_damping: Annotated[float, Quantity("sway damping", "N s/m", "1e6 N s/m", 0.0)] = optional(
         0.0, description="translational dashpot [N s/m]"
     )
-    inertia: Annotated[float, Quantity("rotary inertia", "kg m2", "1000 t m2", 0.0)] = Field(
+    inertia: Annotated[float, Quantity("rotary inertia", "kg m2", "1000 t m2", 0.0)] = optional(
         0.0, description="rotary inertia of the base [kg m2]"
     )
     rocking_stiffness: (
         Annotated[float, Quantity("rocking stiffness", "N m", "5e9 N m", 0.0, open_low=True)] | None
-    ) = Field(None, description="rotational spring [N m/rad]; absent: no rocking")
-    rocking_damping: Annotated[float, Quantity("rocking damping", "N m s", "1e7 N m s", 0.0)] = Field(
+    ) = optional(None, description="rotational spring [N m/rad]; absent: no rocking")
+    rocking_damping: Annotated[float, Quantity("rocking damping", "N m s", "1e7 N m s", 0.0)] = optional(
         0.0, description="rotational dashpot [N m s/rad]"
     )
 
@@ -194,41 +201,41 @@ Base = Annotated[
 class BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
-    like: str | None = Field(None, description="another building whose keys are taken unless given here")
-    storeys: Annotated[int, Field(ge=1, le=100)] | None = Field(
+    like: str | None = optional(None, description="another building whose keys are taken unless given here")
+    storeys: Annotated[int, Field(ge=1, le=100)] | None = optional(
         None, description="number of storeys; the length of a list unless given", examples=[5]
     )
-    period: Period | None = Field(
+    period: Period | None = optional(
         None, description="fundamental period of the fixed-base building [s]", examples=["0.36 s"]
     )
-    mass: Masses = Field("200 t", description="floor mass [kg], one or a list")
-    height: Heights = Field("3 m", description="storey height [m], one or a list")
-    taper: Taper = Field("1/3", description="top over bottom storey stiffness [-], linear in between")
-    stiffness: Annotated[tuple[StoreyStiffness, ...], Field(min_length=1)] | None = Field(
+    mass: Masses = optional("200 t", description="floor mass [kg], one or a list")
+    height: Heights = optional("3 m", description="storey height [m], one or a list")
+    taper: Taper = optional("1/3", description="top over bottom storey stiffness [-], linear in between")
+    stiffness: Annotated[tuple[StoreyStiffness, ...], Field(min_length=1)] | None = optional(
         None, description="storey stiffnesses [N/m], instead of period and taper"
     )
-    damping: DampingShare = Field("5 %", description="damping ratio of the first two modes [-]")
-    rayleigh: Rayleigh | None = Field(None, description="Rayleigh factors, instead of damping")
-    hardening: Hardenings = Field(0.05, description="post-yield over initial stiffness [-], one or a list")
-    yield_: CodeDesign = Field(CodeDesign(), alias="yield", description="code that sets the yield shears")
-    yield_shear: YieldShears | None = Field(
+    damping: DampingShare = optional("5 %", description="damping ratio of the first two modes [-]")
+    rayleigh: Rayleigh | None = optional(None, description="Rayleigh factors, instead of damping")
+    hardening: Hardenings = optional(0.05, description="post-yield over initial stiffness [-], one or a list")
+    yield_: CodeDesign = optional(CodeDesign(), alias="yield", description="code that sets the yield shears")
+    yield_shear: YieldShears | None = optional(
         None, description="storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
-    foundation: Base = Field("fixed", description="springs under the base; `fixed`: none")
+    foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
 
 
 class Impact(Model):
     """The impact element of pounding, and what an infill stiffens to."""
 
-    stiffness: LinkStiffness = Field("20 x stiffest storey", description="impact spring s_imp [N/m]")
-    restitution: Restitution = Field(0.5, description="coefficient of restitution e [-]")
-    damping_ratio: DampingShare | None = Field(
+    stiffness: LinkStiffness = optional("20 x stiffest storey", description="impact spring s_imp [N/m]")
+    restitution: Restitution = optional(0.5, description="coefficient of restitution e [-]")
+    damping_ratio: DampingShare | None = optional(
         None, description="damping ratio of the dashpot [-], instead of restitution"
     )
-    tension_cut: bool = Field(
+    tension_cut: bool = optional(
         False, description="no force that pulls the floors together at the end of a contact"
     )
-    dashpot: Literal["reduced-mass", "printed"] = Field(
+    dashpot: Literal["reduced-mass", "printed"] = optional(
         "reduced-mass", description="mass in eq. (7); `printed` is its form in the paper, whose unit is wrong"
     )
 
@@ -236,15 +243,17 @@ class Impact(Model):
 class LinkSpec(Model):
     """One link; what is not given is taken from the case around it and then from `impact`."""
 
-    link: LinkKind | None = Field(None, description="what stands between the floors")
-    gap: Gap | None = Field(None, description="initial distance d [m]", examples=["5 cm", "0 cm"])
-    stiffness: LinkStiffness | None = Field(
+    link: LinkKind | None = optional(None, description="what stands between the floors")
+    gap: Gap | None = optional(None, description="initial distance d [m]", examples=["5 cm", "0 cm"])
+    stiffness: LinkStiffness | None = optional(
         None, description="s_imp, s_mat or s_con [N/m]; infill and connector: 1/5 mean storey unless given"
     )
-    restitution: Restitution | None = Field(None, description="coefficient of restitution e [-]")
-    damping_ratio: DampingShare | None = Field(None, description="damping ratio [-], instead of restitution")
-    tension_cut: bool | None = Field(None, description="no force that pulls the floors together")
-    law: Literal["continuous", "printed"] | None = Field(
+    restitution: Restitution | None = optional(None, description="coefficient of restitution e [-]")
+    damping_ratio: DampingShare | None = optional(
+        None, description="damping ratio [-], instead of restitution"
+    )
+    tension_cut: bool | None = optional(None, description="no force that pulls the floors together")
+    law: Literal["continuous", "printed"] | None = optional(
         None, description="infill beyond its thickness: continuous, or eq. (9) as printed, which jumps"
     )
 
@@ -261,11 +270,11 @@ Floors = Annotated[
 class PairSpec(LinkSpec):
     """The links of one pair of neighbours."""
 
-    floors: Floors = Field(
+    floors: Floors = optional(
         "all", description="floors with this link, numbered in the left building of the pair"
     )
-    elsewhere: LinkOrWord = Field("none", description="the link on the floors not listed")
-    by_floor: dict[Floor, LinkOrWord] = Field(
+    elsewhere: LinkOrWord = optional("none", description="the link on the floors not listed")
+    by_floor: dict[Floor, LinkOrWord] = optional(
         {}, description="links of single floors; they come before `floors`"
     )
 
@@ -278,7 +287,7 @@ PairOrWord = Annotated[
 class CaseSpec(PairSpec):
     """A case: what stands between the buildings of the group."""
 
-    pairs: Annotated[tuple[PairOrWord, ...], Field(min_length=1)] | None = Field(
+    pairs: Annotated[tuple[PairOrWord, ...], Field(min_length=1)] | None = optional(
         None, description="one entry for each pair of neighbours, left to right, where they differ"
     )
 
@@ -286,8 +295,10 @@ class CaseSpec(PairSpec):
 class ReportSpec(Model):
     """What the report shows first."""
 
-    plot: tuple[str, ...] | None = Field(None, description="cases in the main figure; all unless given")
-    building: str | None = Field(None, description="building of the main figure; the stiffest unless given")
+    plot: tuple[str, ...] | None = optional(None, description="cases in the main figure; all unless given")
+    building: str | None = optional(
+        None, description="building of the main figure; the stiffest unless given"
+    )
 
 
 _AXIS = {"type": "array", "minItems": 1}
@@ -306,30 +317,30 @@ class StudyModel(Model):
 
     model_config = ConfigDict(frozen=False, validate_assignment=True, title="pound study")
 
-    title: str = Field("", description="shown on every figure and table; the file's name unless given")
+    title: str = optional("", description="shown on every figure and table; the file's name unless given")
     records: Records = Field(description="ground motions")
     buildings: dict[Name, BuildingSpec] = Field(description="building types by name", min_length=1)
     group: tuple[str, ...] = Field(description="buildings from left to right", examples=[["stiff", "soft"]])
-    impact: Impact = Field(Impact(), description="impact element")
+    impact: Impact = optional(Impact(), description="impact element")
     cases: dict[Name, CaseSpec] = Field(description="cases by name", min_length=1)
-    analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = Field(
+    analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
         ("elastic", "inelastic"), description="whether storeys may yield"
     )
-    accuracy: Annotated[float, Quantity("accuracy", "", "1e-6", 1e-14, 0.1)] = Field(
+    accuracy: Annotated[float, Quantity("accuracy", "", "1e-6", 1e-14, 0.1)] = optional(
         1e-6, description="relative error wanted of the peaks [-]"
     )
-    method: Method = Field("taylor", description="how the equations of motion are solved")
-    time_step: Annotated[float, limited(units.TIME, name="time step", example="1e-4 s")] | None = Field(
+    method: Method = optional("taylor", description="how the equations of motion are solved")
+    time_step: Annotated[float, limited(units.TIME, name="time step", example="1e-4 s")] | None = optional(
         None, description="time step of a fixed-step method [s]"
     )
-    tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = Field(
+    tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = optional(
         0.0, description="free vibration after the motion [s]"
     )
-    claims: Literal["fig6", "fig7"] | None = Field(
+    claims: Literal["fig6", "fig7"] | None = optional(
         None, description="figure of the paper this study reproduces"
     )
-    report: ReportSpec = Field(ReportSpec(), description="what the report shows first")
-    sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = Field(
+    report: ReportSpec = optional(ReportSpec(), description="what the report shows first")
+    sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = optional(
         None,
         description="axes: dotted keys with the values they take; the keys of one list entry move together",
     )

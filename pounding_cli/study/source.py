@@ -18,7 +18,7 @@ Mark = tuple[int, int]
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]+\Z")
-# YAML 1.1, as PyYAML reads it, takes 1e10 for text, `no` for false and 0:36 for 36: here only what looks like a number is one.
+# YAML 1.1, as PyYAML reads it, takes 1e10 for text, `no` for false, 0:36 for 36. Here a number looks like one.
 _NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
 _WORDS: dict[str, Any] = {"": None, "~": None, "null": None, "true": True, "false": False}
 _DEEPEST = 30
@@ -69,7 +69,7 @@ class Node:
         return node
 
     def locate(self, path: Sequence[str | int], key: bool = False) -> Mark:
-        """Where the value at `path` begins (its key where `key`); steps the file does not have are passed over."""
+        """Where the value at `path` begins (its key where `key`); steps the file lacks are passed over."""
         node, mark = self, self.mark
         for place, step in enumerate(path):
             child = node.get(step)
@@ -101,7 +101,7 @@ class Node:
 
 
 def read_source(path: Path) -> tuple[str, Node]:
-    """The text of a YAML file and its tree.  Raises `InputError` with file, line and column for what is no YAML mapping."""
+    """The text of a YAML file and its tree; raises `InputError` at its place for what is no YAML mapping."""
     text = _read_text(path)
     try:
         composed = yaml.compose(text, Loader=_LOADER)
@@ -187,7 +187,8 @@ def _syntax(path: Path, error: yaml.MarkedYAMLError, text: str) -> Problem:
     if error.context and error.context_mark and error.context_mark.line + 1 != line:
         what += f" ({error.context} that begins in line {error.context_mark.line + 1})"
     shown = text.splitlines()[line - 1 : line]
-    if shown and "\t" in shown[0][: len(shown[0]) - len(shown[0].lstrip())] or "\\t" in what:
+    indent = shown[0][: len(shown[0]) - len(shown[0].lstrip())] if shown else ""
+    if "\t" in indent or "\\t" in what:
         hint = "indent with spaces: YAML does not allow tabs"
     elif "mapping values are not allowed" in what:
         hint = "put quotes around a value that holds ': '"
@@ -204,8 +205,8 @@ class _Reader:
     """Turns composed YAML nodes into `Node`s and collects what is wrong on the way."""
 
     def __init__(self, path: Path, text: str) -> None:
-        self.path, self.text, self.problems, self.count = path, text, [], 0
-        self.problems: list[Problem]
+        self.path, self.text, self.count = path, text, 0
+        self.problems: list[Problem] = []
 
     def refuse(self, mark: Mark, message: str, hint: str) -> None:
         self.problems.append(Problem(message, hint, str(self.path), *mark))

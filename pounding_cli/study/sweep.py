@@ -31,7 +31,7 @@ class SweepAxis:
 
 
 def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
-    """The axes under `sweep:`: each key of a mapping is one; the keys of one entry of a list move together."""
+    """The axes under `sweep:`: each key of a mapping is one; keys of one entry of a list move together."""
     sweep = root.get("sweep")
     if sweep is None or sweep.value is None:
         return ()

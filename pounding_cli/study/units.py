@@ -25,7 +25,7 @@ _QUANTITY = re.compile(
 _POWER = re.compile(r"(?<=[A-Za-z])([23])(?![0-9])")
 _UNIT = re.compile(r"[A-Za-zµ°%][A-Za-z0-9µ²³·*^/(). -]*\Z")
 
-# The units of this field and no more: pint's own list is long to load and reads `g` as gram, `h` as hour, `a` as year.
+# The units of this field and no more: pint's own list is long to load and takes `h` for hour, `a` for year.
 _DEFINITIONS = """
 milli- = 1e-3 = m-
 centi- = 1e-2 = c-
@@ -83,18 +83,13 @@ def refuse(message: str, hint: str) -> PydanticCustomError:
     return PydanticCustomError("refused", "{message}", {"message": message, "hint": hint})
 
 
-def hinted(kind: str, message: str, hint: str) -> PydanticCustomError:
-    """Like `refuse`, with an error type of its own."""
-    return PydanticCustomError(kind, "{message}", {"message": message, "hint": hint})
-
-
 @dataclass(frozen=True)
 class Quantity:
     """A number with a unit: put it into `Annotated[float, ...]`.
 
-    name : what the number is; si : its SI unit ("" for a plain number); example : how to write one;
-    low, high : the range allowed, in SI; open_low, open_high : the end itself is excluded; words : other texts taken as
-    they are
+    name : what the number is; si : its SI unit ("" for a plain number); example : how to write one
+    low, high : the range allowed, in SI; open_low, open_high : the end itself is excluded
+    words : other texts, taken as they are
     """
 
     name: str
@@ -120,7 +115,7 @@ class Quantity:
     @property
     def wanted(self) -> str:
         """What to write, in words."""
-        what = f"a {self.name}" + (f" [{self.si}]" if self.si else "")
+        what = f"{'an' if self.name[0] in 'aei' else 'a'} {self.name}" + (f" [{self.si}]" if self.si else "")
         limits = f" {self.range}" if self.range else ""
         words = "".join(f" or {word}" for word in self.words)
         return f"write {what}{limits}{words}, e.g. {self.example}"
@@ -200,7 +195,7 @@ def limited(quantity: Quantity, **changes: Any) -> Quantity:
 
 @dataclass(frozen=True)
 class TextForm:
-    """A value read by a function of one's own; `form` tells in words and in the JSON schema what it may look like."""
+    """A value read by a function of its own; `form` and `examples` tell the JSON schema how it may look."""
 
     read: Callable[[Any], Any]
     form: str

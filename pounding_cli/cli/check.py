@@ -1,0 +1,29 @@
+"""`pound check`: validate a study file and nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command("check")
+@click.argument("study", type=click.Path(path_type=Path))
+def command(study: Path) -> None:
+    """Validate STUDY: every problem in one go, as file:line:column, what is wrong, what to write instead.
+
+    Nothing is computed or written.  Exit code 0 when the study is sound, 2 when it was refused.
+
+    Example: pound check configs/fig6.yaml
+    """
+    from pounding_cli.study import expand, load_study
+
+    read = load_study(study)
+    plan = expand(read)
+    for warning in read.warnings:
+        click.echo(f"warning: {warning}", err=True)
+    swept = f" x {len({row.point for row in plan.rows})} sweep points" if plan.axes else ""
+    click.echo(
+        f"OK: {study}: {len(plan.cases)} cases x {len(plan.analyses)} analyses x {len(plan.records)} records{swept}"
+        f" = {len(plan.rows)} rows from {len(plan.scenes)} scenes"
+    )

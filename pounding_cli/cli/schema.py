@@ -1,0 +1,36 @@
+"""`pound schema`: the JSON Schema of study files, for editors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command("schema")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="Write to this file; to the screen unless given."
+)
+def command(output: Path | None) -> None:
+    """Print the JSON Schema of study files: editors complete keys and mark mistakes with it.
+
+    A study that begins with `# yaml-language-server: $schema=pound.schema.json` is checked while it is typed.
+
+    Example: pound schema -o configs/pound.schema.json
+    """
+    import json
+
+    from pounding_cli.errors import InputError, Problem
+    from pounding_cli.study.schema import json_schema
+
+    text = json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
+    if output is None:
+        click.echo(text, nl=False)
+        return
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            Problem(f"cannot write {output}: {error.strerror}", "name a file in a folder that exists")
+        ) from None
+    click.echo(f"wrote {output}")
