@@ -22,8 +22,10 @@ def command(study: Path) -> None:
     plan = expand(read)
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
-    swept = f" x {len({row.point for row in plan.rows})} sweep points" if plan.axes else ""
+    points = len({row.point for row in plan.rows})
+    swept = f" x {points} sweep points" if plan.axes else ""
     click.echo(
-        f"OK: {study}: {len(plan.cases)} cases x {len(plan.analyses)} analyses x {len(plan.records)} records{swept}"
+        f"OK: {study}: {len(plan.cases)} cases x {len(plan.analyses)} analyses x "
+        f"{len(plan.records)} records{swept}"
         f" = {len(plan.rows)} rows from {len(plan.scenes)} scenes"
     )

@@ -23,8 +23,8 @@ class Street:
 
     group, types : buildings by place and by name; common : common floors of each pair of neighbours
     impact : the impact element
-    A sketch stands in for a street that is not sound, so that its cases can be looked at all the same: `group`
-    and `common` are empty then, and `defined` still holds every name the file defines.
+    A sketch stands in for a street that is not sound, so that its cases can be looked at all the same:
+    `group` and `common` are empty then, and `defined` still holds every name the file defines.
     """
 
     group: Sequence[Building]

@@ -66,7 +66,7 @@ def nearest(word: str, names: Iterable[str]) -> str:
 
 
 def options(annotation: Any) -> tuple[dict[str, Any], list[Any], list[Any]]:
-    """What may stand below a value of a type: keys of models, types of list items, of free mappings' values."""
+    """What may stand below a type: keys of models, types of list items, types of free mappings' values."""
     keys: dict[str, Any] = {}
     items: list[Any] = []
     values: list[Any] = []

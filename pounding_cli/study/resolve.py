@@ -33,7 +33,7 @@ FEWEST, MOST = 2, 20
 class Resolver:
     """Answers what a study is at a point of its sweep; what axes do not touch is worked out once.
 
-    Every answer keeps the problems met on the way; `problems` tells them. Answers are whole where it tells none.
+    Every answer keeps the problems met on the way; `problems` tells them, and answers are whole where none are.
     """
 
     def __init__(self, root: Node, axes: tuple[SweepAxis, ...], file: str, folder: Path) -> None:

@@ -19,7 +19,7 @@ _HINT = "write an SI or unit value such as 200 kN/mm, or `20 x stiffest storey`,
 class StiffnessRule:
     """`factor` times the stiffest or the mean storey of a building, or of all buildings of the group.
 
-    The mean storey of the group is that of the building whose mean storey is stiffest ("one of the buildings").
+    The mean storey of the group is that of the building whose mean storey is stiffest.
     """
 
     factor: float
