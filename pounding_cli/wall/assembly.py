@@ -17,7 +17,7 @@ class System:
     """Equations of motion K u + M u'' = p F over the free freedoms: wall nodes first, then column nodes.
 
     K : stiffness [N/m], sparse (n, n); M : lumped masses [kg], shape (n,), zero for massless freedoms;
-    p : shares of the contact force [-], shape (n,), so that p.u is the displacement that works with the force;
+    p : shares of the contact force [-], shape (n,): p.u is the displacement that works with the force;
     spread : from the free freedoms to all of the wall's nodal displacements, sparse (2 nodes, n);
     members : from the free freedoms to the edge stresses of beams and columns [N/m3], sparse (4 members, n);
     beams : how many members, the first ones, are beams
@@ -89,7 +89,7 @@ def assemble(model: WallModel, wall: WallMesh) -> System:
         stress_rows.append(sp.csr_matrix(edge_stress_rows(young, section, length) @ turn) @ motion)
 
     x = model.length + np.concatenate([[0.0], frame.columns])
-    # Every point of the floor's length belongs to the nearer end of its beam; the wall's own length to the wall.
+    # Every point of a floor belongs to the nearer end of its beam; the wall's own length to the wall.
     tributary = np.convolve(np.diff(x), [0.5, 0.5])
     tributary[0] += model.length
     share = tributary / x[-1]
@@ -113,6 +113,7 @@ def assemble(model: WallModel, wall: WallMesh) -> System:
 
     push = np.zeros(total)
     push[:wall_dofs:2] = _contact_shares(model, wall)
+    _free_of_mass(mass, wall, push)
     fixed = np.flatnonzero(np.abs(wall.nodes[1]) < 1e-9)
     free = np.setdiff1d(np.arange(total), np.concatenate([2 * fixed, 2 * fixed + 1]))
     pick = sp.eye_array(total, format="csr")[:, free]
@@ -124,6 +125,19 @@ def assemble(model: WallModel, wall: WallMesh) -> System:
         members=(sp.vstack(stress_rows) @ pick).tocsr(),
         beams=beams,
     )
+
+
+def _free_of_mass(mass: np.ndarray, wall: WallMesh, push: np.ndarray) -> None:
+    """Hand the horizontal mass of the struck nodes to their neighbours, in place.
+
+    A struck node with mass would have to change its speed at once: the contact force would ring at every step
+    and the energy would not close (Khenous, Laborde and Renard 2008). What is moved vanishes with the mesh.
+    """
+    dofs = wall.basis.element_dofs
+    struck = np.flatnonzero(push[: 2 * wall.nodes.shape[1] : 2])
+    around = np.setdiff1d(dofs[:, np.isin(dofs, struck).any(axis=0)], struck)
+    mass[2 * around] += mass[2 * struck].sum() / around.size
+    mass[2 * struck] = 0.0
 
 
 def _contact_shares(model: WallModel, wall: WallMesh) -> np.ndarray:

@@ -8,7 +8,7 @@ from pounding_cli.wall.model import Section
 
 
 def rotation(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float]:
-    """Rotation of the end displacements (u, v, theta) into the member's axes, shape (6, 6); its length [m]."""
+    """Rotation of the end displacements (u, v, theta) into member axes, shape (6, 6); its length [m]."""
     along = np.asarray(end, dtype=float) - np.asarray(start, dtype=float)
     length = float(np.hypot(*along))
     c, s = along / length
@@ -17,7 +17,7 @@ def rotation(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def local_stiffness(young: float, section: Section, length: float) -> np.ndarray:
-    """Stiffness in the member's axes [N/m, N, N m], shape (6, 6): axial force, bending without shear strain."""
+    """Stiffness in member axes [N/m, N, N m], shape (6, 6): axial force, bending without shear strain."""
     axial = young * section.area / length
     a, b, c, d = (young * section.inertia / length**n * f for n, f in ((3, 12), (2, 6), (1, 4), (1, 2)))
     return np.array(

@@ -48,7 +48,7 @@ class WallMesh:
     thickness: float
 
     def on_line(self, y: float) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes on the horizontal mesh line at `y` [m], from the face inwards; their shares of its length [-]."""
+        """Nodes on the mesh line at `y` [m], from the face inwards; their shares of its length [-]."""
         found = np.flatnonzero(np.abs(self.nodes[1] - y) < 1e-9)
         found = found[np.argsort(self.nodes[0, found])]
         x = self.nodes[0, found]
@@ -64,7 +64,7 @@ class WallMesh:
         return found, share / share.sum()
 
     def gradients(self, basis: Basis) -> tuple[sp.csr_matrix, np.ndarray]:
-        """Operator from nodal displacements to (e_x, e_y, gamma_xy) at the basis' points, and the points' areas.
+        """Operator from nodal displacements to (e_x, e_y, gamma_xy) at the basis' points; the points' areas.
 
         Returns
         -------
