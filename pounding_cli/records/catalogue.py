@@ -1,8 +1,8 @@
 """The catalogue of named motions: what is known of each, and where its samples are found.
 
-A name is looked up first in the folders of the environment variable POUND_RECORDS, then in the user's own folder
-(`user_folder`), then among the stand-ins that ship.  Motions from the first two are labelled "real", shipped ones
-"stand-in"; the label travels with the motion into every table and figure.
+A name is looked up first in the folders of the environment variable POUND_RECORDS, then in the user's own
+folder (`user_folder`), then among the stand-ins that ship.  Motions from the first two are labelled "real",
+shipped ones "stand-in"; the label travels with the motion into every table and figure.
 """
 
 from __future__ import annotations
@@ -32,10 +32,11 @@ HOME_VARIABLE = "POUND_HOME"
 
 @dataclass(frozen=True)
 class Facts:
-    """Measured facts of a motion within its window, or, for a motion not at hand, what its stand-in aims at (SI).
+    """Facts of a motion within its window, or, for one not at hand, what its stand-in aims at (SI).
 
-    `spectrum` is the 5 % damped pseudo-acceleration [m/s2] at `periods` [s]; `husid_times` [s] are where the Husid
-    curve passes `husid_fractions`.  `dt`, `samples` and `arias_whole` are None where no digitisation is at hand.
+    `spectrum` is the 5 % damped pseudo-acceleration [m/s2] at `periods` [s]; `husid_times` [s] are where the
+    Husid curve passes `husid_fractions`.  `dt`, `samples` and `arias_whole` are None where no digitisation is
+    at hand.
     """
 
     pga: float
@@ -65,8 +66,8 @@ class FileHint:
 class Entry:
     """One motion of the paper's Table 1.
 
-    `peak` [m/s2], `duration` [s] and `scale` [-] are what Table 1 prints; `facts` says more, and `facts_of` whether
-    they were measured on the real motion ("real") or are an estimate ("estimate"), from where: `sources`.
+    `peak` [m/s2], `duration` [s] and `scale` [-] are what Table 1 prints; `facts` says more, and `facts_of`
+    whether they were measured on the real motion ("real") or estimated ("estimate"), from `sources`.
     `seed` and `step` [s] are those of the shipped stand-in.
     """
 

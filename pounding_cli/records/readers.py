@@ -72,8 +72,8 @@ def read_motion(
     source : label of the motion
 
     Raises `InputError`, with file and line, for a file that is missing, empty or not text, a value that is no
-    number, uneven or falling times, a count other than the header's, a missing or contradicting time step, an
-    unknown unit or format, and a peak above 5 g (a wrong unit).
+    number, uneven or falling times, a count or digest other than the header's, a missing or
+    contradicting time step, an unknown unit or format, and a peak above 5 g (a wrong unit).
     """
     text = _load(Path(path))
     kind = _format(text, format)
@@ -97,7 +97,15 @@ def read_motion(
             f"say which unit the file is in: {', '.join(UNITS)}",
             first_line,
         )
-    return Motion(name or text.header.get("name") or Path(path).stem, step, acceleration, source)
+    motion = Motion(name or text.header.get("name") or Path(path).stem, step, acceleration, source)
+    written = text.header.get("digest")
+    if kind == "column" and written is not None and written != motion.digest:
+        raise text.refuse(
+            "the samples are not those the file was written with: their digest differs",
+            "import the motion again, or take the '# digest:' line out if the change was meant",
+            first_line,
+        )
+    return motion
 
 
 def read_header(path: str | Path) -> dict[str, str]:

@@ -1,9 +1,10 @@
 """Stand-ins: synthetic motions with the peak, energy, energy growth and response spectrum of a target.
 
-Random phases under an envelope (from the target's Husid curve) are brought to the target spectrum first in the
-frequency domain, then in the time domain by Newton steps of least norm on all targets together.  The step of
-Lilhanand and Tseng (1988, Proc. 9th World Conf. Earthquake Eng., II-819), whose adjustments are time-reversed
-oscillator responses, and of Al Atik and Abrahamson (2010, Earthquake Spectra 26(3), 601-617) is the same idea.
+Random phases under an envelope (from the target's Husid curve) are brought to the target spectrum first in
+the frequency domain, then in the time domain by Levenberg-Marquardt steps of least norm on all targets
+together.  Their adjustments are combinations of time-reversed oscillator responses, as in Lilhanand and Tseng
+(1988, Proc. 9th World Conf. Earthquake Eng., II-819); see also Al Atik and Abrahamson (2010, Earthquake
+Spectra 26(3), 601-617).
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ from pounding_cli.records.intensity import cumulative_arias, oscillator, spectru
 from pounding_cli.records.motion import GRAVITY, Motion
 
 _FOURIER_ROUNDS = 12
-_NEWTON_ROUNDS = 20
+_NEWTON_ROUNDS = 150
 _POINTS_A_PERIOD = 40
-_EXTREMA_KEPT = 0.985
-# Extrema closer than this to the target are held as well, so that pushing one peak down lets no other one pass it.
+_EXTREMA_KEPT = 0.95
+_GOOD_ENOUGH = 1e-2
+_STALLED = 1e3
+_WEIGHT = 3.0
+# Extrema this close to the target are held as well: pushing one peak down lets no other one pass it.
 _SMOOTH = 1.2
 # Width [samples] of the correlation of an adjustment in time: keeps single-sample spikes out.
 
@@ -58,23 +62,29 @@ class Target:
 def synthesize(target: Target) -> Motion:
     """A motion, labelled "stand-in", that meets `target`; the same target gives the same motion.
 
-    Of all Newton rounds the one whose worst relative miss is smallest is kept.  It starts and ends at rest:
-    ground velocity and displacement are zero at both ends.
+    It starts and ends at rest: ground velocity and displacement are zero at both ends.
     """
     envelope = _envelope(target)
     samples = _fourier_match(target, envelope, _noise(target.seed, envelope.size))
-    best, least = samples, np.inf
-    covariance = _covariance(envelope)
+    pulses = _pulses(target, envelope.size)
+    damping, state = 0.1, _linearise(target, samples, pulses)
     for _ in range(_NEWTON_ROUNDS):
-        rows, miss, worst = _linearise(target, samples)
-        if worst < least:
-            best, least = samples, worst
-        spread = covariance @ rows.T
-        normal = rows @ spread
-        # The little added to the diagonal keeps near-parallel rows (neighbouring periods) from fighting.
-        normal[np.diag_indices_from(normal)] *= 1.0 + 1e-3
-        samples = samples + 0.7 * (spread @ np.linalg.solve(normal, miss))
-    return Motion(target.name, target.dt, best, "stand-in")
+        rows, miss = state
+        if np.abs(miss).max() < _GOOD_ENOUGH:
+            break
+        spread = _colour(rows, envelope)
+        normal = spread @ spread.T
+        normal[np.diag_indices_from(normal)] += damping * np.mean(np.diag(normal))
+        step = _colour(spread.T @ np.linalg.solve(normal, miss), envelope, back=True)
+        tried = _linearise(target, samples + step, pulses)
+        # Levenberg and Marquardt: a step that helps is taken and the next one goes further, else it is cut.
+        if tried[1] @ tried[1] < miss @ miss:
+            samples, state, damping = samples + step, tried, max(damping / 2.0, 1e-6)
+        else:
+            damping *= 4.0
+        if damping > _STALLED:
+            break
+    return Motion(target.name, target.dt, samples, "stand-in")
 
 
 def with_seed(target: Target, seed: int) -> Target:
@@ -83,7 +93,7 @@ def with_seed(target: Target, seed: int) -> Target:
 
 
 def _noise(seed: int, size: int) -> np.ndarray:
-    """White noise of unit variance from uniform random phases; Python's generator is the same on every machine."""
+    """White noise of unit variance from random phases; Python's generator is the same on every machine."""
     draw = random.Random(seed)
     phases = np.array([draw.random() for _ in range(size // 2 + 1)]) * 2.0 * np.pi
     noise = np.fft.irfft(np.exp(1j * phases), size)
@@ -91,7 +101,7 @@ def _noise(seed: int, size: int) -> np.ndarray:
 
 
 def _envelope(target: Target) -> np.ndarray:
-    """Square root of the slope of the smoothed target Husid curve at the samples, unit mean square; shape (n,)."""
+    """Square root of the slope of the target's Husid curve at the samples, unit mean square; shape (n,)."""
     from scipy.interpolate import PchipInterpolator
 
     n = round(target.duration / target.dt) + 1
@@ -103,11 +113,16 @@ def _envelope(target: Target) -> np.ndarray:
     return envelope / np.sqrt(np.mean(envelope**2))
 
 
-def _covariance(envelope: np.ndarray) -> np.ndarray:
-    """Where adjustments may go: as large as the envelope, smooth over a few samples; shape (n, n)."""
-    index = np.arange(envelope.size)
-    near = np.exp(-(((index[:, None] - index[None, :]) / _SMOOTH) ** 2) / 2.0)
-    return envelope[:, None] * near * envelope[None, :]
+def _colour(rows: np.ndarray, envelope: np.ndarray, back: bool = False) -> np.ndarray:
+    """Square root of the covariance of adjustments, as large as the envelope and smooth over a few samples.
+
+    `back` applies its transpose.  Shapes (..., n).
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    if back:
+        return envelope * gaussian_filter1d(rows, _SMOOTH, axis=-1, mode="constant")
+    return gaussian_filter1d(rows * envelope, _SMOOTH, axis=-1, mode="constant")
 
 
 def _fourier_match(target: Target, envelope: np.ndarray, noise: np.ndarray) -> np.ndarray:
@@ -115,7 +130,7 @@ def _fourier_match(target: Target, envelope: np.ndarray, noise: np.ndarray) -> n
     frequency = np.fft.rfftfreq(noise.size, target.dt)
     own = 1.0 / np.asarray(target.periods)[::-1]
     wanted = np.asarray(target.spectrum)
-    gain = frequency**2 / (frequency**2 + (0.5 * own[0]) ** 2)
+    gain = frequency**4 / (frequency**4 + (0.5 * own[0]) ** 4)
     shape = np.fft.rfft(noise) * gain
     samples = envelope * np.fft.irfft(shape, noise.size)
     for _ in range(_FOURIER_ROUNDS):
@@ -125,50 +140,47 @@ def _fourier_match(target: Target, envelope: np.ndarray, noise: np.ndarray) -> n
     return samples
 
 
-def _linearise(target: Target, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Rows d(quantity)/d(samples), what each quantity lacks, and the worst relative miss.
-
-    Every row is divided by the size of its quantity, so that the misses are relative; shapes (m, n), (m,), scalar.
-    """
+def _linearise(
+    target: Target, samples: np.ndarray, pulses: list[tuple[int, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows d(quantity)/d(samples) and what each quantity lacks, both over its target; (m, n), (m,)."""
     motion = Motion(target.name, target.dt, samples)
     rows: list[np.ndarray] = []
     miss: list[float] = []
-    worst = 0.0
-    for period, wanted in zip(target.periods, target.spectrum, strict=True):
-        omega2 = (2.0 * np.pi / period) ** 2
-        parts = max(1, int(np.ceil(_POINTS_A_PERIOD * target.dt / period)))
-        u, _ = oscillator(motion, period, parts=parts)
-        response = u * (omega2 / wanted)
-        pulse = _hat_response(target.dt, samples.size, period, parts) * (omega2 / wanted)
+    index = np.arange(samples.size)
+    for period, wanted, (parts, pulse) in zip(target.periods, target.spectrum, pulses, strict=True):
+        response = oscillator(motion, period, parts=parts)[0] * ((2.0 * np.pi / period) ** 2 / wanted)
         for k in _extrema(response):
             # Sample j stands parts * j points in; its hat's response starts one sample earlier.
-            back = k - parts * (np.arange(samples.size) - 1)
+            back = k - parts * (index - 1)
             rows.append(np.where(back >= 0, pulse[np.clip(back, 0, pulse.size - 1)], 0.0))
-            miss.append(float(np.sign(response[k]) - response[k]))
-        worst = max(worst, abs(float(np.abs(response).max()) - 1.0))
+            miss.append(_lack(response, k))
     for k in _extrema(samples / target.pga):
-        rows.append(np.eye(1, samples.size, k)[0] / target.pga)
-        miss.append(float(np.sign(samples[k]) - samples[k] / target.pga))
-    worst = max(worst, 5.0 * abs(motion.pga / target.pga - 1.0))
+        rows.append(_WEIGHT * (index == k) / target.pga)
+        miss.append(_WEIGHT * _lack(samples / target.pga, k))
     energy_rows, energy_miss = _energy(target, motion)
     rows += energy_rows
     miss += energy_miss
-    worst = max(worst, 10.0 * abs(energy_miss[-1]))
-    h, n = target.dt, samples.size
-    weights = np.full(n, h)
-    weights[[0, -1]] = h / 2.0
-    v = velocity(motion)
+    weights = np.full(samples.size, target.dt)
+    weights[[0, -1]] = target.dt / 2.0
     if target.pgv is not None:
-        for k in _extrema(v / target.pgv):
-            rows.append(np.where(np.arange(n) <= k, weights, 0.0) / target.pgv)
-            miss.append(float(np.sign(v[k]) - v[k] / target.pgv))
-    unit = target.pgv or target.pga * 0.1
-    lag = target.duration - h * np.arange(n)
-    moment = weights * lag
-    for row, scale in ((weights, unit), (moment, unit * target.duration / 4.0)):
-        rows.append(row / scale)
-        miss.append(float(-row @ samples / scale))
-    return np.array(rows), np.array(miss), worst
+        v = velocity(motion) / target.pgv
+        for k in _extrema(v):
+            rows.append(np.where(index <= k, weights, 0.0) / target.pgv)
+            miss.append(_lack(v, k))
+    size = target.pgv or target.pga * 0.1
+    rest = weights / size, weights * (target.duration - target.dt * index) / (size * target.duration / 4.0)
+    rows += rest
+    miss += [float(-row @ samples) for row in rest]
+    return np.array(rows), np.array(miss)
+
+
+def _lack(ratio: np.ndarray, k: int) -> float:
+    """How far the largest value stands from +-1, or by how much a smaller one passes it."""
+    size = abs(ratio[k])
+    if size < 1.0 and size < np.abs(ratio).max():
+        return 0.0
+    return float(np.sign(ratio[k]) * (1.0 - size))
 
 
 def _energy(target: Target, motion: Motion) -> tuple[list[np.ndarray], list[float]]:
@@ -183,16 +195,22 @@ def _energy(target: Target, motion: Motion) -> tuple[list[np.ndarray], list[floa
     ):
         k = min(round(time / target.dt), a.size - 1)
         index = np.arange(a.size)
-        rows.append(np.where(index < k, steps_left, 0.0) + np.where(index <= k, steps_right, 0.0))
-        miss.append(float(fraction - total[k] / target.arias))
+        row = np.where(index < k, steps_left, 0.0) + np.where(index <= k, steps_right, 0.0)
+        rows.append(_WEIGHT * row)
+        miss.append(_WEIGHT * float(fraction - total[k] / target.arias))
     return rows, miss
 
 
-def _hat_response(dt: float, size: int, period: float, parts: int) -> np.ndarray:
-    """Oscillator displacement after one unit sample (a hat two steps wide, its foot at point 0)."""
+def _pulses(target: Target, size: int) -> list[tuple[int, np.ndarray]]:
+    """For every period: points a step, and the response over its target to one unit sample."""
     hat = np.zeros(size + 1)
     hat[1] = 1.0
-    return oscillator(Motion("hat", dt, hat), period, parts=parts)[0]
+    pulses = []
+    for period, wanted in zip(target.periods, target.spectrum, strict=True):
+        parts = max(1, int(np.ceil(_POINTS_A_PERIOD * target.dt / period)))
+        response = oscillator(Motion("hat", target.dt, hat), period, parts=parts)[0]
+        pulses.append((parts, response * ((2.0 * np.pi / period) ** 2 / wanted)))
+    return pulses
 
 
 def _extrema(ratio: np.ndarray) -> Iterable[int]:

@@ -1,4 +1,4 @@
-"""The catalogue's own motion file: header lines `# key: value`, then one acceleration in g a line."""
+"""The catalogue's own motion file: header lines `# key: value`, then one acceleration a line."""
 
 from __future__ import annotations
 
@@ -13,18 +13,20 @@ from pounding_cli.records.motion import GRAVITY, Motion
 def motion_text(motion: Motion, about: Mapping[str, str], digits: int | None = None) -> str:
     """The file's text: `about` first, then name, unit, dt, samples and the values in g.
 
-    With `digits` None every value is printed in full, so that reading the file gives the motion back to
-    rounding; otherwise with that many decimals.
+    With `digits` None the values are in m/s2 and in full, so that reading the file gives the very motion
+    back, digest and all; otherwise they are in g with that many decimals.
     """
     lines = [f"# {key}: {value}" for key, value in about.items()]
     lines += [
         f"# name: {motion.name}",
-        "# unit: g",
+        f"# unit: {'m/s2' if digits is None else 'g'}",
         f"# dt: {motion.dt!r} s",
         f"# samples: {motion.acceleration.size}",
     ]
-    values = motion.acceleration / GRAVITY
-    lines += [repr(float(value)) if digits is None else f"{value:.{digits}f}" for value in values]
+    if digits is None:
+        lines += [repr(float(value)) for value in motion.acceleration]
+    else:
+        lines += [f"{value:.{digits}f}" for value in motion.acceleration / GRAVITY]
     return "\n".join(lines) + "\n"
 
 

@@ -1,0 +1,256 @@
+"""`pound records`: list, show, import and synthesize ground motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from pounding_cli.records.motion import Motion
+
+SHOWN_PERIODS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.4, 0.5, 0.6, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0)
+"""Periods [s] of the spectrum table; 0.36 and 0.60 s are the buildings of the paper."""
+
+UNIT_NAMES = ("g", "m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2")
+FORMAT_NAMES = ("at2", "two-column", "column")
+# Written out, so that help needs no numpy; a test holds them to the readers' own tables.
+
+
+@click.group(name="records")
+def command() -> None:
+    """List, show, import and synthesize ground motions.
+
+    A catalogue name is looked up in the folders of POUND_RECORDS, then in your own folder (see `import`),
+    then among the stand-ins that ship. Real motions and stand-ins are told apart in every table and figure.
+    """
+
+
+def _reading(function):
+    """The options that say how a file is to be read."""
+    for option in (
+        click.option(
+            "--format", "format_", type=click.Choice(FORMAT_NAMES), help="File format, if not found."
+        ),
+        click.option("--dt", type=float, metavar="S", help="Time step in s, for a file of one column."),
+        click.option(
+            "--unit", type=click.Choice(UNIT_NAMES), help="Unit of the acceleration; g if left out."
+        ),
+    ):
+        function = option(function)
+    return function
+
+
+@command.command("list")
+def list_() -> None:
+    """List the catalogue: label, peak, Arias intensity, duration, and where each motion comes from.
+
+    Peak and Arias intensity are those of the window that Table 1 of the paper gives.
+
+    \b
+    Example:
+      pound records list
+      POUND_RECORDS=~/motions pound records list
+    """
+    from pounding_cli.records import GRAVITY, arias, entry, find, locate, names
+
+    rows = []
+    for name in names():
+        known, whole = entry(name), find(name)
+        used = whole.windowed(known.duration)
+        rows.append(
+            (
+                name,
+                known.title,
+                whole.source,
+                f"{used.pga / GRAVITY:.3f}",
+                f"{arias(used):.3f}",
+                f"{known.duration:g} of {whole.duration:g}",
+                str(locate(name).path),
+            )
+        )
+    head = ("name", "motion", "label", "peak [g]", "Arias [m/s]", "window [s]", "from")
+    _table(head, rows)
+    if any(row[2] == "stand-in" for row in rows):
+        click.echo(
+            "\nA stand-in is synthetic. To use a real motion: pound records import FILE --as NAME, or set "
+            "POUND_RECORDS\nto a folder that holds it (docs/records.md)."
+        )
+
+
+@command.command()
+@click.argument("motion")
+@click.option(
+    "--window", type=float, metavar="S", help="Only the first so many seconds [Table 1's for a name]."
+)
+@click.option("--whole", is_flag=True, help="The whole motion, also for a catalogue name.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw it: FILE.png, .svg or .pdf."
+)
+@_reading
+def show(
+    motion: str,
+    window: float | None,
+    whole: bool,
+    output: Path | None,
+    unit: str | None,
+    dt: float | None,
+    format_: str | None,
+) -> None:
+    """Show intensity measures and the 5 % response spectrum of MOTION, a catalogue name or a file.
+
+    With -o also draws acceleration, velocity, displacement, the Husid curve and the spectrum.
+
+    \b
+    Example:
+      pound records show taft
+      pound records show motions/kobe.txt --dt 0.01 --unit cm/s2 -o kobe.png
+    """
+    from pounding_cli.errors import InputError, Problem
+    from pounding_cli.records import entry, find, names, read_motion
+
+    title, place = motion, motion
+    if motion in names() or (not Path(motion).exists() and not Path(motion).suffix):
+        from pounding_cli.records import locate
+
+        known = entry(motion)
+        found, title, place = find(motion), known.title, str(locate(motion).path)
+        window = None if whole else window or known.duration
+    else:
+        found = read_motion(motion, unit=unit, dt=dt, format=format_)
+    if window is not None:
+        if not window > 0:
+            raise InputError(Problem(f"the window is {window:g} s", "give a window above 0 s"))
+        found = found.windowed(window)
+    _print_measures(found, title, place)
+    if output is not None:
+        from pounding_cli.records.drawing import draw
+
+        draw(found, title, output)
+        click.echo(f"\ndrawn: {output}")
+
+
+@command.command("import")
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--as", "name", required=True, metavar="NAME", help="Catalogue name the motion stands for.")
+@click.option("--force", is_flag=True, help="Replace a motion imported before under this name.")
+@_reading
+def import_(
+    file: Path, name: str, force: bool, unit: str | None, dt: float | None, format_: str | None
+) -> None:
+    """Copy a real motion into your own folder, so that every study uses it in place of the stand-in.
+
+    It is compared with what the catalogue knows of the motion; what differs is said in words, and imported
+    all the same: you judge. The folder is ~/.local/share/pound/records or your platform's like, or
+    POUND_HOME/records.
+
+    \b
+    Example:
+      pound records import taft111.AT2 --as taft
+      pound records import parkfield.txt --as parkfield --dt 0.01
+    """
+    from pounding_cli.errors import InputError, Problem
+    from pounding_cli.records import entry, locate, read_motion
+    from pounding_cli.records.catalogue import user_folder
+    from pounding_cli.records.importing import differences, imported_text
+    from pounding_cli.records.writers import write_text
+
+    known = entry(name)
+    motion = read_motion(file, name=name, unit=unit, dt=dt, format=format_, source="real")
+    target = user_folder() / f"{name}.txt"
+    if target.exists() and not force:
+        raise InputError(
+            Problem(
+                f"'{name}' was imported before", "say --force to replace it, or delete that file", str(target)
+            )
+        )
+    write_text(target, imported_text(known, motion, file))
+    click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
+    click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, digest {motion.digest[:16]}")
+    told = differences(known, motion)
+    if told:
+        click.echo("It differs from what the catalogue knows:")
+        for line in told:
+            click.echo(f"  - {line}")
+    else:
+        click.echo("It agrees with what the catalogue knows: peak, Arias intensity, time step and length.")
+    used = locate(name).path
+    if used != target:
+        click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")
+
+
+@command.command()
+@click.argument("name", nargs=-1)
+@click.option("--all", "everything", is_flag=True, help="Every stand-in of the catalogue.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path(),
+    show_default="here",
+    help="Folder to write NAME.txt into.",
+)
+@click.option("--seed", type=int, metavar="N", help="Other random phases than the shipped ones.")
+def synthesize(name: tuple[str, ...], everything: bool, output: Path, seed: int | None) -> None:
+    """Make the stand-ins again, from the facts in the catalogue; without --seed they are the shipped ones.
+
+    \b
+    Example:
+      pound records synthesize --all -o standins
+      pound records synthesize taft --seed 7 -o other
+    """
+    from dataclasses import replace
+
+    from pounding_cli.records import GRAVITY, arias, entry, names
+    from pounding_cli.records.standins import stand_in, stand_in_text
+    from pounding_cli.records.writers import write_text
+
+    if bool(name) == everything:
+        raise click.UsageError("give one or more names, or --all: pound records synthesize taft")
+    entries = [entry(each) for each in (names() if everything else name)]
+    for known in entries:
+        if seed is not None:
+            known = replace(known, seed=seed)
+        motion = stand_in(known)
+        target = output / f"{known.name}.txt"
+        write_text(target, stand_in_text(known, motion))
+        click.echo(
+            f"{target}: seed {known.seed}, "
+            f"peak {motion.pga / GRAVITY:.3f} g (aim {known.facts.pga / GRAVITY:.3f}), "
+            f"Arias {arias(motion):.3f} m/s (aim {known.facts.arias:.3f})"
+        )
+
+
+def _print_measures(motion: Motion, title: str, place: str) -> None:
+    from pounding_cli.records import GRAVITY, arias, pgv, significant_duration, spectrum
+    from pounding_cli.records.intensity import husid_times, pgd
+
+    first = float(husid_times(motion, (0.05,))[0])
+    d5_95 = significant_duration(motion)
+    for label, value in (
+        ("motion", f"{title} ({motion.source})"),
+        ("from", place),
+        ("digest", motion.digest[:16]),
+        ("samples", f"{motion.acceleration.size} at {motion.dt:g} s: {motion.duration:g} s"),
+        ("peak", f"{motion.pga / GRAVITY:.4f} g = {motion.pga:.4f} m/s2"),
+        ("peak velocity", f"{pgv(motion):.4f} m/s"),
+        ("peak displacement", f"{pgd(motion):.4f} m (no baseline correction)"),
+        ("Arias intensity", f"{arias(motion):.4f} m/s"),
+        ("D5-95", f"{d5_95:.3f} s, from {first:.3f} to {first + d5_95:.3f} s"),
+    ):
+        click.echo(f"{label:<18}{value}")
+    click.echo("\n5 % damped pseudo-acceleration and displacement")
+    values = spectrum(motion, SHOWN_PERIODS)
+    rows = [
+        (f"{period:.2f}", f"{value / GRAVITY:.4f}", f"{value * (period / 6.283185307179586) ** 2 * 100:.3f}")
+        for period, value in zip(SHOWN_PERIODS, values, strict=True)
+    ]
+    _table(("T [s]", "Sa [g]", "Sd [cm]"), rows)
+
+
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
+    widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
+    for row in [head, *rows]:
+        click.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
