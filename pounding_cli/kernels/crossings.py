@@ -9,7 +9,6 @@ from pounding_cli.kernels.layout import (
     AT_ZERO,
     CONNECTOR,
     CUBIC,
-    ELASTIC,
     INFILL,
     INLINE,
     LINKS_CUBIC,
@@ -18,26 +17,30 @@ from pounding_cli.kernels.layout import (
     POUNDING,
 )
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-from pounding_cli.kernels.recurrence import LARGEST_ORDER
-from pounding_cli.kernels.simd import any_greater, load, magnitude, maximum
+from pounding_cli.kernels.simd import greater, load, magnitude, maximum, minimum, splat
 
 STOREY, CLOSES, OPENS, STIFFENS, SOFTENS, PULLS, PUSHES = 0, 1, 2, 3, 4, 5, 6
 """Kinds of event."""
 
 
 @njit(**INLINE)
-def _storey_crossing(slots, state, work, padded, order, i, end, scratch):
+def _storey_crossing(slots, state, work, ends, padded, order, i, end, scratch):
     """First s in [0, end] where storey i leaves its branch."""
-    branch = state.branch[i]
-    if branch != ELASTIC:  # the drift turns back
+    branch = state.line[i]
+    if branch != 0.0:  # the drift turns back
         for k in range(order):
             scratch[k] = branch * (k + 1) * work.D[(k + 1) * padded + i]
         return first_crossing(scratch, order - 1, end)
     earliest = NEVER
+    first = work.D[i] - state.plastic[i]
+    last = ends.drift[i] - state.plastic[i]
+    limit = slots.yield_drift[i]
     for line in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
-        for k in range(order + 1):
+        if max(line * first, line * last) + ends.drift_stray[i] <= limit:
+            continue
+        for k in range(1, order + 1):
             scratch[k] = -line * work.D[k * padded + i]
-        scratch[0] += slots.yield_drift[i] + line * state.plastic[i]
+        scratch[0] = limit - line * first
         if state.snapped_storey[i] == line:  # just unloaded: exactly on the line and at rest
             scratch[0] = 0.0
             scratch[1] = 0.0
@@ -51,21 +54,21 @@ def first_storey_event(slots, state, work, ends, padded, order, end, scratch):
     """(s, slot) of the first storey event in [0, end], or (NEVER, -1)."""
     earliest = NEVER
     which = -1
+    zero = splat(0.0)
     for b in range(0, padded, 8):
-        drift = load(work.D, b)
         plastic = load(state.plastic, b)
-        reach = maximum(magnitude(drift - plastic), magnitude(load(ends.drift, b) - plastic))
-        if any_greater(reach + load(ends.drift_stray, b), load(slots.yield_drift, b)):
-            for i in range(b, b + 8):
-                elastic = state.branch[i] == ELASTIC
-                if elastic:
-                    z0 = abs(work.D[i] - state.plastic[i])
-                    z1 = abs(ends.drift[i] - state.plastic[i])
-                    if max(z0, z1) + ends.drift_stray[i] <= slots.yield_drift[i]:
-                        continue
-                elif slots.real[i] == 0.0:
-                    continue
-                s = _storey_crossing(slots, state, work, padded, order, i, min(end, earliest), scratch)
+        reach = maximum(magnitude(load(work.D, b) - plastic), magnitude(load(ends.drift, b) - plastic))
+        suspects = greater(reach + load(ends.drift_stray, b), load(slots.yield_drift, b))
+        if suspects == 0:
+            continue
+        # On a yield line (where `plastic` is infinite, so always suspect) all is well while the drift goes on outward.
+        line = load(state.line, b)
+        rate0 = load(ends.rate0, b) * line
+        rate = load(ends.rate, b) * line
+        suspects &= ~(greater(minimum(rate0, rate), load(ends.rate_stray, b)) & greater(line * line, zero))
+        for i in range(b, b + 8):
+            if suspects >> (i - b) & 1:
+                s = _storey_crossing(slots, state, work, ends, padded, order, i, min(end, earliest), scratch)
                 if s < earliest and s <= end:
                     earliest = s
                     which = i
@@ -86,7 +89,7 @@ def _open_link_crossing(links, state, work, padded, order, e, closing, end, scra
 @njit(**INLINE)
 def _closed_link_crossing(links, state, work, order, e, end, scratch, kinds):
     """(s, event) of the first change of a closed link."""
-    base = e * LARGEST_ORDER
+    count = links.size
     earliest = NEVER
     event = OPENS
     infill = kinds == LINKS_CUBIC and links.kind[e] == INFILL
@@ -94,12 +97,12 @@ def _closed_link_crossing(links, state, work, order, e, end, scratch, kinds):
     snapped = state.snapped_link[e]
     if cubic or not infill:  # v falls back to zero
         for k in range(order + 1):
-            scratch[k] = work.V[base + k]
+            scratch[k] = work.V[k * count + e]
         earliest = first_crossing(scratch, order, end)
     if infill:  # v passes the infill's thickness, one way or the other
         sign = -1.0 if cubic else 1.0
         for k in range(order + 1):
-            scratch[k] = sign * work.V[base + k]
+            scratch[k] = sign * work.V[k * count + e]
         scratch[0] = 0.0 if snapped == AT_GAP else scratch[0] - sign * links.gap[e]
         s = first_crossing(scratch, order, min(end, earliest))
         if s < earliest:
@@ -109,7 +112,7 @@ def _closed_link_crossing(links, state, work, order, e, end, scratch, kinds):
         cut = state.link_cut[e] == 1
         sign = -1.0 if cut else 1.0
         for k in range(order):
-            scratch[k] = sign * work.F[base + k]
+            scratch[k] = sign * work.F[k * count + e]
         if snapped == NO_FORCE:
             scratch[0] = 0.0
         s = first_crossing(scratch, order - 1, min(end, earliest))
@@ -125,7 +128,7 @@ def first_link_event(links, state, work, ends, padded, order, end, scratch, kind
     earliest = NEVER
     which = -1
     kind = 0
-    for e in range(links.left.size):
+    for e in range(links.number):
         if links.kind[e] == CONNECTOR:
             continue
         left = links.left[e]

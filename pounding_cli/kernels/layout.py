@@ -9,15 +9,17 @@ Displacements are relative to the ground, so slot i carries D_i = u_i - couple_i
 from __future__ import annotations
 
 from collections import namedtuple
+from typing import Any
 
-OPTIONS = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
+from numba import njit
+
+from pounding_cli.kernels.simd import pointer
+
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
 """How every kernel is compiled; only fused multiply-add is allowed beyond IEEE arithmetic."""
 
-INLINE = {**OPTIONS, "forceinline": True}
+INLINE: dict[str, Any] = {**OPTIONS, "forceinline": True}
 """The same for a piece of a kernel that stands in a file of its own."""
-
-ELASTIC, UPWARD, DOWNWARD = 0, 1, -1
-"""Storey branches: between the yield lines, on the upper line, on the lower one."""
 
 OPEN, LINEAR, CUBIC = 0, 1, 2
 """Link branches: no contact; F = s v + F0 + c v'; the infill's cubic with its square-root dashpot."""
@@ -36,26 +38,27 @@ LINKS_NONE, LINKS_LINEAR, LINKS_CUBIC = 0, 1, 2
 
 Slots = namedtuple(
     "Slots",
-    "couple couple_right stiffness dashpot inverse_mass mass alpha real yield_drift hardening rise elevation",
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha real yield_drift hardening rise elevation",
 )
-"""Per slot, shape (padded,): stiffness [N/m], dashpot [N s/m] (beta k, or the foundation's), inverse_mass [1/kg], mass [kg],
+"""size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the foundation's), inverse_mass [1/kg], mass [kg],
 alpha [1/s] (0 over a foundation), real (1, padding 0), yield_drift [m] (inf: never), hardening [-], rise [m] (storey height
 where the building rocks, else 0), elevation [m]."""
 
-Feet = namedtuple("Feet", "first stop base inertia stiffness dashpot alpha")
-"""Per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway), inertia [kg m2] (inf: no rocking),
+Feet = namedtuple("Feet", "number first stop base inertia stiffness dashpot alpha")
+"""number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway), inertia [kg m2] (inf: no rocking),
 rocking stiffness [N m/rad], rocking dashpot [N m s/rad], alpha [1/s]."""
 
 Links = namedtuple(
     "Links",
-    "left right kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic root_dashpot tension_cut",
+    "number size left right kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic root_dashpot tension_cut",
 )
-"""Per link: slots left and right, kind, gap d [m], stiffness s [N/m] (infill: s_mat), dashpot [N s/m]; for an infill beyond its
+"""number of links and the same padded to a multiple of eight; per link, shape (size,): slots left and right, kind, gap d [m], stiffness s [N/m] (infill: s_mat), dashpot [N s/m]; for an infill beyond its
 thickness F = beyond v + beyond_force + beyond_dashpot v'; cubic p = (s_imp - s_mat) / (3 d^2) [N/m3];
 root_dashpot 2 xi sqrt(m') so that c_cur = root_dashpot sqrt(s_cur); tension_cut 0 or 1."""
 
-State = namedtuple("State", "u v branch plastic snapped_storey link_branch link_cut snapped_link phi phi_v")
-"""What evolves: u [m], v [m/s], storey branch, plastic drift [m], storeys exactly on a yield line (+1, -1), link branch,
+State = namedtuple("State", "u v line plastic snapped_storey link_branch link_cut snapped_link phi phi_v")
+"""What evolves: u [m], v [m/s]; per storey: line (0 between the yield lines, +1 or -1 on the upper or lower one),
+plastic drift [m] (inf on a line), snapped_storey (+1, -1: exactly on that line and at rest); link branch,
 link cut (1: pulling, so no force), what is exactly zero of a link, rocking angle [rad] and its rate."""
 
 Peaks = namedtuple(
@@ -63,3 +66,54 @@ Peaks = namedtuple(
     "drift shear acceleration displacement_max displacement_min sway rocking closing force impulse contact_time impacts",
 )
 """Largest values so far, per slot, foundation and link (SI)."""
+
+
+# The same tuples hold numpy arrays where a kernel is called and pointers to their data inside it.
+
+
+@njit(**INLINE)
+def slot_pointers(a):
+    """Slots of pointers from Slots of arrays."""
+    return Slots(
+        a.size, pointer(a.couple), pointer(a.couple_right), pointer(a.stiffness), pointer(a.dashpot),
+        pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.real), pointer(a.yield_drift),
+        pointer(a.hardening), pointer(a.rise), pointer(a.elevation),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def foot_pointers(a):
+    """Feet of pointers from Feet of arrays."""
+    return Feet(
+        a.number, pointer(a.first), pointer(a.stop), pointer(a.base), pointer(a.inertia), pointer(a.stiffness),
+        pointer(a.dashpot), pointer(a.alpha),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def link_pointers(a):
+    """Links of pointers from Links of arrays."""
+    return Links(
+        a.number, a.size, pointer(a.left), pointer(a.right), pointer(a.kind), pointer(a.gap), pointer(a.stiffness),
+        pointer(a.dashpot), pointer(a.beyond), pointer(a.beyond_force), pointer(a.beyond_dashpot), pointer(a.cubic),
+        pointer(a.root_dashpot), pointer(a.tension_cut),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def state_pointers(a):
+    """State of pointers from State of arrays."""
+    return State(
+        pointer(a.u), pointer(a.v), pointer(a.line), pointer(a.plastic), pointer(a.snapped_storey),
+        pointer(a.link_branch), pointer(a.link_cut), pointer(a.snapped_link), pointer(a.phi), pointer(a.phi_v),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def peak_pointers(a):
+    """Peaks of pointers from Peaks of arrays."""
+    return Peaks(
+        pointer(a.drift), pointer(a.shear), pointer(a.acceleration), pointer(a.displacement_max),
+        pointer(a.displacement_min), pointer(a.sway), pointer(a.rocking), pointer(a.closing), pointer(a.force),
+        pointer(a.impulse), pointer(a.contact_time), pointer(a.impacts),
+    )  # fmt: skip

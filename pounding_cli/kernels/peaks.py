@@ -6,19 +6,27 @@ from numba import njit
 
 from pounding_cli.kernels.layout import INLINE, LINKS_NONE, OPEN
 from pounding_cli.kernels.polynomial import highest
-from pounding_cli.kernels.recurrence import LARGEST_ORDER
-from pounding_cli.kernels.simd import any_greater, load, magnitude, maximum, splat
+from pounding_cli.kernels.simd import greater, load, magnitude, maximum, minimum, splat, store
+
+
+@njit(**INLINE)
+def _turns(rate0, rate, stray):
+    """Lanes whose quantity may have a largest value inside the step."""
+    same = greater(rate0 * rate, splat(0.0)) & greater(minimum(magnitude(rate0), magnitude(rate)), stray)
+    return ~same
 
 
 @njit(**INLINE)
 def _drift_peaks(work, ends, peaks, padded, order, end, scratch):
     for b in range(0, padded, 8):
-        bound = maximum(magnitude(load(work.D, b)), magnitude(load(ends.drift, b))) + load(
-            ends.drift_stray, b
-        )
-        if any_greater(bound, load(peaks.drift, b)):
+        peak = load(peaks.drift, b)
+        reach = maximum(magnitude(load(work.D, b)), magnitude(load(ends.drift, b)))
+        suspects = greater(reach + load(ends.drift_stray, b), peak)
+        if suspects != 0:
+            store(peaks.drift, b, maximum(peak, reach))
+            suspects &= _turns(load(ends.rate0, b), load(ends.rate, b), load(ends.rate_stray, b))
             for i in range(b, b + 8):
-                if max(abs(work.D[i]), abs(ends.drift[i])) + ends.drift_stray[i] > peaks.drift[i]:
+                if suspects >> (i - b) & 1:
                     for k in range(order + 1):
                         scratch[k] = work.D[k * padded + i]
                     peaks.drift[i] = highest(scratch, order, end, peaks.drift[i], True)
@@ -27,63 +35,63 @@ def _drift_peaks(work, ends, peaks, padded, order, end, scratch):
 @njit(**INLINE)
 def _shear_peaks(work, ends, peaks, padded, order, end, scratch):
     for b in range(0, padded, 8):
+        peak = load(peaks.shear, b)
         tangent = load(work.tangent, b)
         offset = load(work.offset, b)
         first = magnitude(tangent * load(work.D, b) + offset)
-        last = magnitude(tangent * load(ends.drift, b) + offset)
-        if any_greater(maximum(first, last) + tangent * load(ends.drift_stray, b), load(peaks.shear, b)):
+        reach = maximum(first, magnitude(tangent * load(ends.drift, b) + offset))
+        suspects = greater(reach + tangent * load(ends.drift_stray, b), peak)
+        if suspects != 0:
+            store(peaks.shear, b, maximum(peak, reach))
+            suspects &= _turns(load(ends.rate0, b), load(ends.rate, b), load(ends.rate_stray, b))
             for i in range(b, b + 8):
-                tangent_i = work.tangent[i]
-                first_i = abs(tangent_i * work.D[i] + work.offset[i])
-                last_i = abs(tangent_i * ends.drift[i] + work.offset[i])
-                if max(first_i, last_i) + tangent_i * ends.drift_stray[i] > peaks.shear[i]:
+                if suspects >> (i - b) & 1:
                     for k in range(order + 1):
-                        scratch[k] = tangent_i * work.D[k * padded + i]
+                        scratch[k] = work.tangent[i] * work.D[k * padded + i]
                     scratch[0] += work.offset[i]
                     peaks.shear[i] = highest(scratch, order, end, peaks.shear[i], True)
 
 
 @njit(**INLINE)
-def _displacement_peaks(state, work, ends, peaks, padded, order, end, scratch):
+def _displacement_peaks(work, ends, peaks, padded, order, end, scratch):
+    minus = splat(-1.0)
     for b in range(0, padded, 8):
-        first = load(state.u, b)
+        first = load(work.U, b)
         last = load(ends.u, b)
         stray = load(ends.u_stray, b)
-        above = any_greater(maximum(first, last) + stray, load(peaks.displacement_max, b))
-        minus = splat(-1.0)
-        below = any_greater(
-            maximum(minus * first, minus * last) + stray, minus * load(peaks.displacement_min, b)
-        )
-        if above or below:
+        top = load(peaks.displacement_max, b)
+        bottom = load(peaks.displacement_min, b)
+        above = greater(maximum(first, last) + stray, top)
+        below = greater(minus * minimum(first, last) + stray, minus * bottom)
+        if above | below != 0:
+            store(peaks.displacement_max, b, maximum(top, maximum(first, last)))
+            store(peaks.displacement_min, b, minimum(bottom, minimum(first, last)))
+            turns = _turns(load(work.W, b), load(ends.v, b), load(ends.v_stray, b))
             for i in range(b, b + 8):
-                top = max(state.u[i], ends.u[i]) + ends.u_stray[i] > peaks.displacement_max[i]
-                bottom = min(state.u[i], ends.u[i]) - ends.u_stray[i] < peaks.displacement_min[i]
-                if top or bottom:
-                    scratch[0] = state.u[i]
-                    for k in range(1, order + 1):
+                if (above | below) & turns & 1 << (i - b):
+                    for k in range(order + 1):
                         scratch[k] = work.U[k * padded + i]
-                    if top:
-                        peaks.displacement_max[i] = highest(
-                            scratch, order, end, peaks.displacement_max[i], False
-                        )
-                    if bottom:
-                        for k in range(order + 1):
-                            scratch[k] = -scratch[k]
-                        peaks.displacement_min[i] = -highest(
-                            scratch, order, end, -peaks.displacement_min[i], False
-                        )
+                    peaks.displacement_max[i] = highest(scratch, order, end, peaks.displacement_max[i], False)
+                    for k in range(order + 1):
+                        scratch[k] = -scratch[k]
+                    peaks.displacement_min[i] = -highest(
+                        scratch, order, end, -peaks.displacement_min[i], False
+                    )
 
 
 @njit(**INLINE)
 def _acceleration_peaks(work, ends, peaks, padded, order, end, scratch, h, ground, ground_slope):
     scale = 1.0 / (h * h)
     for b in range(0, padded, 8):
-        first = magnitude(load(ends.first_acceleration, b))
-        bound = maximum(first, magnitude(load(ends.last_acceleration, b))) + load(ends.acceleration_stray, b)
-        if any_greater(bound * scale, load(peaks.acceleration, b)):
+        peak = load(peaks.acceleration, b)
+        reach = maximum(magnitude(load(ends.acceleration0, b)), magnitude(load(ends.acceleration, b))) * scale
+        suspects = greater(reach + load(ends.acceleration_stray, b) * scale, peak)
+        if suspects != 0:
+            store(peaks.acceleration, b, maximum(peak, reach))
+            jerk0 = load(work.W, 2 * padded + b) * 2.0 + ground_slope
+            suspects &= _turns(jerk0, load(ends.jerk, b), load(ends.jerk_stray, b))
             for i in range(b, b + 8):
-                reach = max(abs(ends.first_acceleration[i]), abs(ends.last_acceleration[i]))
-                if (reach + ends.acceleration_stray[i]) * scale > peaks.acceleration[i]:
+                if suspects >> (i - b) & 1:
                     for k in range(order):
                         scratch[k] = (k + 1) * work.W[(k + 1) * padded + i] * scale
                     scratch[0] += ground * scale
@@ -93,7 +101,7 @@ def _acceleration_peaks(work, ends, peaks, padded, order, end, scratch, h, groun
 
 @njit(**INLINE)
 def _rocking_peaks(feet, work, peaks, order, end, scratch):
-    count = feet.first.size
+    count = feet.number
     for f in range(count):
         for k in range(order + 1):
             scratch[k] = work.phi_D[k * count + f]
@@ -101,28 +109,24 @@ def _rocking_peaks(feet, work, peaks, order, end, scratch):
 
 
 @njit(**INLINE)
-def _link_peaks(links, state, work, ends, peaks, active, count, padded, order, end, scratch, h):
-    for e in range(links.left.size):
+def _link_peaks(links, state, work, ends, peaks, padded, order, end, scratch, h):
+    scale = 1.0 / (h * h)
+    count = links.size
+    for e in range(links.number):
         left = links.left[e]
         right = links.right[e]
-        first = state.u[left] - state.u[right]
-        last = ends.u[left] - ends.u[right]
-        if max(first, last) + ends.u_stray[left] + ends.u_stray[right] > peaks.closing[e]:
-            scratch[0] = first
-            for k in range(1, order + 1):
+        reach = max(work.U[left] - work.U[right], ends.u[left] - ends.u[right])
+        if reach + ends.u_stray[left] + ends.u_stray[right] > peaks.closing[e]:
+            for k in range(order + 1):
                 scratch[k] = work.U[k * padded + left] - work.U[k * padded + right]
             peaks.closing[e] = highest(scratch, order, end, peaks.closing[e], False)
-    scale = 1.0 / (h * h)
-    for a in range(count):
-        e = active[a]
         if state.link_branch[e] == OPEN or state.link_cut[e] == 1:
             continue
-        base = e * LARGEST_ORDER
         power = end
         impulse = 0.0
         reach = 0.0
         for k in range(order):
-            force = work.F[base + k] * scale
+            force = work.F[k * count + e] * scale
             scratch[k] = force
             impulse += force * power * work.reciprocal[k + 1]
             power *= end
@@ -135,16 +139,16 @@ def _link_peaks(links, state, work, ends, peaks, active, count, padded, order, e
 
 @njit(**INLINE)
 def track(
-    feet, links, state, work, ends, peaks, active, count, padded, order, end, scratch, h, ground, ground_slope,
+    feet, links, state, work, ends, peaks, padded, order, end, scratch, h, ground, ground_slope,
     inelastic, founded, kinds,
 ):  # fmt: skip
     """Raise every peak that this step, up to s = `end`, exceeds; `ground` and `ground_slope` as in `summarise`."""
     _drift_peaks(work, ends, peaks, padded, order, end, scratch)
     if inelastic:
         _shear_peaks(work, ends, peaks, padded, order, end, scratch)
-    _displacement_peaks(state, work, ends, peaks, padded, order, end, scratch)
+    _displacement_peaks(work, ends, peaks, padded, order, end, scratch)
     _acceleration_peaks(work, ends, peaks, padded, order, end, scratch, h, ground, ground_slope)
     if founded:
         _rocking_peaks(feet, work, peaks, order, end, scratch)
     if kinds != LINKS_NONE:
-        _link_peaks(links, state, work, ends, peaks, active, count, padded, order, end, scratch, h)
+        _link_peaks(links, state, work, ends, peaks, padded, order, end, scratch, h)

@@ -13,11 +13,12 @@ from collections import namedtuple
 
 from numba import njit
 
-from pounding_cli.kernels.layout import CUBIC, INLINE, LINKS_CUBIC, LINKS_NONE
+from pounding_cli.kernels.layout import INLINE, LINKS_NONE
+from pounding_cli.kernels.link_series import add_forces
 from pounding_cli.kernels.simd import (
-    any_greater,
     from_left,
     from_right,
+    greater,
     load,
     magnitude,
     maximum,
@@ -30,20 +31,21 @@ LARGEST_ORDER = 34
 
 Work = namedtuple(
     "Work",
-    "U W D V F square slope root phi_W phi_D tangent offset stencil scaled push force tilt reciprocal curve",
+    "U W D V rates F square root half law phi_W phi_D tangent offset stencil scaled push force tilt reciprocal curve twist",
 )
-"""Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, F: closing and force of each
-link by order; square, slope, root: the infill's v^2, s_cur and its square root by order. phi_W, phi_D: rocking rate and
-angle by order. tangent [N/m] and offset [N] of each storey's branch. stencil: six rows of acceleration per displacement
-(own, left, right) and per velocity (own, left, right); scaled: the same times h^2 and h. push: acceleration of the
-offsets [m/s2]. force: one order's link and foundation forces; tilt: storey height times rocking angle by order and slot.
-reciprocal[k] = 1/k; curve[k] = k (k - 1) / 8."""
+"""Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, rates, F: closing, its rate
+and force by order and link; square, root, half: the infill's v^2 and sqrt(s_cur) by order, and half its inverse; law: the
+link laws' coefficients (`link_series`). phi_W, phi_D: rocking rate and angle by order. tangent [N/m] and offset [N] of each
+storey's branch. stencil: six rows of acceleration per displacement (own, left, right) and per velocity (own, left, right);
+scaled: the same times h^2 and h. push: acceleration of the offsets [m/s2]. force: one order's link and foundation forces;
+tilt: storey height times rocking angle by order and slot. reciprocal[k] = 1/k; curve[k] = k (k - 1) / 8;
+twist[k] = k (k - 1) (k - 2) / 8."""
 
 
 @njit(**INLINE)
 def restencil(slots, work, i):
     """Renew what depends on the branch of slot i: its own stencils."""
-    padded = slots.couple.size
+    padded = slots.size
     below = work.tangent[i]
     above = 0.0
     above_dashpot = 0.0
@@ -120,7 +122,7 @@ def _link_forces(links, state, work, active, count, k, padded, h, kinds):
 def _foundations(slots, feet, work, k, padded, h):
     """Order k of what foundations add: rocking's share of the storey shears, the mass-proportional damping of the
     structural motion (eq. 2), and order k + 1 of the rocking angle."""
-    count = feet.first.size
+    count = feet.number
     h2 = h * h
     row = k * padded
     for f in range(count):
@@ -155,7 +157,7 @@ def _foundations(slots, feet, work, k, padded, h):
 
 @njit(**INLINE)
 def expand(
-    slots, feet, links, state, work, peaks, active, count, padded, h, ground, ground_slope, tolerance, quiet,
+    slots, feet, links, state, work, peaks, busy, padded, h, ground, ground_slope, tolerance, quiet,
     guess, most, founded, kinds,
 ):  # fmt: skip
     """Coefficients up to the order at which two acceleration terms in a row are below `tolerance` times the slot's
@@ -165,15 +167,15 @@ def expand(
         store(work.scaled, b, load(work.stencil, b) * h2)
         store(work.scaled, 3 * padded + b, load(work.stencil, 3 * padded + b) * h)
     zero = splat(0.0)
-    forced = founded or (kinds != LINKS_NONE and count > 0)
+    forced = founded or (kinds != LINKS_NONE and busy > 0)
     small_before = False
     k = 0
     while True:
         if forced:
             for b in range(0, padded, 8):
                 store(work.force, b, zero)
-            if kinds != LINKS_NONE:
-                _link_forces(links, state, work, active, count, k, padded, h, kinds)
+            if kinds != LINKS_NONE and busy > 0:
+                add_forces(links, state, work, k, padded, h, kinds)
             if founded:
                 _foundations(slots, feet, work, k, padded, h)
         row = k * padded
@@ -210,7 +212,7 @@ def expand(
             limit = tolerance * h2 * reciprocal
             for b in range(0, padded, 8):
                 allowed = maximum(load(peaks.acceleration, b), splat(quiet)) * limit
-                large = large or any_greater(magnitude(load(work.W, row + padded + b)), allowed)
+                large = large or greater(magnitude(load(work.W, row + padded + b)), allowed) != 0
             if not large and small_before:
                 return k + 1, True
             small_before = not large
@@ -234,22 +236,23 @@ def shrink(work, peaks, padded, h, tolerance, quiet, order):
 
 
 @njit(**INLINE)
-def rescale(feet, work, active, count, padded, order, ratio, founded, kinds):
+def rescale(feet, links, work, busy, padded, order, ratio, founded, kinds):
     """Coefficients for a step `ratio` times as long: the motion is the same, only s is measured anew."""
     power = 1.0
-    feet_count = feet.first.size
+    feet_count = feet.number
+    count = links.size
     for k in range(order + 1):
-        for i in range(padded):
-            work.W[k * padded + i] *= power * ratio
-            work.U[k * padded + i] *= power
-            if founded:
-                work.tilt[k * padded + i] *= power
+        for b in range(k * padded, (k + 1) * padded, 8):
+            store(work.U, b, load(work.U, b) * power)
+            store(work.W, b, load(work.W, b) * (power * ratio))
         if founded:
-            for f in range(feet_count):
-                work.phi_W[k * feet_count + f] *= power * ratio
-                work.phi_D[k * feet_count + f] *= power
-        if kinds != LINKS_NONE:
-            for a in range(count):
-                work.V[active[a] * LARGEST_ORDER + k] *= power
-                work.F[active[a] * LARGEST_ORDER + k] *= power * ratio * ratio
+            for i in range(k * padded, (k + 1) * padded):
+                work.tilt[i] *= power
+            for f in range(k * feet_count, (k + 1) * feet_count):
+                work.phi_W[f] *= power * ratio
+                work.phi_D[f] *= power
+        if kinds != LINKS_NONE and busy > 0:
+            for b in range(k * count, (k + 1) * count, 8):
+                store(work.V, b, load(work.V, b) * power)
+                store(work.F, b, load(work.F, b) * (power * ratio * ratio))
         power *= ratio

@@ -1,7 +1,8 @@
 """Eight doubles at a time: a numba vector type with loads, stores and arithmetic, so that inner loops are written as mathematics.
 
 LLVM maps one `Vec` to one AVX-512 register, two AVX2 registers or four NEON/SSE registers; nothing here depends on which.
-Arrays must be C-contiguous float64, padded to a multiple of `LANES`; block b of an array covers elements LANES*b .. LANES*b + 7.
+Kernels reach memory through plain pointers (`pointer`), not numpy arrays: an array drags its reference count through every
+call and every field of a tuple, and that costs more than the arithmetic of a small scene. Whoever calls a kernel keeps the arrays alive.
 """
 
 from __future__ import annotations
@@ -32,37 +33,58 @@ class _VecModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, _VECTOR)
 
 
-def _address(context, builder, array_type, array, index):
-    view = context.make_array(array_type)(context, builder, value=array)
-    element = builder.gep(view.data, [index])
-    return builder.bitcast(element, _VECTOR.as_pointer())
-
-
 @intrinsic
-def load(typingctx, array, index):
-    """The eight elements from `array[index]` on; no bounds are checked."""
+def pointer(typingctx, array):
+    """Where the data of a C-contiguous array begin; the array must outlive the pointer."""
     if not isinstance(array, types.Array):
         return None
 
     def codegen(context, builder, signature, args):
-        index64 = context.cast(builder, args[1], signature.args[1], types.intp)
-        return builder.load(_address(context, builder, signature.args[0], args[0], index64), align=8)
+        return context.make_array(signature.args[0])(context, builder, value=args[0]).data
 
-    return vec(array, index), codegen
+    return types.CPointer(array.dtype)(array), codegen
 
 
 @intrinsic
-def store(typingctx, array, index, value):
-    """Write the eight elements of `value` from `array[index]` on; no bounds are checked."""
-    if not isinstance(array, types.Array) or value != vec:
+def further(typingctx, place, count):
+    """The pointer `count` elements on."""
+    if not isinstance(place, types.CPointer):
         return None
 
     def codegen(context, builder, signature, args):
-        index64 = context.cast(builder, args[1], signature.args[1], types.intp)
-        builder.store(args[2], _address(context, builder, signature.args[0], args[0], index64), align=8)
+        return builder.gep(args[0], [context.cast(builder, args[1], signature.args[1], types.intp)])
+
+    return place(place, count), codegen
+
+
+def _address(context, builder, signature, args):
+    index = context.cast(builder, args[1], signature.args[1], types.intp)
+    return builder.bitcast(builder.gep(args[0], [index]), _VECTOR.as_pointer())
+
+
+@intrinsic
+def load(typingctx, place, index):
+    """The eight elements from `place[index]` on; no bounds are checked."""
+    if not isinstance(place, types.CPointer):
+        return None
+
+    def codegen(context, builder, signature, args):
+        return builder.load(_address(context, builder, signature, args), align=8)
+
+    return vec(place, index), codegen
+
+
+@intrinsic
+def store(typingctx, place, index, value):
+    """Write the eight elements of `value` from `place[index]` on; no bounds are checked."""
+    if not isinstance(place, types.CPointer) or value != vec:
+        return None
+
+    def codegen(context, builder, signature, args):
+        builder.store(args[2], _address(context, builder, signature, args), align=8)
         return context.get_dummy_value()
 
-    return types.void(array, index, vec), codegen
+    return types.void(place, index, vec), codegen
 
 
 def _splat(builder, scalar):
@@ -106,21 +128,25 @@ from_right = _shuffle(
 )
 
 
-def _unary(name):
+def _unary(name, doc):
     @intrinsic
     def apply(typingctx, value):
         if value != vec:
             return None
 
         def codegen(context, builder, signature, args):
-            function = cgutils.get_or_insert_function(
-                builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.{name}.v{LANES}f64"
-            )
-            return builder.call(function, [args[0]])
+            kind = ir.FunctionType(_VECTOR, [_VECTOR])
+            function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{LANES}f64")
+            return builder.call(function, args)
 
         return vec(vec), codegen
 
+    apply.__doc__ = doc
     return apply
+
+
+magnitude = _unary("fabs", "Absolute value, element by element.")
+square_root = _unary("sqrt", "Square root, element by element.")
 
 
 def _select_pair(name):
@@ -138,23 +164,21 @@ def _select_pair(name):
     return apply
 
 
-magnitude = _unary("fabs")
 maximum = _select_pair("maximum")
 minimum = _select_pair("minimum")
 
 
 @intrinsic
-def any_greater(typingctx, first, second):
-    """Whether any element of `first` exceeds its partner in `second`."""
+def greater(typingctx, first, second):
+    """Eight bits: bit i is set where element i of `first` exceeds its partner in `second`."""
     if first != vec or second != vec:
         return None
 
     def codegen(context, builder, signature, args):
-        greater = builder.fcmp_ordered(">", args[0], args[1])
-        bits = builder.bitcast(greater, ir.IntType(LANES))
-        return builder.icmp_unsigned("!=", bits, ir.Constant(ir.IntType(LANES), 0))
+        lanes = builder.fcmp_ordered(">", args[0], args[1])
+        return builder.zext(builder.bitcast(lanes, ir.IntType(LANES)), ir.IntType(64))
 
-    return types.boolean(vec, vec), codegen
+    return types.int64(vec, vec), codegen
 
 
 def _binary(operation, emit):
@@ -182,3 +206,4 @@ def _binary(operation, emit):
 _binary(operator.add, "fadd")
 _binary(operator.sub, "fsub")
 _binary(operator.mul, "fmul")
+_binary(operator.truediv, "fdiv")

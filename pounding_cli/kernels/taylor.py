@@ -27,7 +27,6 @@ from pounding_cli.kernels.layout import (
     AT_ZERO,
     CUBIC,
     DONE,
-    ELASTIC,
     EVENT_BOUND,
     INFILL,
     INLINE,
@@ -40,80 +39,93 @@ from pounding_cli.kernels.layout import (
     OPTIONS,
     STALLED,
     STEP_BOUND,
+    foot_pointers,
+    link_pointers,
+    peak_pointers,
+    slot_pointers,
+    state_pointers,
 )
+from pounding_cli.kernels.link_series import closings, set_law
 from pounding_cli.kernels.peaks import track
 from pounding_cli.kernels.recurrence import LARGEST_ORDER, Work, expand, rescale, restencil, shrink
-from pounding_cli.kernels.simd import load, store
+from pounding_cli.kernels.simd import further, load, pointer, store
 from pounding_cli.kernels.summary import Ends, stop_at, summarise
 
 
+def room_needed(padded: int, feet: int, links: int) -> int:
+    """Doubles of scratch that `integrate` needs."""
+    rows = LARGEST_ORDER + 1
+    return rows * (4 * padded + 2 * feet + 5 * links + 4) + 40 * padded + 8 * links + 64
+
+
 @njit(**INLINE)
-def _workspace(padded, feet_count, link_count):
+def _workspace(room, padded, feet_count, link_count):
+    """Carve the scratch of a run out of `room`, whole vectors first; returns (work, ends, scratch)."""
     rows = LARGEST_ORDER
-    reciprocal = np.zeros(rows + 1)
-    curve = np.zeros(rows + 1)
+    by_slot = rows * padded
+    by_link = rows * link_count
+    at = further(room, 4 * by_slot)
+    at_link = further(at, 30 * padded)
+    at_rest = further(at_link, 5 * by_link + 6 * link_count)
+    reciprocal = further(at_rest, 2 * rows * feet_count)
+    curve = further(reciprocal, rows + 1)
+    twist = further(curve, rows + 1)
+    scratch = further(twist, rows + 1)
+    reciprocal[0] = 0.0
+    curve[0] = 0.0
+    twist[0] = 0.0
     for k in range(1, rows + 1):
         reciprocal[k] = 1.0 / k
         curve[k] = k * (k - 1) / 8.0
-    by_link = link_count * rows
-    return Work(
-        np.zeros(rows * padded), np.zeros(rows * padded), np.zeros(rows * padded),
-        np.zeros(by_link), np.zeros(by_link), np.zeros(by_link), np.zeros(by_link), np.zeros(by_link),
-        np.zeros(rows * feet_count), np.zeros(rows * feet_count),
-        np.zeros(padded), np.zeros(padded), np.zeros(6 * padded), np.zeros(6 * padded),
-        np.zeros(padded), np.zeros(padded), np.zeros(rows * padded),
-        reciprocal, curve,
+        twist[k] = (k - 2) * curve[k]
+    work = Work(
+        room, further(room, by_slot), further(room, 2 * by_slot),
+        at_link, further(at_link, by_link), further(at_link, 2 * by_link), further(at_link, 3 * by_link),
+        further(at_link, 4 * by_link), further(at_link, 5 * by_link), further(at_link, 5 * by_link + link_count),
+        at_rest, further(at_rest, rows * feet_count),
+        at, further(at, padded), further(at, 2 * padded), further(at, 8 * padded),
+        further(at, 14 * padded), further(at, 15 * padded), further(room, 3 * by_slot),
+        reciprocal, curve, twist,
     )  # fmt: skip
+    ends = Ends(
+        further(at, 16 * padded), further(at, 17 * padded), further(at, 18 * padded), further(at, 19 * padded),
+        further(at, 20 * padded), further(at, 21 * padded), further(at, 22 * padded), further(at, 23 * padded),
+        further(at, 24 * padded), further(at, 25 * padded), further(at, 26 * padded), further(at, 27 * padded),
+        further(at, 28 * padded), further(at, 29 * padded),
+    )  # fmt: skip
+    return work, ends, scratch
 
 
 @njit(**INLINE)
-def _start(feet, links, state, work, active, padded, h, founded, kinds):
-    """Order 0 of the series from the state; returns the number of active links."""
+def _start(feet, state, work, padded, h, founded):
+    """Order 0 of the series from the state."""
     for b in range(0, padded, 8):
         store(work.U, b, load(state.u, b))
         store(work.W, b, load(state.v, b) * h)
     if founded:
-        for f in range(feet.first.size):
+        for f in range(feet.number):
             work.phi_D[f] = state.phi[f]
             work.phi_W[f] = h * state.phi_v[f]
-    count = 0
-    if kinds != LINKS_NONE:
-        for e in range(links.left.size):
-            if state.link_branch[e] != OPEN:
-                active[count] = e
-                count += 1
-                v = state.u[links.left[e]] - state.u[links.right[e]]
-                if links.kind[e] == 0:
-                    v -= links.gap[e]
-                if state.snapped_link[e] == AT_ZERO:
-                    v = 0.0
-                elif state.snapped_link[e] == AT_GAP:
-                    v = links.gap[e]
-                work.V[e * LARGEST_ORDER] = v
-    return count
 
 
 @njit(**INLINE)
-def _storey_event(slots, state, work, padded, order, s, i):
-    """Change the branch of storey i, which leaves its own at s."""
-    drift = 0.0
-    for k in range(order, -1, -1):
-        drift = drift * s + work.D[k * padded + i]
+def _storey_event(slots, state, work, i, drift):
+    """Change the branch of storey i, which leaves its own at `drift` [m]."""
     k0 = slots.stiffness[i]
     a = slots.hardening[i]
     limit = slots.yield_drift[i]
-    if state.branch[i] == ELASTIC:
+    if state.line[i] == 0.0:
         line = 1.0 if drift > state.plastic[i] else -1.0
-        state.branch[i] = int(line)
+        state.line[i] = line
         state.plastic[i] = np.inf  # no elastic range is watched while the storey is on a yield line
         state.snapped_storey[i] = 0
         work.tangent[i] = a * k0
         work.offset[i] = line * (1.0 - a) * k0 * limit
     else:
-        line = state.branch[i]
-        state.branch[i] = ELASTIC
+        line = state.line[i]
+        state.line[i] = 0.0
         state.plastic[i] = drift - line * limit
-        state.snapped_storey[i] = line
+        state.snapped_storey[i] = int(line)
         work.tangent[i] = k0
         work.offset[i] = -(1.0 - a) * k0 * state.plastic[i]
     restencil(slots, work, i)
@@ -160,55 +172,63 @@ def build(inelastic: bool, founded: bool, kinds: int):
 
     @njit(**OPTIONS)
     def integrate(
-        slots, feet, links, state, peaks, starts, slopes, dt, tolerance, quiet, most_order, most_steps, most_events
+        slot_arrays, foot_arrays, link_arrays, state_arrays, peak_arrays, room, starts, slopes, dt, tolerance, quiet, most_order, most_steps,
+        most_events,
     ):  # fmt: skip
         """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of length dt.
 
-        Fills `state` and `peaks` in place; returns (status, steps, events, orders computed, time reached [s]).
+        `room` is scratch (`room_needed`), zeroed and at a cache line. Fills `state` and `peaks` in place; returns (status, steps, events, orders computed, time reached [s]).
         """
-        padded = slots.couple.size
-        link_count = links.left.size
-        work = _workspace(padded, feet.first.size, link_count)
-        ends = Ends(
-            np.zeros(padded), np.zeros(padded), np.zeros(padded), np.zeros(padded),
-            np.zeros(padded), np.zeros(padded), np.zeros(padded), np.zeros(padded),
-        )  # fmt: skip
-        scratch = np.zeros(LARGEST_ORDER)
-        active = np.zeros(link_count, np.int64)
+        slots, feet, links = (
+            slot_pointers(slot_arrays),
+            foot_pointers(foot_arrays),
+            link_pointers(link_arrays),
+        )
+        state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
+        padded = slots.size
+        link_count = links.size
+        work, ends, scratch = _workspace(pointer(room), padded, feet.number, link_count)
         for i in range(padded):
             work.tangent[i] = slots.stiffness[i]
         for i in range(padded):
             restencil(slots, work, i)
+        for e in range(links.number):
+            set_law(links, state, work.law, e)
         steps = 0
         events = 0
         orders = 0
         standing = 0  # events in a row without time going on
         guess = 8
-        snapped = True  # something may be exactly zero: touching floors at the start, or what an event just met
+        snapped = (
+            True  # something may be exactly zero: touching floors at the start, or what an event just met
+        )
         segment = 0
         offset = 0.0  # time since the segment's start
         while segment < starts.size:
             remaining = dt - offset
             h = remaining
+            fraction = remaining / dt  # what is left of a segment after an event needs fewer orders
             ag = starts[segment] + slopes[segment] * offset
-            count = _start(feet, links, state, work, active, padded, h, founded, kinds)
+            _start(feet, state, work, padded, h, founded)
+            busy = closings(links, state, work) if kinds != LINKS_NONE else 0
             order, close = expand(
-                slots, feet, links, state, work, peaks, active, count, padded, h, ag, slopes[segment], tolerance,
-                quiet, guess, most_order, founded, kinds,
+                slots, feet, links, state, work, peaks, busy, padded, h, ag, slopes[segment], tolerance,
+                quiet, max(2, int(guess * (0.4 + 0.6 * fraction))), most_order, founded, kinds,
             )  # fmt: skip
             steps += 1
             orders += order
             whole = True
             if close:
-                guess = max(order - 2, 2)
+                if fraction > 0.5:
+                    guess = order - 2
             else:
-                guess = most_order - 1
+                guess = most_order - 2
                 ratio = shrink(work, peaks, padded, h, tolerance, quiet, order)
                 if not ratio > 1e-14:
                     return NOT_FINITE, steps, events, orders, segment * dt + offset
                 if ratio < 1.0:
                     ratio = 1.0 / np.ceil(1.0 / ratio) if ratio > 0.01 else ratio
-                    rescale(feet, work, active, count, padded, order, ratio, founded, kinds)
+                    rescale(feet, links, work, busy, padded, order, ratio, founded, kinds)
                     h *= ratio
                     whole = False
             ground = h * h * ag
@@ -232,30 +252,33 @@ def build(inelastic: bool, founded: bool, kinds: int):
                     else:
                         end = s
                         storey = -1
+            if end < 1.0:
+                stop_at(slots, work, ends, padded, order, end, ground, ground_slope, founded)
             track(
-                feet, links, state, work, ends, peaks, active, count, padded, order, end, scratch, h, ground,
+                feet, links, state, work, ends, peaks, padded, order, end, scratch, h, ground,
                 ground_slope, inelastic, founded, kinds,
             )  # fmt: skip
             happened = storey >= 0 or link >= 0
-            if end < 1.0:
-                stop_at(work, ends, padded, order, end)
             if end > 0.0:
                 standing = 0
                 if snapped:
-                    state.snapped_link[:] = NOTHING
-                    state.snapped_storey[:] = 0
+                    for e in range(links.number):
+                        state.snapped_link[e] = NOTHING
+                    for i in range(padded):
+                        state.snapped_storey[i] = 0
                     snapped = False
             if storey >= 0:
-                _storey_event(slots, state, work, padded, order, end, storey)
+                _storey_event(slots, state, work, storey, ends.drift[storey] if end > 0.0 else work.D[storey])
             if link >= 0:
                 _link_event(links, state, peaks, link, event)
+                set_law(links, state, work.law, link)
             if end > 0.0:
                 rate = 1.0 / h
                 for b in range(0, padded, 8):
                     store(state.u, b, load(ends.u, b))
                     store(state.v, b, load(ends.v, b) * rate)
                 if founded:
-                    feet_count = feet.first.size
+                    feet_count = feet.number
                     for f in range(feet_count):
                         phi = 0.0
                         phi_v = 0.0

@@ -30,7 +30,14 @@ class Arrays:
     @property
     def padded(self) -> int:
         """Number of slots, padding included."""
-        return int(self.slots.couple.size)
+        return self.slots.size
+
+
+def aligned(count: int) -> np.ndarray:
+    """Zeros that begin at a cache line, so that no vector lies across two."""
+    room = np.zeros(count + LANES)
+    skip = (-room.ctypes.data // 8) % LANES
+    return room[skip : skip + count]
 
 
 def pack(scene: Scene) -> Arrays:
@@ -50,7 +57,7 @@ def pack(scene: Scene) -> Arrays:
             feet.append(b)
     padded = -(-place // LANES) * LANES
 
-    slots = Slots(**{name: np.zeros(padded) for name in Slots._fields})
+    slots = Slots(padded, **{name: aligned(padded) for name in Slots._fields[1:]})
     slots.yield_drift[:] = np.inf
     slots.real[:place] = 1.0
     for building, span, base in zip(scene.buildings, floors, bases, strict=True):
@@ -78,6 +85,7 @@ def pack(scene: Scene) -> Arrays:
     founded = [(floors[b], bases[b], scene.buildings[b]) for b in feet]
     grounds = [(span, base, b, b.foundation) for span, base, b in founded if b.foundation is not None]
     foot_arrays = Feet(
+        number=len(grounds),
         first=np.array([span.start for span, *_ in grounds], np.int64),
         stop=np.array([span.stop for span, *_ in grounds], np.int64),
         base=np.array([base for _, base, *_ in grounds], np.int64),
@@ -90,9 +98,10 @@ def pack(scene: Scene) -> Arrays:
 
 
 def _pack_links(scene: Scene, floors: list[slice]) -> Links:
-    count = len(scene.links)
+    padded = -(-len(scene.links) // LANES) * LANES
     integers = {"left", "right", "kind", "tension_cut"}
-    links = Links(**{n: np.zeros(count, np.int64 if n in integers else float) for n in Links._fields})
+    fields = {n: np.zeros(padded, np.int64) if n in integers else aligned(padded) for n in Links._fields[2:]}
+    links = Links(len(scene.links), padded, **fields)
     for e, link in enumerate(scene.links):
         links.left[e] = floors[link.left].start + link.left_floor - 1
         links.right[e] = floors[link.left + 1].start + link.right_floor - 1
@@ -119,14 +128,14 @@ def _pack_links(scene: Scene, floors: list[slice]) -> Links:
 
 def at_rest(arrays: Arrays) -> State:
     """The state before the motion: at rest, touching links exactly at v = 0."""
-    padded, feet, count = arrays.padded, arrays.feet.first.size, arrays.links.left.size
+    padded, feet, count = arrays.padded, arrays.feet.number, arrays.links.size
     kind = arrays.links.kind
     touching = (kind == layout.INFILL) | ((kind == layout.POUNDING) & (arrays.links.gap == 0))
     return State(
-        u=np.zeros(padded),
-        v=np.zeros(padded),
-        branch=np.zeros(padded, np.int64),
-        plastic=np.zeros(padded),
+        u=aligned(padded),
+        v=aligned(padded),
+        line=aligned(padded),
+        plastic=aligned(padded),
         snapped_storey=np.zeros(padded, np.int64),
         link_branch=np.where(kind == layout.CONNECTOR, layout.LINEAR, layout.OPEN).astype(np.int64),
         link_cut=np.zeros(count, np.int64),
@@ -138,11 +147,11 @@ def at_rest(arrays: Arrays) -> State:
 
 def no_peaks(arrays: Arrays) -> Peaks:
     """Peaks before the first step."""
-    padded, feet, count = arrays.padded, arrays.feet.first.size, arrays.links.left.size
-    by_slot = {n: np.zeros(padded) for n in Peaks._fields[:5]}
+    padded, feet, count = arrays.padded, arrays.feet.number, arrays.links.size
+    by_slot = {n: aligned(padded) for n in Peaks._fields[:5]}
     by_link = {n: np.zeros(count) for n in ("force", "impulse", "contact_time")}
     return Peaks(
-        **by_slot, sway=np.zeros(feet), rocking=np.zeros(feet), closing=np.full(count, -np.inf),
+        **by_slot, sway=np.zeros(feet), rocking=np.zeros(feet), closing=np.full(count, -1e300),
         impacts=np.zeros(count, np.int64), **by_link,
     )  # fmt: skip
 
@@ -172,12 +181,13 @@ def unpack(
                 rocking=float(peaks.rocking[foot]) if foot >= 0 else 0.0,
             )
         )
+    count = arrays.links.number
     links = LinkResponse(
-        impacts=peaks.impacts.copy(),
-        peak_force=peaks.force.copy(),
-        max_closing=peaks.closing.copy(),
-        impulse=peaks.impulse.copy(),
-        contact_time=peaks.contact_time.copy(),
+        impacts=peaks.impacts[:count].copy(),
+        peak_force=peaks.force[:count].copy(),
+        max_closing=peaks.closing[:count].copy(),
+        impulse=peaks.impulse[:count].copy(),
+        contact_time=peaks.contact_time[:count].copy(),
     )
     return tuple(buildings), links
 
@@ -185,7 +195,7 @@ def unpack(
 def _drift(arrays: Arrays, state: State) -> np.ndarray:
     before = np.concatenate(([0.0], state.u[:-1]))
     drift = state.u - arrays.slots.couple * before
-    for f in range(arrays.feet.first.size):
+    for f in range(arrays.feet.number):
         span = slice(arrays.feet.first[f], arrays.feet.stop[f])
         drift[span] -= arrays.slots.rise[span] * state.phi[f]
     return drift

@@ -9,7 +9,7 @@ import numpy as np
 from pounding_cli.kernels import layout
 from pounding_cli.model.links import Kind
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.arrays import Arrays, aligned
 from pounding_cli.solve.ground import segments
 
 SAFETY = 10.0
@@ -44,8 +44,9 @@ def integrate(
 
     starts, slopes, dt = segments(scene)
     tolerance = max(accuracy * SAFETY, 1e-16)
+    room = aligned(taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size))
     kernel = taylor.build(*variant(scene))
     return kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, starts, slopes, dt, tolerance, scene.motion.pga,
+        arrays.slots, arrays.feet, arrays.links, state, peaks, room, starts, slopes, dt, tolerance, scene.motion.pga,
         most_order(tolerance), *bounds,
     )  # fmt: skip
