@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -13,6 +13,9 @@ import pandas as pd
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
 """The tables of a results file, named as its methods and as the CSV files."""
+
+AS_USED = ("scale", "window", "pga", "arias")
+"""What the table of motions says of a motion as it is used."""
 
 ROLES = ("touching", "gap", "infill", "connected")
 """The four cases of Figs 6 and 7."""
@@ -164,7 +167,7 @@ def points(results: Tables) -> list[Evidence]:
         "buildings": results.buildings,
     }
     rows = list(dict.fromkeys(scene[keys].itertuples(index=False, name=None))) if keys else [()]
-    return [
+    evidences = [
         Evidence(
             title=results.title,
             resolved=results.resolved,
@@ -172,6 +175,17 @@ def points(results: Tables) -> list[Evidence]:
             **{name: _cut(frame, keys, row) for name, frame in frames.items()},
         )
         for row in rows
+    ]
+    moved = [key for key in keys if key.split(".")[0] == "records" and key not in frames["records"]]
+    if not moved:
+        return evidences
+    # The table of motions is that of the first point: elsewhere only names and sources are known.
+    start = rows[0]
+    return [
+        evidence
+        if all(evidence.point[key] == start[keys.index(key)] for key in moved)
+        else replace(evidence, records=evidence.records.assign(**dict.fromkeys(AS_USED, np.nan)))
+        for evidence in evidences
     ]
 
 

@@ -271,4 +271,4 @@ def _finish(ax: Axes, title: str, label: str, level: str, heights: pd.Series, *,
     if reference:
         ax.axvline(1, color="0.35", lw=1.0, zorder=1)
     elif ax.get_xscale() == "linear":
-        ax.set_xlim(left=0)
+        ax.set_xlim(left=-0.02 * ax.get_xlim()[1])  # markers at zero stand clear of the axis

@@ -46,15 +46,16 @@ def motions(evidence: Evidence) -> list[str]:
         [
             row["record"],
             row["source"],
-            f"{row['scale']:.3f}",
-            f"{row['window']:.4g}",
-            f"{row['pga'] / 9.80665:.3f}",
-            f"{row['arias']:.3f}",
+            *(_number(value) for value in (row["scale"], row["window"], row["pga"] / 9.80665, row["arias"])),
         ]
         for _, row in evidence.records.iterrows()
     ]
     head = ["motion", "source", "scale", "duration [s]", "peak as used [g]", "Arias intensity as used [m/s]"]
     return ["## Motions", "", motion_sentence(evidence.records), "", *markdown(head, rows)]
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if value == value else "–"
 
 
 def key_numbers(evidence: Evidence) -> list[str]:

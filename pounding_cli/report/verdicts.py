@@ -39,9 +39,15 @@ class Finding:
         """The number with its unit; a dash where there is none."""
         if math.isnan(self.number):
             return "–"
-        return {"-": f"{self.number:.2f}", "%": f"{self.number:.0f} %", "cm": f"{self.number:.1f} cm"}[
-            self.unit
-        ]
+        if self.unit == "-":
+            return _plain(self.number, 2)
+        return f"{_plain(self.number, 1 if self.unit == 'cm' or abs(self.number) < 10 else 0)} {self.unit}"
+
+
+def _plain(number: float, digits: int) -> str:
+    """The number with so many digits; a zero has no sign."""
+    text = f"{number:.{digits}f}"
+    return text.removeprefix("-") if float(text) == 0 else text
 
 
 def found(words: str, number: float, test: Callable[[float], bool], unit: str = "-") -> Finding:

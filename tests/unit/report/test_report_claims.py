@@ -211,6 +211,22 @@ def test_a_number_that_is_missing_does_not_count():
     assert found("", 1.0, lambda number: number > 2).passed is False
 
 
+@pytest.mark.parametrize(
+    ("number", "unit", "text"),
+    [
+        (0.987, "-", "0.99"),
+        (-0.001, "-", "0.00"),
+        (82.6, "%", "83 %"),
+        (-0.04, "%", "0.0 %"),
+        (-3.21, "%", "-3.2 %"),
+        (6.94, "cm", "6.9 cm"),
+        (math.nan, "%", "–"),
+    ],
+)
+def test_numbers_are_told_with_the_digits_they_need(number, unit, text):
+    assert Finding("", number, unit).text == text
+
+
 def test_every_claim_says_its_threshold():
     for claim in CLAIMS:
         assert claim.rule.startswith("Holds where")
