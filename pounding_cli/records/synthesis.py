@@ -109,7 +109,9 @@ def _envelope(target: Target) -> np.ndarray:
     times = np.concatenate(([0.0], target.husid_times, [target.duration]))
     fractions = np.concatenate(([0.0], target.husid_fractions, [1.0]))
     slope = np.maximum(PchipInterpolator(times, fractions).derivative()(t), 0.0)
-    envelope = np.sqrt(slope + 0.002 * slope.max())
+    # From rest over the first tenth of a second, so that the first sample is no jump.
+    start = np.sin(np.pi / 2.0 * np.minimum(t / 0.1, 1.0)) ** 2
+    envelope = start * np.sqrt(slope + 0.002 * slope.max())
     return envelope / np.sqrt(np.mean(envelope**2))
 
 
