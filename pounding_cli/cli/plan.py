@@ -34,6 +34,7 @@ def _lines(plan: Plan) -> list[str]:
     baselines = {digest for row in plan.rows for digest in row.baselines}
     linked = {row.scene for row in plan.rows} - baselines
     wanted = sum(len(row.baselines) for row in plan.rows)
+    setting = "accuracy" if plan.method == "taylor" else "time step [s]"
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
@@ -41,7 +42,7 @@ def _lines(plan: Plan) -> list[str]:
         f"scenes     {len(plan.scenes)}: {len(linked)} of the group, {len(baselines)} of buildings alone",
         f"shared     {wanted} baselines asked for, {len(baselines)} run; "
         f"{len(plan.rows) - len({row.scene for row in plan.rows})} rows repeat another's scene",
-        f"method     {plan.method}, {'accuracy' if plan.method == 'taylor' else 'time step [s]'} {plan.accuracy:g}",
+        f"method     {plan.method}, {setting} {plan.accuracy:g}",
     ]
     for axis in plan.axes:
         shown = [", ".join(str(value) for value in values) for values in axis.values]

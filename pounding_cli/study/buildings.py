@@ -10,7 +10,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.code_design import UbcDesign, code_separation
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
-from pounding_cli.study.problems import Faults, Path
+from pounding_cli.study.problems import Faults, Path, Tree
 from pounding_cli.study.schema import BuildingSpec, CodeDesign, FoundationSpec
 from pounding_cli.study.source import Node
 
@@ -20,7 +20,7 @@ FLOOR_TOLERANCE = 1e-3
 _PER_STOREY = ("mass", "height", "hardening", "stiffness", "yield_shear")
 
 
-def build(name: str, spec: BuildingSpec, root: Node, path: Path, faults: Faults) -> Building | None:
+def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> Building | None:
     """The building `spec` describes, or None with the reasons noted in `faults`."""
     before = len(faults.problems)
     storeys = _storeys(spec, root, path, faults)
@@ -43,7 +43,7 @@ def build(name: str, spec: BuildingSpec, root: Node, path: Path, faults: Faults)
         return None
 
 
-def _storeys(spec: BuildingSpec, root: Node, path: Path, faults: Faults) -> int | None:
+def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> int | None:
     lengths = {key: len(value) for key in _PER_STOREY if isinstance(value := getattr(spec, key), tuple)}
     storeys = spec.storeys if spec.storeys is not None else next(iter(lengths.values()), None)
     if storeys is None:
@@ -60,7 +60,7 @@ def _storeys(spec: BuildingSpec, root: Node, path: Path, faults: Faults) -> int 
     return storeys
 
 
-def _design(code: CodeDesign, root: Node, path: Path, faults: Faults) -> UbcDesign | None:
+def _design(code: CodeDesign, root: Node | Tree, path: Path, faults: Faults) -> UbcDesign | None:
     old = code.code == "UBC-1985"
     wrong = "Rw" if old else "K"
     if (code.rw if old else code.k) is not None:
@@ -82,7 +82,9 @@ def _design(code: CodeDesign, root: Node, path: Path, faults: Faults) -> UbcDesi
     return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **known)
 
 
-def _foundation(spec: FoundationSpec | str, root: Node, path: Path, faults: Faults) -> Foundation | None:
+def _foundation(
+    spec: FoundationSpec | str, root: Node | Tree, path: Path, faults: Faults
+) -> Foundation | None:
     if not isinstance(spec, FoundationSpec):
         return None
     sways, rocks = spec.sway_stiffness is not None, spec.rocking_stiffness is not None

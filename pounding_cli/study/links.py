@@ -8,7 +8,7 @@ from typing import Any
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import DashpotLaw, InfillLaw, Kind, Link, damping_ratio
-from pounding_cli.study.problems import Faults, Path, nearest
+from pounding_cli.study.problems import Faults, Path, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.schema import CaseSpec, Impact, LinkSpec, PairSpec
 from pounding_cli.study.source import Node
@@ -46,7 +46,9 @@ class _Layer:
     path: Path
 
 
-def links_of(case: CaseSpec, street: Street, root: Node, path: Path, faults: Faults) -> tuple[Link, ...]:
+def links_of(
+    case: CaseSpec, street: Street, root: Node | Tree, path: Path, faults: Faults
+) -> tuple[Link, ...]:
     """All links of a case, by pair and then from the ground up; what is wrong is noted in `faults`."""
     reader = _Reader(street, root, faults)
     pairs = len(case.pairs or "1") if street.is_sketch else len(street.group) - 1
@@ -91,7 +93,7 @@ def _where(layers: Sequence[_Layer], key: str) -> Path:
 class _Reader:
     """Builds links and notes what is wrong with them."""
 
-    def __init__(self, street: Street, root: Node, faults: Faults) -> None:
+    def __init__(self, street: Street, root: Node | Tree, faults: Faults) -> None:
         self.street, self.root, self.faults = street, root, faults
 
     def refuse(self, path: Path, message: str, hint: str, key: bool = False) -> None:

@@ -10,7 +10,7 @@ from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records import Motion
 from pounding_cli.study.plan import MotionUse
-from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.problems import Faults, Tree, nearest
 from pounding_cli.study.schema import AriasScale, PgaScale, RecordFile, Records
 from pounding_cli.study.source import Node
 
@@ -61,7 +61,9 @@ def name_of(record: str | RecordFile) -> str:
     return record if isinstance(record, str) else (record.name or Path(record.file).stem)
 
 
-def motions_of(spec: Records, shelf: Shelf, root: Node, faults: Faults, warnings: Faults) -> dict[str, Used]:
+def motions_of(
+    spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, warnings: Faults
+) -> dict[str, Used]:
     """The motions of a study by name, as they are used; what is wrong is noted in `faults`."""
     found: dict[str, Motion] = {}
     for place, record in enumerate(spec.use):
@@ -110,7 +112,7 @@ def motions_of(spec: Records, shelf: Shelf, root: Node, faults: Faults, warnings
     return used
 
 
-def _pass_on(refused: InputError, root: Node, path: tuple[str | int, ...], faults: Faults) -> None:
+def _pass_on(refused: InputError, root: Node | Tree, path: tuple[str | int, ...], faults: Faults) -> None:
     """Problems inside a record file keep their place; others are put at the study's line."""
     for problem in refused.problems:
         if problem.line:
@@ -124,7 +126,7 @@ def _seconds(
     name: str,
     known: bool,
     motion: Motion,
-    root: Node,
+    root: Node | Tree,
     path: tuple[str, ...],
     faults: Faults,
 ) -> float | None:
@@ -149,7 +151,7 @@ def _factors(
     cut: dict[str, Motion],
     names: set[str],
     shelf: Shelf,
-    root: Node,
+    root: Node | Tree,
     faults: Faults,
 ) -> dict[str, float]:
     scale, path = spec.scale, ("records", "scale")
@@ -188,7 +190,7 @@ def _factors(
 
 
 def _reference(
-    name: str, whole: dict[str, Motion], shelf: Shelf, root: Node, faults: Faults
+    name: str, whole: dict[str, Motion], shelf: Shelf, root: Node | Tree, faults: Faults
 ) -> Motion | None:
     known = records.names()
     if name not in known:
@@ -203,7 +205,13 @@ def _reference(
 
 
 def _measured(
-    scale: AriasScale, spec: Records, name: str, known: bool, motion: Motion, root: Node, faults: Faults
+    scale: AriasScale,
+    spec: Records,
+    name: str,
+    known: bool,
+    motion: Motion,
+    root: Node | Tree,
+    faults: Faults,
 ) -> Motion | None:
     """The part of a motion its Arias intensity is measured over."""
     window = spec.duration if scale.window == "duration" else scale.window

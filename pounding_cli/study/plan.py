@@ -25,7 +25,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Row:
-    """One place in the tables; `point` is the index on every axis, scene and baselines are keys of Plan.scenes."""
+    """One place in the tables: its index on every axis, and keys of Plan.scenes for scene and baselines."""
 
     point: tuple[int, ...]
     case: str

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 import types
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -14,6 +15,26 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.source import Mark, Node
 
 Path = tuple[str | int, ...]
+
+
+class Tree:
+    """A tree of nodes made when it is first asked: to place problems, of which there are mostly none."""
+
+    def __init__(self, make: Callable[[], Node]) -> None:
+        self._make = make
+
+    @cached_property
+    def node(self) -> Node:
+        """The tree."""
+        return self._make()
+
+    def get(self, *path: str | int) -> Node | None:
+        """As `Node.get`."""
+        return self.node.get(*path)
+
+    def locate(self, path: Sequence[str | int], key: bool = False) -> Mark:
+        """As `Node.locate`."""
+        return self.node.locate(path, key)
 
 
 class Faults:
@@ -31,11 +52,11 @@ class Faults:
             self._seen.add(problem)
             self.problems.append(problem)
 
-    def at(self, root: Node, path: Path, message: str, hint: str = "", key: bool = False) -> None:
+    def at(self, root: Node | Tree, path: Path, message: str, hint: str = "", key: bool = False) -> None:
         """Note a problem with the value (or the key) at `path`."""
         self.add(root.locate(path, key), message, hint)
 
-    def validation(self, root: Node, error: ValidationError, model: type[BaseModel]) -> None:
+    def validation(self, root: Node | Tree, error: ValidationError, model: type[BaseModel]) -> None:
         """Note every error of a pydantic validation of `root` against `model`."""
         for item in error.errors(include_url=False):
             path = tuple(item["loc"])
@@ -87,7 +108,7 @@ def options(annotation: Any) -> tuple[dict[str, Any], list[Any], list[Any]]:
     return keys, items, values
 
 
-def keys_at(model: type[BaseModel], path: Sequence[str | int], root: Node) -> list[str]:
+def keys_at(model: type[BaseModel], path: Sequence[str | int], root: Node | Tree) -> list[str]:
     """The keys the schema knows at `path`; for a free mapping those the file defines there."""
     level: list[Any] = [model]
     for step in path:
@@ -125,7 +146,9 @@ def literals(model: type[BaseModel], name: str) -> list[str]:
     return words
 
 
-def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: Node) -> tuple[str, str, bool]:
+def _in_words(
+    item: dict[str, Any], path: Path, model: type[BaseModel], root: Node | Tree
+) -> tuple[str, str, bool]:
     kind, context, given = item["type"], item.get("ctx", {}), item.get("input")
     name = str(path[-1]) if path else "the study"
     shown = _shown(given)
@@ -169,7 +192,7 @@ def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: No
     return f"{_owner(path, root)}{item['msg']}", _example(model, path), False
 
 
-def _owner(path: Path, root: Node) -> str:
+def _owner(path: Path, root: Node | Tree) -> str:
     """The innermost key on a path, as `key: `."""
     for end in range(len(path), 0, -1):
         node = root.get(*path[: end - 1])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -17,7 +17,7 @@ from pounding_cli.study import buildings as building_room
 from pounding_cli.study.inherit import inherited, refuse_alternatives
 from pounding_cli.study.links import Street, links_of
 from pounding_cli.study.motions import Shelf, Used, motions_of
-from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.problems import Faults, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.schema import BuildingSpec, Impact, StudyModel
 from pounding_cli.study.source import Node
@@ -33,29 +33,29 @@ FEWEST, MOST = 2, 20
 class Resolver:
     """Answers what a study is at a point of its sweep; what axes do not touch is worked out once.
 
-    Every answer keeps the problems met on the way; `problems` tells them, and answers are whole where none are.
+    Every answer keeps the problems met on the way; `problems` tells them; answers are whole where none are.
     """
 
     def __init__(self, root: Node, axes: tuple[SweepAxis, ...], file: str, folder: Path) -> None:
         self.root, self.axes, self.file = root, axes, file
         self.warnings = Faults(file)
         self.shelf = Shelf(folder)
+        self.base: Point = (-1,) * len(axes)
         self._touched = [frozenset(path[0] for path in axis.paths) for axis in axes]
         self._found: dict[tuple[Any, ...], tuple[Any, tuple[Problem, ...]]] = {}
+        self._kept: dict[tuple[str, ...], tuple[bool, ...]] = {}
         self._met: dict[Problem, None] = {}
         self._types: dict[tuple[str, BuildingSpec], Building] = {}
 
-    @property
-    def base(self) -> Point:
-        """The study as written, nothing swept."""
-        return (-1,) * len(self.axes)
-
-    def key(self, point: Point, sections: Iterable[str]) -> Point:
+    def key(self, point: Point, sections: tuple[str, ...]) -> Point:
         """`point` with the axes that touch none of `sections` set aside."""
-        wanted = set(sections)
-        return tuple(
-            place if touched & wanted else -1 for place, touched in zip(point, self._touched, strict=True)
-        )
+        kept = self._kept.get(sections)
+        if kept is None:
+            kept = tuple(touched & set(sections) != set() for touched in self._touched)
+            self._kept[sections] = kept
+        if not any(kept):
+            return self.base
+        return tuple(place if keep else -1 for place, keep in zip(point, kept, strict=True))
 
     def _once(self, name: Any, point: Point, sections: tuple[str, ...], work: Callable[[Faults], Any]) -> Any:
         key = (name, self.key(point, sections))
@@ -102,8 +102,11 @@ class Resolver:
         found = root.get(section)
         return inherited(found, faults) if section == "buildings" and found is not None else found
 
-    def root_at(self, point: Point) -> Node:
-        """The whole tree at this point, to place problems in."""
+    def root_at(self, point: Point) -> Tree:
+        """The whole tree at this point, to place problems in: made on demand, as most points have none."""
+        return Tree(lambda: self._root_at(point))
+
+    def _root_at(self, point: Point) -> Node:
         values = {name: self.tree(point, name) or node for name, node in self.root.value.items()}
         for touched in self._touched:
             for name in touched - set(values):
@@ -121,7 +124,7 @@ class Resolver:
         root = self.root_at(self.base)
         _refuse_twofold(root, faults)
         try:
-            return StudyModel.model_validate(root.plain())
+            return StudyModel.model_validate(root.node.plain())
         except ValidationError as error:
             faults.validation(root, error, StudyModel)
             return None
@@ -129,7 +132,7 @@ class Resolver:
     def section(self, point: Point, name: str) -> Any:
         """One validated section, or its default.
 
-        Of a section with problems, what remains without the faulty entries: so that the rest is looked at too.
+        Of a section with problems, what remains without the faulty entries: the rest is looked at too.
         """
         return self._once(
             ("section", name), point, (name,), lambda faults: self._section(point, name, faults)
@@ -224,7 +227,7 @@ class Resolver:
 
         return self._once(("links", case), point, ("buildings", "group", "impact", "cases"), work)
 
-    def _sketch(self, point: Point, root: Node) -> Street:
+    def _sketch(self, point: Point, root: Tree) -> Street:
         defined = root.get("buildings")
         known = list(defined.value) if defined is not None and defined.is_mapping else []
         return Street((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), known)
@@ -271,7 +274,7 @@ def _metres(building: Building) -> str:
     return ", ".join(shown) + (", ..." if building.storeys > 6 else "")
 
 
-def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Node, faults: Faults) -> bool:
+def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Tree, faults: Faults) -> bool:
     before = len(faults.problems)
     for place, name in enumerate(names):
         if name not in types:
@@ -308,10 +311,13 @@ def _stands(name: str, specs: Mapping[str, BuildingSpec]) -> bool:
     return True
 
 
+_holder = StudyModel.model_construct()
+
+
 def _validated(section: str, value: Any) -> Any:
-    holder = StudyModel.model_construct()
-    setattr(holder, section, value)
-    return getattr(holder, section)
+    # One empty study serves all: assignment validates the one field and replaces what stood there.
+    setattr(_holder, section, value)
+    return getattr(_holder, section)
 
 
 def _harmless(section: str, faulty: set[str]) -> dict[str, Any]:
@@ -320,7 +326,7 @@ def _harmless(section: str, faulty: set[str]) -> dict[str, Any]:
     return {key: value for key, value in values.items() if key in faulty}
 
 
-def _refuse_twofold(root: Node, faults: Faults) -> None:
+def _refuse_twofold(root: Node | Tree, faults: Faults) -> None:
     """Restitution and damping ratio in one mapping, under `impact` and in every link of every case."""
     impact = root.get("impact")
     if impact is not None:
