@@ -60,7 +60,11 @@ def command(
     from pounding_cli.batch.progress import chosen
     from pounding_cli.study import expand
 
-    plan = expand(load_study(study))
+    loaded = load_study(study)
+    if not quiet:
+        for warning in loaded.warnings:
+            click.echo(f"warning: {warning}", err=True)
+    plan = expand(loaded)
     path = output or default_output(study)
     outcome = run_plan(plan, path, progress=chosen(quiet), workers=workers, engine_name=engine)
     if not quiet:

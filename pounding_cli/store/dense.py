@@ -10,7 +10,7 @@ import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.response import Response
-from pounding_cli.store.layout import BUILDINGS, LINKS, RESPONSES, SCENES, STATISTICS, Variable
+from pounding_cli.store.layout import BUILDINGS, LINKS, RECORDS, RESPONSES, SCENES, STATISTICS, Variable
 from pounding_cli.store.separation import code_separations
 from pounding_cli.store.statistics import over_records, ratio
 
@@ -61,7 +61,7 @@ def assemble(plan: Plan, responses: Mapping[str, Response]) -> Dense:
     sizes |= {"building": len(plan.buildings), "storey": storeys, "floor": storeys, "link": len(links)}
     arrays = {
         v.name: _empty(v, tuple(sizes[d] for d in (*axes, *v.dims)))
-        for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS)
+        for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS, *RECORDS)
     }
     places = {place: number for number, place in enumerate(links)}
     seen_points: set[tuple[int, ...]] = set()
@@ -74,12 +74,13 @@ def assemble(plan: Plan, responses: Mapping[str, Response]) -> Dense:
             seen_points.add(row.point)
             _put_buildings(arrays, row.point, scene)
             arrays["separation"][row.point] = code_separations(plan.study, row.point)
+            _put_records(arrays, row.point, plan)
     for name, alone in RATIOS.items():
         arrays[f"{name}_ratio"][:] = ratio(arrays[name], arrays[alone])
     arrays["displacement"][:] = np.maximum(arrays["displacement_max"], -arrays["displacement_min"])
     _put_refusals(arrays, plan, responses)
     data = {v.name: ((*axes, *v.dims), arrays[v.name]) for v in (*RESPONSES, *SCENES, *LINKS)}
-    data |= _without_constant_axes(axes, arrays)
+    data |= _without_constant_axes(axes, arrays, BUILDINGS) | _without_constant_axes(axes, arrays, RECORDS)
     data |= _statistics(axes, arrays)
     return Dense(axes, sizes, links, data)
 
@@ -105,14 +106,17 @@ def _index(plan: Plan, row: Row) -> tuple[int, int, int]:
 def _put_peaks(
     arrays: dict[str, np.ndarray], at: tuple[int, ...], response: Response, alone: list[Response]
 ) -> None:
+    """Peaks of the scenes that are done; those of another leave NaN, whatever it reached."""
     for place, building in enumerate(response.buildings):
         span: tuple = (*at, place, slice(building.shear.size))
-        for name, field in (STOREY_FIELDS | FLOOR_FIELDS).items():
-            arrays[name][span] = getattr(building, field)
-        for name, field in ALONE.items():
-            arrays[name][span] = getattr(alone[place].buildings[0], field)
-        arrays["sway"][(*at, place)] = building.sway
-        arrays["rocking"][(*at, place)] = building.rocking
+        if alone[place].status == "done":
+            for name, field in ALONE.items():
+                arrays[name][span] = getattr(alone[place].buildings[0], field)
+        if response.status == "done":
+            for name, field in (STOREY_FIELDS | FLOOR_FIELDS).items():
+                arrays[name][span] = getattr(building, field)
+            arrays["sway"][(*at, place)] = building.sway
+            arrays["rocking"][(*at, place)] = building.rocking
 
 
 def _put_links(
@@ -126,8 +130,9 @@ def _put_links(
     if not scene.links:
         return
     chosen = [places[_place(link)] for link in scene.links]
-    for name in LINK_FIELDS:
-        arrays[name][at][chosen] = getattr(response.links, name)
+    if response.status == "done":
+        for name in LINK_FIELDS:
+            arrays[name][at][chosen] = getattr(response.links, name)
     of_case = at[: n_axes + 1]
     arrays["kind"][of_case][chosen] = [str(link.kind) for link in scene.links]
     arrays["gap"][of_case][chosen] = [link.gap for link in scene.links]
@@ -153,6 +158,15 @@ def _put_buildings(arrays: dict[str, np.ndarray], point: tuple[int, ...], scene:
         arrays["period"][(*point, place)] = building.periods[0]
 
 
+def _put_records(arrays: dict[str, np.ndarray], point: tuple[int, ...], plan: Plan) -> None:
+    motions = plan.study.resolver.motions(point)
+    assert motions is not None  # the study was validated at every point
+    for number, name in enumerate(plan.records):
+        for variable in RECORDS:
+            field = variable.name.removeprefix("record_")
+            arrays[variable.name][(*point, number)] = getattr(motions[name].use, field)
+
+
 def _put_refusals(arrays: dict[str, np.ndarray], plan: Plan, responses: Mapping[str, Response]) -> None:
     """Say in a scene's flags which of its ratios are missing and why."""
     for alone in RATIOS.values():
@@ -171,18 +185,22 @@ def _flag(flags: np.ndarray, at: tuple, sentence: str) -> None:
 
 
 def _without_constant_axes(
-    axes: tuple[str, ...], arrays: dict[str, np.ndarray]
+    axes: tuple[str, ...], arrays: dict[str, np.ndarray], variables: tuple[Variable, ...]
 ) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
-    """The buildings without the swept axes that change none of them: a sweep of the gap leaves one table."""
+    """The variables without the swept axes that change none: a sweep of the gap leaves one building."""
     kept = list(axes)
-    cut = {v.name: arrays[v.name] for v in BUILDINGS}
+    cut = {v.name: arrays[v.name] for v in variables}
     for axis in reversed(axes):
         number = kept.index(axis)
         first = {name: array.take([0], axis=number) for name, array in cut.items()}
-        if all(np.array_equal(np.broadcast_to(first[n], cut[n].shape), cut[n], equal_nan=True) for n in cut):
+        if all(_same(np.broadcast_to(first[name], cut[name].shape), cut[name]) for name in cut):
             cut = {name: array.take(0, axis=number) for name, array in cut.items()}
             kept.remove(axis)
-    return {v.name: ((*kept, *v.dims), cut[v.name]) for v in BUILDINGS}
+    return {v.name: ((*kept, *v.dims), cut[v.name]) for v in variables}
+
+
+def _same(one: np.ndarray, other: np.ndarray) -> bool:
+    return np.array_equal(one, other, equal_nan=one.dtype != object)
 
 
 def _statistics(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from functools import cache
+from importlib import metadata
 from pathlib import Path
-
-import pounding_cli
 
 FORMAT = "pounding study results"
 """Root attribute `format` of every results file."""
@@ -18,18 +17,24 @@ _SOLVER_ROOMS = ("kernels", "model", "solve")
 
 
 @cache
+def package_version() -> str:
+    """Version of this package as installed."""
+    return metadata.version("pounding-cli")
+
+
+@cache
 def solver_version() -> str:
     """Package version and a digest of the solver's own source.
 
     Between two releases the version stands still while the solver changes; results of the old one must not be
     taken for the new one's.
     """
-    root = Path(pounding_cli.__file__).parent
+    root = Path(__file__).parents[1]
     sha = hashlib.sha256()
     for room in _SOLVER_ROOMS:
         for path in sorted((root / room).glob("*.py")):
             sha.update(path.name.encode() + b"\0" + path.read_bytes())
-    return f"{pounding_cli.__version__}+{sha.hexdigest()[:12]}"
+    return f"{package_version()}+{sha.hexdigest()[:12]}"
 
 
 def solution_key(accuracy: float, method: str) -> str:

@@ -76,6 +76,8 @@ SCENES = (
     Variable("scene", PLACE, "", "digest of the scene", "s"),
 )
 
+# The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
+
 LINKS = (
     Variable("kind", ("case", "link"), "", "law of the link; empty where there is none", "s"),
     Variable("gap", ("case", "link"), "m", "initial distance of the two floors"),
@@ -88,6 +90,15 @@ BUILDINGS = (
     Variable("yield_shear", ("building", "storey"), "N", "storey yield shear"),
     Variable("period", ("building",), "s", "fundamental period on a fixed base"),
     Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
+)
+
+RECORDS = (
+    Variable("record_source", ("record",), "", "real, stand-in or user", "s"),
+    Variable("record_digest", ("record",), "", "SHA-256 of the motion as used", "s"),
+    Variable("record_scale", ("record",), "1", "factor on the motion as read"),
+    Variable("record_window", ("record",), "s", "duration used"),
+    Variable("record_pga", ("record",), "m/s2", "peak ground acceleration as used"),
+    Variable("record_arias", ("record",), "m/s", "Arias intensity as used"),
 )
 
 STATISTICS = tuple(
@@ -108,7 +119,7 @@ STATISTICS = tuple(
     )
 )
 
-VARIABLES = {v.name: v for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS, *STATISTICS)}
+VARIABLES = {v.name: v for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS, *RECORDS, *STATISTICS)}
 
 COORDINATES = {
     "case": ("", "case of the study"),
@@ -122,11 +133,5 @@ COORDINATES = {
     "link_right": ("", "building right of the link"),
     "link_floor": ("1", "floor of the link in the left building"),
     "link_right_floor": ("1", "floor of the link in the right building"),
-    "record_source": ("", "real, stand-in or user"),
-    "record_digest": ("", "SHA-256 of the motion as used"),
-    "record_scale": ("1", "factor on the motion as read"),
-    "record_window": ("s", "duration used"),
-    "record_pga": ("m/s2", "peak ground acceleration as used"),
-    "record_arias": ("m/s", "Arias intensity as used"),
 }
 """Coordinate variables with unit and meaning; swept axes add theirs."""

@@ -59,10 +59,10 @@ def overview(path: Path) -> Overview:
     InputError : not a results file of this program
     """
     with opened(path) as file:
-        cases, analyses, buildings, records, sources = (
-            list(file[name].asstr()[:])
-            for name in ("case", "analysis", "building", "record", "record_source")
+        cases, analyses, buildings, records = (
+            list(file[name].asstr()[:]) for name in ("case", "analysis", "building", "record")
         )
+        sources = list(file["record_source"].asstr()[()].reshape(-1, len(records))[0])
         swept = len(json.loads(file.attrs["swept"]))
         means = {ratio: file[f"{ratio}_mean"][()] for ratio, _ in MEASURES.values()}
         # Storeys of a building, in whichever point of the sweep it has most of them.

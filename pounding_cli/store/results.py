@@ -129,10 +129,14 @@ class Results:
         return _frame(columns)[there].reset_index(drop=True)
 
     def records(self) -> pd.DataFrame:
-        """Per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used."""
+        """Per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used.
+
+        Swept axes that change a motion come first.
+        """
         with opened(self.path) as file:
-            columns = {"record": _values(file["record"])}
-            return _frame(columns | {name: _values(file[f"record_{name}"]) for name in _RECORD})
+            scale = file["record_scale"]
+            columns = self._index(file, tuple(_name(each[0]) for each in scale.dims), scale.shape)
+            return _frame(columns | {name: _values(file[f"record_{name}"]).ravel() for name in _RECORD})
 
     @cached_property
     def buildings(self) -> pd.DataFrame:

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.study.buildings import design_displacements, separation
-
 if TYPE_CHECKING:
     from pounding_cli.study import Study
 
@@ -18,6 +16,11 @@ def code_separations(study: Study, point: tuple[int, ...]) -> np.ndarray:
 
     NaN for the last, and where the yield shears of a neighbour were not set by a code.
     """
+    from pounding_cli.study.buildings import (
+        design_displacements,
+        separation,
+    )  # reading a file needs no schema
+
     specs, group = study.resolver.section(point, "buildings"), study.resolver.section(point, "group")
     types = study.resolver.types(point)
     assert types is not None  # the study was validated at every point

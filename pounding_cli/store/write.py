@@ -16,13 +16,12 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-import pounding_cli
 from pounding_cli.errors import InputError
 from pounding_cli.solve.response import Response
 from pounding_cli.store.dense import Dense, assemble
 from pounding_cli.store.files import opened
-from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, solution_key, solver_version
-from pounding_cli.store.layout import COORDINATES, VARIABLES
+from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
+from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES
 from pounding_cli.store.solutions import write_solutions
 
 if TYPE_CHECKING:
@@ -84,6 +83,7 @@ def content_digest(plan: Plan) -> str:
     sha = hashlib.sha256()
     for part in (
         solution_key(plan.accuracy, plan.method),
+        plan.study.title,
         plan.study.text,
         _json(plan.study.resolved()),
         repr((plan.axes, plan.cases, plan.analyses, plan.records, plan.buildings, plan.motions)),
@@ -147,11 +147,7 @@ def _write_coordinates(file: h5py.File, plan: Plan, dense: Dense) -> dict[str, h
         for name, array in facts.items():
             _dataset(file, name, ("link",), array, *COORDINATES[name], scales)
         beside += facts
-    for name in ("source", "digest", "scale", "window", "pga", "arias"):
-        column = [getattr(motion, name) for motion in plan.motions]
-        array = _text(column) if name in ("source", "digest") else np.array(column, float)
-        _dataset(file, f"record_{name}", ("record",), array, *COORDINATES[f"record_{name}"], scales)
-        beside.append(f"record_{name}")
+    beside += [variable.name for variable in RECORDS]
     file.attrs["coordinates"] = " ".join(beside)  # xarray then takes them for coordinates
     return scales
 
@@ -182,7 +178,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: Mapping[str, Respo
     software = file.create_group("software")
     software.attrs.update(
         {
-            "pounding_cli": pounding_cli.__version__,
+            "pounding_cli": package_version(),
             "solver": solver_version(),
             "python": platform.python_version(),
             "platform": platform.platform(),

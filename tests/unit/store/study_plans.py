@@ -16,7 +16,10 @@ from pounding_cli.study import Axis, MotionUse, Plan, Row
 
 
 class FakeResolver:
-    """Buildings whose yield shears are given outright, so that no code sets a separation."""
+    """Buildings whose yield shears are given outright, so that no code sets a separation; scaled motions."""
+
+    def __init__(self) -> None:
+        self.uses: dict[tuple[int, ...] | None, tuple[MotionUse, ...]] = {}
 
     def section(self, point, name):
         return {
@@ -26,6 +29,10 @@ class FakeResolver:
 
     def types(self, point):
         return {"stiff": None, "soft": None}
+
+    def motions(self, point):
+        uses = self.uses.get(point, self.uses.get(None, ()))
+        return {use.name: SimpleNamespace(use=use) for use in uses}
 
 
 @dataclass(frozen=True)
@@ -91,8 +98,10 @@ def small_plan(
                         )
                     )
     uses = tuple(MotionUse(m.name, m.source, m.digest, 1.5, 0.06, m.pga, 0.01) for m in motions)
+    study = study or FakeStudy()
+    study.resolver.uses[None] = uses
     return Plan(
-        study or FakeStudy(),
+        study,
         axes,
         tuple(name for name, _ in cases),
         ("elastic", "inelastic"),

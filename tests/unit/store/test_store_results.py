@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -132,6 +133,25 @@ def test_buildings_and_records(plain):
     assert list(records.columns) == ["record", "source", "digest", "scale", "window", "pga", "arias"]
     assert list(records.source) == ["stand-in"] * 2
     assert list(records.pga) == [1.0, 3.0]
+
+
+def test_a_sweep_that_changes_the_motions_says_so_in_their_table(tmp_path):
+    axes = (
+        Axis(("impact.damping_ratio",), ((0.1,), (0.2,))),
+        Axis(("records.scale",), ((1.0,), (2.0,), (3.0,))),
+    )
+    plan = small_plan(axes=axes)
+    for point in np.ndindex(2, 3):
+        factor = axes[1].values[point[1]][0]
+        plan.study.resolver.uses[point] = tuple(
+            replace(use, scale=factor, pga=factor * use.pga) for use in plan.motions
+        )
+    write_results(tmp_path / "r.h5", plan, solved(plan))
+    table = open_results(tmp_path / "r.h5").records()
+    assert list(table.columns[:3]) == ["records.scale", "record", "source"]
+    assert list(table.pga) == [1.0, 3.0, 2.0, 6.0, 3.0, 9.0]
+    with xarray.open_dataset(tmp_path / "r.h5", engine="h5netcdf") as data:
+        assert data["record_pga"].dims == ("records.scale", "record")
 
 
 def test_study_and_software_travel_with_the_numbers(plain):

@@ -1,0 +1,226 @@
+"""`pound run`: what it prints, what it writes, how it ends."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pounding_cli.cli.main import main
+from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
+from pounding_cli.store import open_results
+
+STUDY = """\
+title: Two small buildings
+records:
+  use: [{file: weak.txt}, {file: strong.txt}]
+  duration: whole
+  scale: 1.0
+buildings:
+  stiff: {storeys: 3, period: 0.3 s, mass: 200 t, height: 3 m,
+          yield: {code: UBC-1991, zone: 0.4, soil: 1.2, Rw: 12}}
+  soft: {like: stiff, storeys: 2, period: 0.5 s}
+group: [stiff, soft]
+impact: {stiffness: 20 x stiffest storey, restitution: 0.5}
+cases:
+  touching: {link: pounding, gap: 0 cm}
+  gap: {link: pounding, gap: 1 cm}
+analyses: [elastic, inelastic]
+"""
+
+
+def known(scene, accuracy=1e-6, method="taylor"):
+    """V/V0 is 2 in the top storey of a linked building and 1.25 below it; mu/mu0 likewise."""
+    found = []
+    for building in scene.buildings:
+        factor = np.full(building.storeys, 1.25 if scene.links else 1.0)
+        factor[-1] = 2.0 if scene.links else 1.0
+        one = scene.motion.pga * factor
+        found.append(BuildingResponse(1e6 * one, 0.01 * one, one, one, one, -one, 0 * one))
+    n = np.ones(len(scene.links))
+    flags = ("a sentence to know",) if scene.links and scene.links[0].gap else ()
+    return Response(
+        tuple(found), LinkResponse(n, n, n, n, n), "done", "", method, accuracy, 1, 1, 1e-4, flags=flags
+    )
+
+
+def fails(scene, accuracy=1e-6, method="taylor"):
+    response = known(scene, accuracy, method)
+    if scene.links and scene.links[0].gap and scene.analysis == "elastic":
+        return replace(response, status="event bound reached", advice="check the links' stiffness")
+    return response
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder to stand in, with a study and two motions of half a second, in g."""
+    monkeypatch.chdir(tmp_path)
+    t = np.arange(0.0, 0.5, 0.01)
+    for name, peak in (("weak", 0.1), ("strong", 0.4)):
+        np.savetxt(tmp_path / f"{name}.txt", np.column_stack([t, peak * np.sin(12 * t)]))
+    (tmp_path / "two.yaml").write_text(STUDY)
+    return tmp_path
+
+
+@pytest.fixture
+def pound(monkeypatch, capsys):
+    """`pound ARGUMENTS` in this process: exit code, stdout, stderr."""
+
+    def call(*arguments: object, solve=known) -> tuple[int, str, str]:
+        if solve is not None:
+            monkeypatch.setattr("pounding_cli.solve.solve", solve)
+        monkeypatch.setattr(sys, "argv", ["pound", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        captured = capsys.readouterr()
+        return int(end.value.code or 0), captured.out, captured.err
+
+    return call
+
+
+def test_summary_shows_ratios_motions_flags_counts_and_times(folder, pound):
+    code, out, err = pound("run", "two.yaml")
+    assert code == 0
+    lines = [line.split() for line in out.splitlines()]
+    assert lines[0] == ["Two", "small", "buildings"]
+    assert ["touching", "elastic", "V/V0", "2.000", "2.000", "(3)", "2.000", "2.000", "(2)"] in lines
+    assert ["gap", "inelastic", "mu/mu0", "2.000", "2.000", "(3)", "2.000", "2.000", "(2)"] in lines
+    assert "Motions, user: weak, strong" in out
+    assert "Note, 4 scenes: a sentence to know" in out
+    assert "Scenes: 16 solved, 0 reused, 0 failed; solver 2 ms, in all" in out
+    assert "16 scenes to solve" in err
+    assert (folder / "results" / "two.h5").is_file()
+    assert len(open_results("results/two.h5").storey()) == 2 * 2 * 2 * 5
+
+
+def test_second_run_solves_nothing_and_says_so(folder, pound):
+    pound("run", "two.yaml", "-o", "r.h5")
+    code, out, err = pound("run", "two.yaml", "-o", "r.h5", solve=lambda *_, **__: 1 / 0)
+    assert (code, err) == (0, "")
+    assert "Scenes: 0 solved, 16 reused, 0 failed" in out
+    assert "touching" in out
+
+
+def test_a_changed_study_solves_only_what_is_new(folder, pound):
+    pound("run", "two.yaml", "-o", "r.h5")
+    (folder / "two.yaml").write_text(STUDY + "sweep: {cases.gap.gap: [1 cm, 2 cm, 3 cm]}\n")
+    code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
+    assert code == 0
+    assert "Scenes: 8 solved, 16 reused, 0 failed" in out
+    assert "Means over 2 motions at 3 points of the sweep." in out
+    assert list(open_results("r.h5").storey().columns[:2]) == ["cases.gap.gap", "case"]
+
+
+def test_quiet_prints_nothing(folder, pound):
+    assert pound("run", "two.yaml", "-q") == (0, "", "")
+
+
+def test_failed_scenes_are_listed_and_the_exit_code_is_1(folder, pound):
+    code, out, err = pound("run", "two.yaml", "-q", solve=fails)
+    assert code == 1
+    assert out == ""
+    assert err.splitlines() == [
+        "failed: gap, elastic, weak: event bound reached",
+        "    check the links' stiffness",
+        "failed: gap, elastic, strong: event bound reached",
+        "    check the links' stiffness",
+    ]
+    code, out, _ = pound("run", "two.yaml", solve=fails)
+    assert code == 1
+    assert ["gap", "elastic", "V/V0", "-", "-", "-", "-"] in [line.split() for line in out.splitlines()]
+    assert "Scenes: 0 solved, 14 reused, 2 failed" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "nothing.yaml"], "nothing.yaml"),
+        (["run", "two.yaml", "-o", "."], "the output is a folder"),
+        (["run", "two.yaml", "-o", "two.yaml"], "not a results file of pound"),
+        (["run", "two.yaml", "-o", "two.yaml/r.h5"], "cannot be written"),
+        (["run", "two.yaml", "--workers", "0"], "0 is not in the range x>=1"),
+        (["run", "two.yaml", "--engine", "abacus"], "'abacus' is not one of"),
+        (["run"], "Missing argument 'STUDY'"),
+    ],
+)
+def test_refused_before_anything_is_solved(folder, pound, arguments, message):
+    def never(*_, **__):
+        raise AssertionError("solved")
+
+    before = sorted(folder.rglob("*"))
+    code, out, err = pound(*arguments, solve=never)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert "Traceback" not in err
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
+    script = textwrap.dedent(
+        f"""
+        import sys, time
+        sys.path.insert(0, {os.path.dirname(__file__)!r})
+        import pounding_cli.solve
+        from test_run import known
+
+        def slow(scene, accuracy, method):
+            time.sleep(0.4)
+            return known(scene, accuracy, method)
+
+        pounding_cli.solve.solve = slow
+        sys.argv = ["pound", "run", "two.yaml", "-o", "r.h5", "--engine", "serial"]
+        from pounding_cli.cli.main import main
+        main()
+        """
+    )
+    running = subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.PIPE, text=True)
+    parts = folder / "r.h5.parts"
+    while not list(parts.glob("*.part")) and running.poll() is None:
+        time.sleep(0.05)
+    running.send_signal(signal.SIGINT)
+    _, err = running.communicate(timeout=30)
+    assert running.returncode == 130
+    assert "of 16 scenes are kept in r.h5.parts" in err
+    assert "run the same command again to go on" in err
+    assert "Traceback" not in err
+    assert not (folder / "r.h5").exists()
+    kept = int(err.split(" of 16 scenes are kept")[0].split()[-1])
+    assert 0 < kept < 16
+    code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
+    assert code == 0
+    assert f"Scenes: {16 - kept} solved, {kept} reused, 0 failed" in out
+    assert not parts.exists()
+
+
+def test_the_solver_gives_the_same_rows_in_processes_and_in_this_one(folder, pound, monkeypatch):
+    monkeypatch.setattr("pounding_cli.batch.runner.WORTH_PROCESSES", 0.0)
+    for engine in ("serial", "processes"):
+        code, out, _ = pound(
+            "run", "two.yaml", "-o", f"{engine}.h5", "--engine", engine, "--workers", 2, solve=None
+        )
+        assert code == 0
+        assert ("2 side by side" in out) == (engine == "processes")
+    serial, side = open_results("serial.h5"), open_results("processes.h5")
+    assert serial.storey().equals(side.storey())
+    assert serial.link().equals(side.link())
+    assert serial.floor().equals(side.floor())
+    assert (serial.storey().V > 0).all()
+    assert (serial.scene().status == "done").all()
+
+
+def test_python_gives_the_same_tables(folder, pound, monkeypatch):
+    import pounding_cli
+
+    monkeypatch.setattr("pounding_cli.solve.solve", known)
+    results = pounding_cli.run("two.yaml")
+    assert str(results.path) == os.path.join("results", "two.h5")
+    again = pounding_cli.run(pounding_cli.load_study("two.yaml"), "again.h5")
+    assert results.storey().equals(again.storey())
+    assert pounding_cli.open_results("again.h5").title == "Two small buildings"

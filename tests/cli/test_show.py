@@ -1,0 +1,132 @@
+"""`pound show`: every table in every form, filtered; what is refused."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import sys
+
+import pytest
+from test_run import STUDY, folder, known, pound  # noqa: F401  (fixtures)
+
+TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
+
+
+@pytest.fixture
+def shown(folder, pound):  # noqa: F811
+    """`pound show r.h5 ...` after a run."""
+    pound("run", "two.yaml", "-o", "r.h5", "-q")
+    return lambda *arguments: pound("show", "r.h5", *arguments)
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_storey_csv_has_the_columns_of_the_manual_and_all_digits(shown):
+    code, out, _ = shown("storey", "--format", "csv")
+    assert code == 0
+    assert out.splitlines()[0].startswith(
+        "case,analysis,record,building,storey,V,V0,V_ratio,mu,mu0,mu_ratio,drift"
+    )
+    table = rows(out)
+    assert len(table) == 2 * 2 * 2 * 5
+    assert {row["V_ratio"] for row in table} == {"1.25", "2.0"}
+    import pounding_cli
+
+    exact = pounding_cli.open_results("r.h5").storey()
+    assert [float(row["V"]) for row in table] == list(exact.V)
+
+
+def test_swept_axes_come_first(folder, pound):  # noqa: F811
+    sweep = "sweep: {cases.gap.gap: [1 cm, 2 cm], impact.restitution: [0.4, 0.6]}\n"
+    (folder / "two.yaml").write_text(STUDY + sweep)
+    pound("run", "two.yaml", "-o", "r.h5", "-q")
+    _, out, _ = pound("show", "r.h5", "storey", "--format", "csv")
+    assert out.startswith("cases.gap.gap,impact.restitution,case,")
+    assert {row["cases.gap.gap"] for row in rows(out)} == {"0.01", "0.02"}
+
+
+@pytest.mark.parametrize("form", ["table", "csv", "json"])
+@pytest.mark.parametrize("table", TABLES)
+def test_every_table_in_every_form(shown, table, form):
+    code, out, err = shown(table, "--format", form)
+    assert (code, err) == (0, "")
+    import pounding_cli
+
+    results = pounding_cli.open_results("r.h5")
+    frame = results.buildings if table == "buildings" else getattr(results, table)()
+    if form == "csv":
+        assert list(rows(out)[0]) == list(frame.columns)
+        assert len(rows(out)) == len(frame)
+    elif form == "json":
+        found = json.loads(out)
+        assert list(found[0]) == list(frame.columns)
+        assert len(found) == len(frame)
+    else:
+        assert len(out.splitlines()) == 2 + len(frame)
+
+
+def test_summary_is_what_is_shown_unless_told_otherwise(shown):
+    assert shown() == shown("summary")
+
+
+def test_filters(shown):
+    wanted = {"case": "gap", "analysis": "elastic", "record": "weak", "building": "soft"}
+    options = [word for name, value in wanted.items() for word in (f"--{name}", value)]
+    _, out, _ = shown("storey", "--format", "csv", *options)
+    assert [(row["case"], row["building"], row["storey"]) for row in rows(out)] == [
+        ("gap", "soft", "1"),
+        ("gap", "soft", "2"),
+    ]
+    _, out, _ = shown("scene", "--format", "csv", "--record", "weak", "--record", "strong", "--case", "gap")
+    assert len(rows(out)) == 4
+
+
+def test_units_stand_over_the_columns_and_missing_numbers_are_dashes(shown):
+    _, out, _ = shown("storey")
+    assert "V [N]" in out
+    assert "drift [m]" in out
+    _, out, _ = shown("scene", "--format", "json")
+    first = json.loads(out)[0]
+    assert first["sensitivity"] is None
+    assert first["flags"] == []
+    assert json.loads(out)[-1]["flags"] == ["a sentence to know"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message", "hint"),
+    [
+        (["storey", "--case", "gip"], "there is no case 'gip'", "touching, gap"),
+        (["summary", "--record", "weak"], "the table summary has no column record", "leave the option out"),
+        (["stories"], "'stories' is not one of", "storey"),
+    ],
+)
+def test_what_is_not_there_is_refused_with_what_is(shown, arguments, message, hint):
+    code, out, err = shown(*arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert hint in err
+
+
+def test_a_missing_file_is_refused(folder, pound):  # noqa: F811
+    code, _, err = pound("show", "nothing.h5")
+    assert code == 2
+    assert "there is no such results file" in err
+    assert "pound run" in err
+
+
+def test_help_loads_nothing_heavy(folder, pound):  # noqa: F811
+    heavy = ("numba", "scipy", "pandas", "matplotlib")
+    import subprocess
+
+    script = (
+        "import sys; from pounding_cli.cli import run, show; "
+        f"print([name for name in {heavy!r} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+    code, out, _ = pound("run", "--help")
+    assert code == 0
+    assert "pound run configs/fig6.yaml" in out

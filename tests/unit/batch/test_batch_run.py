@@ -1,0 +1,311 @@
+"""Running a plan: resuming, reusing, failing scenes, dying workers, being stopped."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from study_plans import Axis, FakeStudy, known, small_plan
+
+from pounding_cli.batch import run_plan
+from pounding_cli.errors import InputError
+from pounding_cli.store import PartStore, open_results, solution_key
+
+TIMES = {"seconds"}
+"""Columns that are never the same twice."""
+
+
+class Counting:
+    """`known`, counting its calls; fails, stops or dies where told."""
+
+    def __init__(self, stop_after: int | None = None) -> None:
+        self.calls = 0
+        self.stop_after = stop_after
+
+    def __call__(self, scene, accuracy, method):
+        if self.calls == self.stop_after:
+            raise KeyboardInterrupt
+        self.calls += 1
+        return known(scene, accuracy, method)
+
+
+def dies(scene, accuracy, method):
+    """Takes its process with it on the strongest linked inelastic scene at gap 0.05."""
+    if (
+        scene.links
+        and scene.links[0].gap == 0.05
+        and scene.motion.pga == 9.0
+        and scene.analysis == "inelastic"
+    ):
+        os._exit(3)
+    return known(scene, accuracy, method)
+
+
+def fails(scene, accuracy, method):
+    if scene.links and scene.links[0].gap == 0.05 and scene.motion.pga == 3.0:
+        raise ZeroDivisionError("division by zero")
+    if len(scene.buildings) == 1 and scene.motion.pga == 1.0 and scene.analysis == "elastic":
+        response = known(scene, accuracy, method)
+        return replace(response, status="event bound reached", advice="check the links")
+    return known(scene, accuracy, method)
+
+
+def slow(scene, accuracy, method):
+    time.sleep(0.02)
+    return known(scene, accuracy, method)
+
+
+class Interrupting:
+    """Solves, but Ctrl-C comes in the parent once `after` scenes are back."""
+
+    def __init__(self, after: int) -> None:
+        self.after = after
+        self.said: list[str] = []
+
+    def start(self, total, reused): ...
+
+    def step(self, failed):
+        self.after -= 1
+        if self.after == 0:
+            raise KeyboardInterrupt
+
+    def say(self, sentence):
+        self.said.append(sentence)
+
+    def stop(self): ...
+
+
+@pytest.fixture
+def plan():
+    return small_plan(records=(("weak", 1.0), ("strong", 3.0), ("other", 9.0)))
+
+
+@pytest.fixture
+def output(tmp_path):
+    return tmp_path / "results" / "r.h5"
+
+
+def in_process(*arguments, **options):
+    """Run serially: a solver that counts does so in its own process only."""
+    return run_plan(*arguments, engine_name="serial", **options)
+
+
+def tables(path):
+    results = open_results(path)
+    return {
+        name: getattr(results, name)().drop(columns=TIMES, errors="ignore")
+        for name in ("storey", "floor", "link", "scene", "summary", "records")
+    }
+
+
+def test_every_scene_is_solved_once_and_a_second_run_solves_none(plan, output):
+    solve = Counting()
+    outcome = in_process(plan, output, solve=solve)
+    assert solve.calls == len(plan.scenes) == 2 * 2 * 3 + 2 * 2 * 3  # linked; alone, shared by the cases
+    assert (outcome.done, outcome.failed, outcome.reused) == (24, 0, 0)
+    stamp = output.stat().st_mtime_ns
+    again = in_process(plan, output, solve=solve)
+    assert solve.calls == 24
+    assert (again.done, again.failed, again.reused) == (0, 0, 24)
+    assert output.stat().st_mtime_ns == stamp
+    assert [path.name for path in output.parent.iterdir()] == ["r.h5"]
+
+
+def test_processes_give_the_same_rows_bit_for_bit(plan, tmp_path):
+    serial = run_plan(plan, tmp_path / "s.h5", solve=known, engine_name="serial")
+    side = run_plan(plan, tmp_path / "p.h5", solve=known, workers=2)
+    assert (serial.engine, side.engine, side.workers) == ("serial", "processes", 2)
+    one, other = tables(tmp_path / "s.h5"), tables(tmp_path / "p.h5")
+    for name in one:
+        assert one[name].equals(other[name]), name
+    with h5py.File(tmp_path / "s.h5") as a, h5py.File(tmp_path / "p.h5") as b:
+        assert a["V"][()].tobytes() == b["V"][()].tobytes()
+        assert (a["solutions/digest"][:] == b["solutions/digest"][:]).all()
+
+
+def test_small_studies_stay_in_this_process(plan, output):
+    def quick(scene, accuracy, method):
+        return replace(known(scene), seconds=1e-3)
+
+    assert run_plan(plan, output, solve=quick, workers=4).engine == "serial"
+
+
+def test_a_changed_study_reuses_the_scenes_it_shares(plan, output):
+    run_plan(plan, output, solve=known)
+    wider = small_plan(
+        records=(("weak", 1.0), ("strong", 3.0), ("other", 9.0)),
+        cases=(("touching", 0.0), ("gap", 0.05), ("wide", 0.10)),
+        study=FakeStudy(text="with a wider gap"),
+    )
+    solve = Counting()
+    outcome = in_process(wider, output, solve=solve)
+    assert (outcome.done, outcome.reused, solve.calls) == (6, 24, 6)
+    assert open_results(output).study_text == "with a wider gap"
+    fresh = output.with_name("fresh.h5")
+    run_plan(wider, fresh, solve=known)
+    one, other = tables(output), tables(fresh)
+    for name in one:
+        assert one[name].equals(other[name]), name
+
+
+def test_only_the_words_changed_nothing_is_solved_but_the_file_says_so(plan, output):
+    run_plan(plan, output, solve=known)
+    solve = Counting()
+    renamed = replace(plan, study=replace(plan.study, title="renamed"))
+    assert in_process(renamed, output, solve=solve).reused == 24
+    assert solve.calls == 0
+    assert open_results(output).title == "renamed"
+
+
+@pytest.mark.parametrize("change", [{"accuracy": 1e-9}, {"method": "central-difference"}])
+def test_another_accuracy_or_method_solves_everything_anew(plan, output, change):
+    run_plan(plan, output, solve=known)
+    solve = Counting()
+    outcome = in_process(replace(plan, **change), output, solve=solve)
+    assert (outcome.done, outcome.reused, solve.calls) == (24, 0, 24)
+
+
+def test_another_solver_solves_everything_anew(plan, output, monkeypatch):
+    run_plan(plan, output, solve=known)
+    monkeypatch.setattr("pounding_cli.store.keys.solver_version", lambda: "0.2.0+something")
+    assert run_plan(plan, output, solve=known).reused == 0
+
+
+def test_a_failed_scene_is_reported_and_the_others_go_on(plan, output):
+    outcome = run_plan(plan, output, solve=fails)
+    # linked at a gap with the strong motion, elastic and inelastic; both buildings alone under the weak one
+    assert (outcome.done, outcome.failed) == (20, 4)
+    places = {failure.place: failure.status for failure in outcome.failures}
+    assert places["gap, elastic, strong"] == "error: ZeroDivisionError: division by zero"
+    assert places["stiff alone, elastic, weak"] == "event bound reached"
+    assert len(places) == 4
+    results = open_results(output)
+    scene = results.scene().set_index(["case", "analysis", "record"])
+    assert scene.loc[("gap", "inelastic", "strong"), "status"].startswith("error: ZeroDivisionError")
+    flags = scene.loc[("touching", "elastic", "weak"), "flags"]
+    assert "stiff alone: event bound reached, ratios refused" in flags
+    storey = results.storey().set_index(["case", "analysis", "record"])
+    assert storey.loc[("gap", "inelastic", "strong"), "V"].isna().all()
+    assert storey.loc[("gap", "inelastic", "strong"), "V0"].notna().all()
+    assert storey.loc[("touching", "elastic", "strong"), "V_ratio"].eq(1.5).all()
+
+
+def test_failed_scenes_and_only_they_are_tried_again(plan, output):
+    run_plan(plan, output, solve=fails)
+    solve = Counting()
+    outcome = in_process(plan, output, solve=solve)
+    assert (outcome.done, outcome.failed, outcome.reused, solve.calls) == (4, 0, 20, 4)
+
+
+def test_a_baseline_that_failed_has_no_ratio(plan, output):
+    """The numbers of a scene that did not end are not to be trusted, whatever they are."""
+    run_plan(plan, output, solve=fails)
+    storey = open_results(output).storey()
+    hit = (storey.record == "weak") & (storey.analysis == "elastic")
+    assert storey[hit].V_ratio.isna().all()
+    assert storey[hit].V0.isna().all()
+
+
+def test_a_worker_that_dies_costs_one_scene(plan, output):
+    outcome = run_plan(plan, output, solve=dies, workers=2)
+    assert (outcome.done, outcome.failed) == (23, 1)
+    assert outcome.failures[0].place == "gap, inelastic, other"
+    assert outcome.failures[0].status == "the worker died"
+    assert "fewer workers" in outcome.failures[0].advice
+
+
+def test_stopped_then_run_again_goes_on_where_it_was(plan, output):
+    with pytest.raises(KeyboardInterrupt):
+        in_process(plan, output, solve=Counting(stop_after=10))
+    assert not output.exists()
+    kept = PartStore(output, solution_key(plan.accuracy, plan.method)).load()
+    assert len(kept) == 10
+    solve = Counting()
+    outcome = in_process(plan, output, solve=solve)
+    assert (outcome.done, outcome.reused, solve.calls) == (14, 10, 14)
+    assert not output.with_name("r.h5.parts").exists()
+
+
+def test_stopped_with_workers_at_work_ends_them_and_keeps_the_scenes(plan, output):
+    progress = Interrupting(after=12)
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        run_plan(plan, output, solve=slow, workers=2, progress=progress)
+    assert time.monotonic() - begin < 5
+    kept = PartStore(output, solution_key(plan.accuracy, plan.method)).load()
+    assert len(kept) == 12
+    assert progress.said == [f"12 of 24 scenes are kept in {output}.parts"]
+    assert run_plan(plan, output, solve=known).reused == 12
+
+
+def test_killed_while_running_leaves_parts_behind(plan, output, monkeypatch):
+    """What a run writes on its way is enough to go on after a power cut."""
+    monkeypatch.setattr("pounding_cli.store.parts._SECONDS", -1.0)  # every scene at once
+    with pytest.raises(KeyboardInterrupt):
+        in_process(plan, output, solve=Counting(stop_after=7))
+    assert len(list(output.with_name("r.h5.parts").glob("*.part"))) == 7
+
+
+def test_damaged_and_foreign_parts_are_passed_over(plan, output):
+    with pytest.raises(KeyboardInterrupt):
+        in_process(plan, output, solve=Counting(stop_after=10))
+    (part,) = output.with_name("r.h5.parts").glob("*.part")
+    content = bytearray(part.read_bytes())
+    content[-3] ^= 1
+    part.write_bytes(content)
+    part.with_name("x.part").write_bytes(b"nothing of ours")
+    assert run_plan(plan, output, solve=known).reused == 0
+
+
+def test_a_part_gives_back_every_bit(tmp_path, plan):
+    scene = next(scene for scene in plan.scenes.values() if scene.links)
+    before = replace(
+        known(scene), advice="ν", seconds=1 / 3, flags=("a", "b"), energy={"input": np.float64(0.1)}
+    )
+    before.links.peak_force[0] = np.nextafter(1e6, 2e6)
+    before.links.impacts[1] = np.nan if before.links.impacts.dtype.kind == "f" else 7
+    store = PartStore(tmp_path / "r.h5", "key")
+    store.add("digest", before)
+    store.flush()
+    after = PartStore(tmp_path / "r.h5", "key").load()["digest"]
+    assert PartStore(tmp_path / "r.h5", "another key").load() == {}
+    for one, other in zip(before.buildings, after.buildings, strict=True):
+        for name in ("shear", "drift", "ductility", "acceleration", "displacement_min", "residual_drift"):
+            assert getattr(one, name).tobytes() == getattr(other, name).tobytes()
+    assert (before.links.peak_force == after.links.peak_force).all()
+    for name in ("status", "advice", "seconds", "flags", "energy", "steps", "effects", "dropped", "orders"):
+        assert getattr(before, name) == getattr(after, name)
+
+
+def test_refused_outputs_are_refused_before_anything_is_solved(plan, tmp_path):
+    solve = Counting()
+    (tmp_path / "notes.txt").write_text("mine")
+    h5py.File(tmp_path / "other.h5", "w").close()
+    for output, message in (
+        (tmp_path, "the output is a folder"),
+        (tmp_path / "notes.txt", "not a results file of pound"),
+        (tmp_path / "other.h5", "not a results file of pound"),
+        (tmp_path / "notes.txt" / "r.h5", "cannot be written"),
+    ):
+        with pytest.raises(InputError, match=message) as refused:
+            in_process(plan, output, solve=solve)
+        assert refused.value.problems[0].hint
+    assert solve.calls == 0
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize(("engine", "workers"), [("gpu", 1), ("processes", -1)])
+def test_unknown_engine_and_workers_are_refused(plan, output, engine, workers):
+    with pytest.raises(InputError):
+        run_plan(plan, output, solve=known, engine_name=engine, workers=workers)
+
+
+def test_a_place_of_a_swept_study_names_its_point(output):
+    axis = Axis(("impact.damping_ratio",), ((0.1,), (0.2,)))
+    plan = small_plan(axes=(axis,))
+    outcome = run_plan(plan, output, solve=fails)
+    assert "impact.damping_ratio = 0.2, gap, elastic, strong" in {f.place for f in outcome.failures}
