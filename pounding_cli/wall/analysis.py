@@ -178,7 +178,7 @@ def strike(model: WallModel) -> WallResponse:
 
 
 def _separation(run: Transient) -> float:
-    """First time the force has been positive and is so no more [s], on a straight line between steps; else NaN."""
+    """First time the force is positive no more [s], on a straight line between steps; NaN if it stays so."""
     pushed = np.flatnonzero(run.force > 0)
     if pushed.size == 0:
         return float("nan")

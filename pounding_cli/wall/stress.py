@@ -41,7 +41,8 @@ class StressOperators:
 def stress_operators(model: WallModel, wall: WallMesh, system: System) -> StressOperators:
     """Build every operator once; a time step then costs a few sparse products.
 
-    The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is the stress at the centre, which NASTRAN's CQUAD4 prints.
+    The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is
+    the stress at the centre, which NASTRAN's CQUAD4 prints.
     """
     b, weight = wall.gradients(wall.basis)
     points = weight.size

@@ -44,7 +44,7 @@ def factorise(matrix: csc_matrix) -> SuperLU:
 def natural_step(system: System, model: WallModel) -> float:
     """A time step that leaves force and energy with errors below 1e-3 [s].
 
-    A 300th of the striker's half period on the wall, pi / s, at most 0.1 ms; s^2 = 1 / (m C(s)) with the
+    A 100th of the striker's half period on the wall, pi / s, at most 0.1 ms; s^2 = 1 / (m C(s)) with the
     compliance C(s) = p (K + s^2 M)^-1 p, since a light striker feels floors too heavy to follow it. Where the
     wall has mass of its own, waves cross no more than half an element in a step.
     docs/wall.md has the errors against the step.
@@ -53,7 +53,7 @@ def natural_step(system: System, model: WallModel) -> float:
     for _ in range(3):
         give = float(system.p @ factorise(system.K + diags_array(s**2 * system.M)).solve(system.p))
         s = 1 / math.sqrt(model.striker.mass * give)
-    step = min(1e-4, math.pi / s / 300)
+    step = min(1e-4, math.pi / s / 100)
     if model.concrete.density > 0:
         speed = math.sqrt(model.concrete.young / model.concrete.density / (1 - model.concrete.poisson**2))
         step = min(step, 0.5 * model.mesh.size / speed)
@@ -73,7 +73,7 @@ def integrate(
 
     alpha_m = (rho - 1) / (rho + 1), gamma = 1/2 - alpha_m, beta = (1 - alpha_m)^2 / 4; rho = 1 is Newmark's
     average acceleration. Second order; freedoms without mass are in static equilibrium at every step.
-    The contact force enters as p F, so the step is the step without contact plus F times one fixed vector, and
+    The contact force enters as p F, so a step is that without contact plus F times one fixed vector, and
 
         F >= 0, gap >= 0, F gap = 0   (unilateral)        or        gap = 0   (glued)
 

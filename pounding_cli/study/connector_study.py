@@ -1,0 +1,230 @@
+"""The YAML study of `pound connector`: its keys, units and defaults, and the pairs of its sweep."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError
+
+from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
+from pounding_cli.study import units
+from pounding_cli.study.points import PointAxis, points_of, read_point_axes
+from pounding_cli.study.problems import Faults
+from pounding_cli.study.schema import Mass, Model, Period
+from pounding_cli.study.source import Node, read_source
+from pounding_cli.study.units import NUMBER, Quantity, TextForm, limited
+
+_TIMES_K1 = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*k1\s*\Z")
+_STIFFNESS = limited(units.STIFFNESS, example="0.2 k1", open_low=False)
+
+
+@dataclass(frozen=True)
+class TimesK1:
+    """A connector's stiffness as a multiple of k1 [-]."""
+
+    factor: float
+
+    def __str__(self) -> str:
+        return f"{self.factor:g} k1"
+
+
+def _read_stiffness(value: Any) -> float | TimesK1:
+    found = _TIMES_K1.match(value) if isinstance(value, str) else None
+    if found is None:
+        return _STIFFNESS.read(value)
+    bottom = float(found["bottom"] or 1)
+    return TimesK1(_STIFFNESS.read(float(found["top"]) / bottom if bottom else math.nan))
+
+
+ConnectorStiffness = Annotated[
+    float | TimesK1, TextForm(_read_stiffness, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))
+]
+Stiffness = Annotated[float, units.STIFFNESS]
+Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
+Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
+Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
+
+
+class FirstSpec(Model):
+    """System 1."""
+
+    mass: Mass = Field(default=200e3, description="mass m1", examples=["200 t"])
+    period: Period | None = Field(
+        default=None, description="period alone; 0.5 s unless stiffness is given", examples=["0.5 s"]
+    )
+    stiffness: Stiffness | None = Field(default=None, description="stiffness k1, in place of the period")
+    damping: Damping | None = Field(
+        default=None, description="damping ratio; the study's unless given", examples=["5 %"]
+    )
+
+
+class SecondSpec(FirstSpec):
+    """System 2."""
+
+    mass: Mass = Field(default=200e3, description="mass m2", examples=["200 t"])
+    frequency_ratio: Ratio | None = Field(
+        default=None, description="p = omega20 / omega10, in place of the period", examples=[0.6]
+    )
+
+
+class LinkSpec(Model):
+    """What joins the two."""
+
+    stiffness: ConnectorStiffness = Field(
+        default="0.2 k1",
+        validate_default=True,
+        description="K, as a multiple of k1 or in N/m",
+        examples=["0.2 k1"],
+    )
+    damping_ratio: Damping | None = Field(
+        default=None, description="xi of its dashpot (eq. 7)", examples=[0.1]
+    )
+    dashpot: Dashpot | None = Field(
+        default=None, description="its dashpot, in place of damping_ratio", examples=["100 kN s/m"]
+    )
+
+
+class RangeSpec(Model):
+    """Where the ratios are computed, in Omega / omega10."""
+
+    low: Ratio = Field(default=0.2, description="lowest Omega / omega10", examples=[0.2])
+    high: Ratio = Field(default=1.6, description="highest Omega / omega10", examples=[1.6])
+    points: int = Field(
+        default=1401, ge=11, le=1_000_000, description="number of frequencies", examples=[1401]
+    )
+
+
+class ConnectorStudyModel(Model):
+    """A study of two connected oscillators (paper, Figs 4 and 5)."""
+
+    title: str = Field(
+        description="one line that says what is studied", examples=["Two connected oscillators"]
+    )
+    first: FirstSpec = FirstSpec()
+    second: SecondSpec = SecondSpec(frequency_ratio=0.6)
+    connector: LinkSpec = LinkSpec()
+    damping: Damping = Field(default=0.05, description="damping ratio of both systems", examples=["5 %"])
+    frequencies: RangeSpec = RangeSpec()
+    sweep: Any = Field(
+        default=None, description="keys and the values they take", examples=[{"damping": ["5 %", "10 %"]}]
+    )
+
+
+@dataclass(frozen=True)
+class ConnectorPoint:
+    """One point of the sweep: its indices, what each swept key is there, and the pair."""
+
+    index: tuple[int, ...]
+    values: dict[str, float | str]
+    pair: Oscillators
+
+
+@dataclass(frozen=True)
+class ConnectorStudy:
+    """A validated study; low, high : range of Omega / omega10 [-]; points with the last axis fastest."""
+
+    path: Path
+    text: str
+    title: str
+    axes: tuple[PointAxis, ...]
+    points: tuple[ConnectorPoint, ...]
+    low: float
+    high: float
+    count: int
+    resolved: dict[str, Any]
+
+
+def load_connector_study(path: Path) -> ConnectorStudy:
+    """Read and validate a study of two oscillators.  Raises `InputError` with every problem."""
+    text, root = read_source(path)
+    faults = Faults(str(path))
+    axes = read_point_axes(root, ConnectorStudyModel, faults)
+    for axis in axes:
+        for name in axis.names:
+            if name.startswith("frequencies"):
+                faults.at(
+                    root,
+                    ("sweep", name),
+                    f"'{name}' cannot be an axis",
+                    "give one range for the study",
+                    key=True,
+                )
+    faults.refuse()
+    points = []
+    spec = None
+    for index, tree in points_of(root, axes):
+        try:
+            spec = ConnectorStudyModel.model_validate(tree.plain())
+        except ValidationError as error:
+            faults.validation(tree, error, ConnectorStudyModel)
+            continue
+        before = len(faults.problems)
+        _alternatives(spec, tree, faults)
+        if len(faults.problems) == before:
+            values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
+            points.append(ConnectorPoint(index, values, _pair(spec)))
+    faults.refuse()
+    assert spec is not None  # a study has at least one point, and a refused one did not come this far
+    resolved = ConnectorStudyModel.model_validate(points_of(root, axes)[0][1].plain()).model_dump(mode="json")
+    span = spec.frequencies
+    return ConnectorStudy(
+        path, text, spec.title, axes, tuple(points), span.low, span.high, span.points, resolved
+    )
+
+
+def _alternatives(spec: ConnectorStudyModel, tree: Node, faults: Faults) -> None:
+    """Note keys that say one thing in two ways, and a range without extent."""
+    for name, part, keys in (
+        ("first", spec.first, ("period", "stiffness")),
+        ("second", spec.second, ("period", "stiffness", "frequency_ratio")),
+        ("connector", spec.connector, ("damping_ratio", "dashpot")),
+    ):
+        given = [key for key in keys if getattr(part, key) is not None]
+        if len(given) > 1:
+            faults.at(
+                tree,
+                (name, given[1]),
+                f"'{given[0]}' and '{given[1]}' cannot both be given",
+                "remove one",
+                key=True,
+            )
+        if name == "second" and not given:
+            faults.at(
+                tree, (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period"
+            )
+    if spec.frequencies.low >= spec.frequencies.high:
+        faults.at(tree, ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}")
+
+
+def _value(spec: Any, name: str, tree: Node) -> float | str:
+    value = spec
+    for step in name.split("."):
+        value = getattr(value, step)
+    if isinstance(value, TimesK1):
+        node = tree.get(*name.split("."))
+        return node.text if node is not None else f"{value.factor} k1"
+    return float(value)
+
+
+def _pair(spec: ConnectorStudyModel) -> Oscillators:
+    m1, m2 = spec.first.mass, spec.second.mass
+    k1 = spec.first.stiffness or m1 * (2 * math.pi / (spec.first.period or 0.5)) ** 2
+    if spec.second.frequency_ratio is not None:
+        k2 = m2 * spec.second.frequency_ratio**2 * k1 / m1
+    elif spec.second.stiffness is not None:
+        k2 = spec.second.stiffness
+    else:
+        assert spec.second.period is not None  # one of the three is given
+        k2 = m2 * (2 * math.pi / spec.second.period) ** 2
+    stiffness = spec.connector.stiffness
+    k = stiffness.factor * k1 if isinstance(stiffness, TimesK1) else stiffness
+    c = spec.connector.dashpot
+    if c is None:
+        c = eq7_dashpot(k, spec.connector.damping_ratio or 0.0, m1, m2)
+    zeta1 = spec.damping if spec.first.damping is None else spec.first.damping
+    zeta2 = spec.damping if spec.second.damping is None else spec.second.damping
+    return Oscillators(m1, m2, k1, k2, zeta1, zeta2, k, c)

@@ -1,0 +1,101 @@
+"""Sweeps of the closed form and of the wall: the points of a study and the tree of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+from pydantic import BaseModel
+
+from pounding_cli.study.problems import Faults, keys_at, nearest
+from pounding_cli.study.source import Node
+
+MOST_POINTS = 10_000
+_FIXED = ("title", "sweep")
+
+
+@dataclass(frozen=True)
+class PointAxis:
+    """One axis: its keys, and for every point the node each takes; keys that move together share an axis."""
+
+    names: tuple[str, ...]
+    nodes: tuple[tuple[Node, ...], ...]
+
+
+def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple[PointAxis, ...]:
+    """The axes under `sweep:`: each key of a mapping is one; the keys of a list's entry move together."""
+    sweep = root.get("sweep")
+    if sweep is None or sweep.value is None:
+        return ()
+    if sweep.is_mapping:
+        entries = [(sweep, (name,)) for name in sweep.value]
+    elif sweep.is_list and all(node.is_mapping and node.value for node in sweep.value):
+        entries = [(node, tuple(node.value)) for node in sweep.value]
+    else:
+        faults.add(
+            sweep.mark,
+            "'sweep' is not a mapping of keys to lists",
+            "write `sweep: {mesh.size: [0.5 m, 0.25 m]}`",
+        )
+        return ()
+    axes: list[PointAxis] = []
+    names_seen: set[str] = set()
+    for holder, names in entries:
+        good = True
+        for name in names:
+            good &= _is_axis(name, holder, root, model, faults)
+            if name in names_seen:
+                faults.add((holder.keys or {})[name], f"'{name}' is an axis twice", "remove one of the two")
+                good = False
+            names_seen.add(name)
+        if not good:
+            continue
+        columns = [holder.value[name].value for name in names]
+        if len({len(column) for column in columns}) > 1:
+            faults.add(
+                holder.mark, "keys that move together need lists of one length", "give as many values of each"
+            )
+            continue
+        axes.append(PointAxis(names, tuple(zip(*columns, strict=True))))
+    count = 1
+    for axis in axes:
+        count *= len(axis.nodes)
+    if count > MOST_POINTS:
+        faults.add(sweep.mark, f"the sweep has {count} points", f"keep it to {MOST_POINTS}")
+    return tuple(axes)
+
+
+def points_of(root: Node, axes: tuple[PointAxis, ...]) -> list[tuple[tuple[int, ...], Node]]:
+    """Every point's indices and the study's tree with its values put in, the last axis fastest."""
+    found = []
+    for index in product(*(range(len(axis.nodes)) for axis in axes)):
+        tree = root
+        for axis, place in zip(axes, index, strict=True):
+            for name, node in zip(axis.names, axis.nodes[place], strict=True):
+                tree = tree.replaced(name.split("."), node)
+        found.append((index, tree))
+    return found
+
+
+def _is_axis(name: str, holder: Node, root: Node, model: type[BaseModel], faults: Faults) -> bool:
+    mark = (holder.keys or {})[name]
+    path = name.split(".")
+    if path[0] in _FIXED:
+        faults.add(mark, f"'{name}' cannot be an axis", "run one study for each value")
+        return False
+    for place, step in enumerate(path):
+        known = keys_at(model, path[:place], root)
+        if step not in known:
+            faults.add(mark, f"sweep axis '{name}': no key '{step}'", nearest(step, known))
+            return False
+    below = keys_at(model, path, root)
+    if len(below) > 0 and set(below) != set(keys_at(model, path[:-1], root)):
+        faults.add(
+            mark, f"sweep axis '{name}' is a whole section", f"name one value in it, e.g. `{name}.{below[0]}`"
+        )
+        return False
+    values = holder.value[name]
+    if not values.is_list or not values.value:
+        faults.add(values.mark, f"the values of '{name}' are not a list", f"write `{name}: [first, second]`")
+        return False
+    return True

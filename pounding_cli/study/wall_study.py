@@ -1,0 +1,263 @@
+"""The YAML study of `pound wall`: its keys, units and defaults, and the models of its sweep."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.study import units
+from pounding_cli.study.points import PointAxis, points_of, read_point_axes
+from pounding_cli.study.problems import Faults
+from pounding_cli.study.schema import Length, Mass, Model
+from pounding_cli.study.source import Node, read_source
+from pounding_cli.study.units import Quantity, TextForm, limited, refuse
+from pounding_cli.wall import model as wall
+
+_PLACE = re.compile(r"\s*(mid-storey|floor)\s+(\d+)\s*\Z")
+_HEIGHT = limited(units.LENGTH, name="height", example="13.5 m", low=0.0, open_low=False)
+
+
+def _read_height(value: Any) -> float | str:
+    if isinstance(value, str) and (found := _PLACE.match(value)):
+        return f"{found[1]} {int(found[2])}"
+    if isinstance(value, str) and value.strip()[:3] in ("mid", "flo"):
+        raise refuse(
+            f"'{value}' is no height", "write a height, e.g. 13.5 m, or `mid-storey 5`, or `floor 4`"
+        )
+    return _HEIGHT.read(value)
+
+
+Height = Annotated[
+    float | str, TextForm(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))
+]
+Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True)]
+Poisson = Annotated[float, Quantity("Poisson's ratio", "", "0.2", 0.0, 0.5, open_high=True)]
+Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0)]
+Speed = Annotated[float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True)]
+Share = Annotated[float, Quantity("number", "", "0.2", 0.0, 1.0)]
+Step = Annotated[float | str, limited(units.TIME, name="time step", example="0.1 ms", words=("auto",))]
+
+
+class WallSpec(Model):
+    """The bumper wall."""
+
+    length: Length = Field(
+        default=2.0, description="length of the wall, at right angles to the gap", examples=["2 m"]
+    )
+    thickness: Length = Field(default=0.25, description="thickness of the wall", examples=["25 cm"])
+
+
+class SectionSpec(Model):
+    """A rectangular cross-section."""
+
+    width: Length = Field(description="width, out of the frame's plane", examples=["25 cm"])
+    depth: Length = Field(description="depth, in the frame's plane", examples=["60 cm"])
+
+
+class FrameSpec(Model):
+    """The building behind the wall."""
+
+    storeys: int = Field(default=5, ge=1, le=100, description="number of storeys", examples=[5])
+    storey_height: Length = Field(default=3.0, description="storey height", examples=["3 m"])
+    bays: tuple[Length, ...] = Field(
+        default=(5.0, 5.0, 5.0),
+        min_length=1,
+        max_length=50,
+        description="spans from the wall's inner edge",
+        examples=[["5 m"]],
+    )
+    beam: SectionSpec = Field(default=SectionSpec(width=0.25, depth=0.60), description="section of the beams")
+    column: SectionSpec = Field(
+        default=SectionSpec(width=0.60, depth=0.60), description="section of the columns"
+    )
+    floor_mass: Mass = Field(default=200e3, description="mass of every floor", examples=["200 t"])
+
+
+class ConcreteSpec(Model):
+    """Linear elastic concrete."""
+
+    young: Modulus = Field(default=30e9, description="Young's modulus", examples=["30 GPa"])
+    poisson: Poisson = Field(default=0.2, description="Poisson's ratio", examples=[0.2])
+    density: Density = Field(
+        default=0.0, description="density of the wall beyond the floor masses", examples=["2500 kg/m3"]
+    )
+
+
+class StrikerSpec(Model):
+    """The floor that strikes."""
+
+    mass: Mass = Field(default=200e3, description="mass of the striker", examples=["200 t"])
+    speed: Speed = Field(default=0.5, description="speed of the striker", examples=["0.5 m/s"])
+    height: Height = Field(default="mid-storey 5", description="where it strikes", examples=["mid-storey 5"])
+
+
+class ContactSpec(Model):
+    """What touches, and how."""
+
+    over: wall.Over = Field(default=wall.Over.PATCH, description="patch or node", examples=["patch"])
+    bond: wall.Bond = Field(
+        default=wall.Bond.UNILATERAL, description="unilateral or glued", examples=["unilateral"]
+    )
+    patch: Length = Field(
+        default=0.20, description="height of the patch: the striking slab's thickness", examples=["20 cm"]
+    )
+
+
+class MeshSpec(Model):
+    """The mesh of the wall."""
+
+    size: Length = Field(default=0.05, description="element size at the contact", examples=["0.05 m"])
+    growth: Share = Field(
+        default=0.2, description="growth of the size per metre from the contact", examples=[0.2]
+    )
+    element: wall.Shape = Field(
+        default=wall.Shape.QUADRATIC, description="linear or quadratic", examples=["quadratic"]
+    )
+
+
+class TimeSpec(Model):
+    """The integration in time."""
+
+    end: Annotated[float, units.TIME] = Field(
+        default=0.060, description="end of the analysis", examples=["60 ms"]
+    )
+    step: Step = Field(default="auto", description="time step, or auto", examples=["0.1 ms"])
+    rho: Share = Field(
+        default=0.9, description="spectral radius at infinite frequency; 1: no damping", examples=[0.9]
+    )
+
+
+class WallStudyModel(Model):
+    """A study of the bumper wall (paper, Fig. 8); everything not said is the paper's."""
+
+    title: str = Field(
+        description="one line that says what is studied", examples=["The bumper wall of Fig. 8"]
+    )
+    wall: WallSpec = WallSpec()
+    frame: FrameSpec = FrameSpec()
+    concrete: ConcreteSpec = ConcreteSpec()
+    striker: StrikerSpec = StrikerSpec()
+    contact: ContactSpec = ContactSpec()
+    mesh: MeshSpec = MeshSpec()
+    time: TimeSpec = TimeSpec()
+    averaging_length: Length = Field(
+        default=0.5, description="side of the cell over which stress is averaged"
+    )
+    sweep: Any = Field(
+        default=None, description="keys and the values they take", examples=[{"wall.length": ["1 m", "2 m"]}]
+    )
+
+
+@dataclass(frozen=True)
+class WallPoint:
+    """One point of the sweep: its indices, what each swept key is there, and the model."""
+
+    index: tuple[int, ...]
+    values: dict[str, float | str]
+    model: wall.WallModel
+
+
+@dataclass(frozen=True)
+class WallStudy:
+    """A validated study: axes (names, points) and every point's model, the last axis fastest."""
+
+    path: Path
+    text: str
+    title: str
+    axes: tuple[PointAxis, ...]
+    points: tuple[WallPoint, ...]
+    resolved: dict[str, Any]
+
+
+def load_wall_study(path: Path) -> WallStudy:
+    """Read and validate a study of the wall.  Raises `InputError` with the place of every problem."""
+    text, root = read_source(path)
+    faults = Faults(str(path))
+    axes = read_point_axes(root, WallStudyModel, faults)
+    faults.refuse()
+    points = []
+    resolved: dict[str, Any] = {}
+    title = ""
+    for index, tree in points_of(root, axes):
+        try:
+            spec = WallStudyModel.model_validate(tree.plain())
+        except ValidationError as error:
+            faults.validation(tree, error, WallStudyModel)
+            continue
+        title = spec.title
+        resolved = resolved or spec.model_dump(mode="json")
+        values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
+        try:
+            points.append(WallPoint(index, values, _model(spec)))
+        except InputError as refused:
+            where = "".join(f" ({name} = {values[name]})" for name in values)
+            faults.extend(
+                Problem(p.message + where, p.hint, str(path), *_mark(p, tree)) for p in refused.problems
+            )
+    faults.refuse()
+    return WallStudy(path, text, title, axes, tuple(points), resolved)
+
+
+def _mark(problem: Problem, tree: Node) -> tuple[int, int]:
+    """The section a problem of the model speaks of, as far as its words tell."""
+    for word in ("striker", "patch", "mesh", "step", "bay", "averaging", "density", "Poisson"):
+        if word in problem.message:
+            path = {
+                "striker": ("striker",),
+                "patch": ("contact",),
+                "mesh": ("mesh",),
+                "step": ("time",),
+                "bay": ("frame", "bays"),
+                "averaging": ("averaging_length",),
+            }.get(word, ("concrete",))
+            return tree.locate(path)
+    return tree.mark
+
+
+def _value(spec: Any, name: str, tree: Node) -> float | str:
+    value = spec
+    for step in name.split("."):
+        value = getattr(value, step)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    node = tree.get(*name.split("."))
+    return node.text if node is not None and node.text else str(value)
+
+
+def _model(spec: WallStudyModel) -> wall.WallModel:
+    frame = wall.Frame(
+        spec.frame.storeys,
+        spec.frame.storey_height,
+        spec.frame.bays,
+        wall.Section(spec.frame.beam.width, spec.frame.beam.depth),
+        wall.Section(spec.frame.column.width, spec.frame.column.depth),
+        spec.frame.floor_mass,
+    )
+    height = spec.striker.height
+    if isinstance(height, str):
+        word, number = height.split()
+        if not 1 <= int(number) <= frame.storeys:
+            raise InputError(
+                Problem(
+                    f"the striker hits at {height}, but there are {frame.storeys} storeys",
+                    "name one that exists",
+                )
+            )
+        height = (int(number) - (0.5 if word == "mid-storey" else 0.0)) * frame.storey_height
+    step = None if isinstance(spec.time.step, str) else spec.time.step
+    return wall.WallModel(
+        length=spec.wall.length,
+        thickness=spec.wall.thickness,
+        averaging_length=spec.averaging_length,
+        frame=frame,
+        concrete=wall.Concrete(spec.concrete.young, spec.concrete.poisson, spec.concrete.density),
+        striker=wall.Striker(spec.striker.mass, spec.striker.speed, height),
+        contact=wall.Contact(spec.contact.over, spec.contact.bond, spec.contact.patch),
+        mesh=wall.Mesh(spec.mesh.size, spec.mesh.growth, spec.mesh.element),
+        time=wall.Time(spec.time.end, step, spec.time.rho),
+    )
