@@ -217,6 +217,8 @@ def scales(evidence: Evidence) -> list[Finding]:
             findings.append(Finding(f"{words} (no test: this stand-in is built from that scale)", number))
         else:
             findings.append(found(words, number, lambda number: abs(number - 1) <= 0.02))
+        if abs(row["scale"] / factor - 1) > 0.005:
+            findings.append(Finding(f"{record}: scale as used over Table 1's", row["scale"] / TABLE1[record]))
     return findings
 
 

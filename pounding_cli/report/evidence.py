@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -13,9 +13,6 @@ import pandas as pd
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
 """The tables of a results file, named as its methods and as the CSV files."""
-
-AS_USED = ("scale", "window", "pga", "arias")
-"""What the table of motions says of a motion as it is used."""
 
 ROLES = ("touching", "gap", "infill", "connected")
 """The four cases of Figs 6 and 7."""
@@ -167,7 +164,7 @@ def points(results: Tables) -> list[Evidence]:
         "buildings": results.buildings,
     }
     rows = list(dict.fromkeys(scene[keys].itertuples(index=False, name=None))) if keys else [()]
-    evidences = [
+    return [
         Evidence(
             title=results.title,
             resolved=results.resolved,
@@ -175,17 +172,6 @@ def points(results: Tables) -> list[Evidence]:
             **{name: _cut(frame, keys, row) for name, frame in frames.items()},
         )
         for row in rows
-    ]
-    moved = [key for key in keys if key.split(".")[0] == "records" and key not in frames["records"]]
-    if not moved:
-        return evidences
-    # The table of motions is that of the first point: elsewhere only names and sources are known.
-    start = rows[0]
-    return [
-        evidence
-        if all(evidence.point[key] == start[keys.index(key)] for key in moved)
-        else replace(evidence, records=evidence.records.assign(**dict.fromkeys(AS_USED, np.nan)))
-        for evidence in evidences
     ]
 
 
@@ -198,7 +184,7 @@ def _cut(frame: pd.DataFrame, keys: Sequence[str], row: Sequence[Any]) -> pd.Dat
 
 
 def _value(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float | int | np.number) else str(value)
+    return f"{value:.4g}" if isinstance(value, float | int | np.number) else str(value)
 
 
 def motion_label(records: pd.DataFrame) -> str:

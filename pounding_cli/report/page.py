@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import pandas as pd
@@ -55,7 +56,7 @@ def motions(evidence: Evidence) -> list[str]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.4g}" if value == value else "–"
+    return "–" if math.isnan(value) else f"{value:.4g}"
 
 
 def key_numbers(evidence: Evidence) -> list[str]:

@@ -40,7 +40,7 @@ class Finding:
         if math.isnan(self.number):
             return "–"
         if self.unit == "-":
-            return _plain(self.number, 2)
+            return _plain(self.number, 3)
         return f"{_plain(self.number, 1 if self.unit == 'cm' or abs(self.number) < 10 else 0)} {self.unit}"
 
 

@@ -62,7 +62,7 @@ def test_sweep_gives_the_verdict_at_every_value(tmp_path):
     page = (tmp_path / "claims-sensitivity.md").read_text(encoding="utf-8")
     assert "| [code-gap](#code-gap) | holds | holds | does not hold |" in page
     words = "V/V0, elastic: largest mean over the storeys of stiff, with the gap"
-    assert f"| {words} | 1.00 | 1.05 | **1.30** |" in page
+    assert f"| {words} | 1.000 | 1.050 | **1.300** |" in page
     table = pd.read_csv(tmp_path / "tables" / "claims.csv")
     row = table[(table["finding"] == words) & (table["where"] == "impact.restitution = 0.65")].iloc[0]
     assert row["number"] == 1.3

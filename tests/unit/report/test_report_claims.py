@@ -179,6 +179,10 @@ def test_scales_are_compared_through_the_arias_intensity_as_used():
     assert taft.number == pytest.approx(1.564 / 1.75, rel=1e-3)
     assert taft.passed is False
     assert judged.verdict == Verdict.PARTLY
+    used = [finding for finding in judged.findings if "as used" in finding.words]
+    assert [(finding.words.split(":")[0], finding.number, finding.passed) for finding in used] == [
+        ("taft", 1.0, None)
+    ]
 
 
 def test_stand_ins_built_from_table_1_do_not_test_it():
@@ -214,8 +218,8 @@ def test_a_number_that_is_missing_does_not_count():
 @pytest.mark.parametrize(
     ("number", "unit", "text"),
     [
-        (0.987, "-", "0.99"),
-        (-0.001, "-", "0.00"),
+        (0.9874, "-", "0.987"),
+        (-0.0001, "-", "0.000"),
         (82.6, "%", "83 %"),
         (-0.04, "%", "0.0 %"),
         (-3.21, "%", "-3.2 %"),

@@ -69,11 +69,12 @@ def test_a_table_without_the_swept_column_is_the_same_at_every_point():
     assert [len(e.records) for e in evidences] == [5, 5]
 
 
-def test_a_sweep_of_the_motions_leaves_their_numbers_to_its_first_point():
-    first, second = points(make(axis=("records.scale", ["{arias: elcentro}", "table1"])))
-    assert first.records["scale"].tolist() == [1.0, 1.75, 1.33, 1.25, 0.82]
-    assert second.records["scale"].isna().all()
-    assert second.records["source"].tolist() == ["stand-in"] * 5
+def test_a_table_with_the_swept_column_is_cut_to_the_point():
+    results = make(axis=("records.scale", ["{arias: elcentro}", "table1"]))
+    both = [results.records().assign(**{"records.scale": value}) for value in ("{arias: elcentro}", "table1")]
+    both[1]["scale"] *= 2
+    results.records = lambda: pd.concat(both)
+    assert [evidence.records["scale"][1] for evidence in points(results)] == [1.75, 3.5]
 
 
 @pytest.mark.parametrize(
