@@ -22,7 +22,7 @@ _PER_STOREY = ("mass", "height", "hardening", "stiffness", "yield_shear")
 
 def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> Building | None:
     """The building `spec` describes, or None with the reasons noted in `faults`."""
-    before = len(faults.problems)
+    told, faults = faults, Faults(faults.file)
     storeys = _storeys(spec, root, path, faults)
     if spec.period is None and spec.stiffness is None:
         faults.at(
@@ -34,13 +34,14 @@ def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, faults: 
     code = spec.yield_ if spec.yield_shear is None else None
     design = _design(code, root, (*path, "yield"), faults) if code else None
     foundation = _foundation(spec.foundation, root, (*path, "foundation"), faults)
-    if len(faults.problems) > before or storeys is None:
-        return None
-    try:
-        return _derived(name, spec, storeys, design, foundation)
-    except (ValueError, FloatingPointError) as error:
-        faults.at(root, path, str(error), "check the building's masses, heights, period and stiffness")
-        return None
+    built = None
+    if not faults.problems and storeys is not None:
+        try:
+            built = _derived(name, spec, storeys, design, foundation)
+        except (ValueError, FloatingPointError) as error:
+            faults.at(root, path, str(error), "check the building's masses, heights, period and stiffness")
+    told.extend(faults.problems)
+    return built
 
 
 def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> int | None:
@@ -88,25 +89,23 @@ def _foundation(
     if not isinstance(spec, FoundationSpec):
         return None
     sways, rocks = spec.sway_stiffness is not None, spec.rocking_stiffness is not None
-    for moves, stiffness, others in (
-        (sways, "sway_stiffness", ("mass", "sway_damping")),
-        (rocks, "rocking_stiffness", ("inertia", "rocking_damping")),
+    before = len(faults.problems)
+    for moves, stiffness, inert, dashpot in (
+        (sways, "sway_stiffness", "mass", "sway_damping"),
+        (rocks, "rocking_stiffness", "inertia", "rocking_damping"),
     ):
-        for key in others:
+        if moves and getattr(spec, inert) == 0:
+            message = f"'{inert}' is missing: '{stiffness}' needs it"
+            faults.at(root, path, message, f"write {type(spec).model_fields[inert].description}, above 0")
+        for key in (inert, dashpot):
             if not moves and getattr(spec, key) > 0:
-                faults.at(
-                    root,
-                    (*path, key),
-                    f"'{key}' has no effect without '{stiffness}'",
-                    f"give '{stiffness}' too, or remove it",
-                )
+                message = f"'{key}' has no effect without '{stiffness}'"
+                faults.at(root, (*path, key), message, f"give '{stiffness}' too, or remove it")
     if not sways and not rocks:
-        faults.at(
-            root,
-            path,
-            "this foundation cannot move",
-            "give 'sway_stiffness' or 'rocking_stiffness', or write `foundation: fixed`",
-        )
+        hint = "give 'sway_stiffness' or 'rocking_stiffness', or write `foundation: fixed`"
+        faults.at(root, path, "this foundation cannot move", hint)
+    if len(faults.problems) > before:
+        return None
     return Foundation(
         spec.mass, spec.sway_stiffness or 0.0, spec.sway_damping,
         spec.inertia, spec.rocking_stiffness or 0.0, spec.rocking_damping, sways, rocks,

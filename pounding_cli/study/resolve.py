@@ -169,16 +169,21 @@ class Resolver:
             return None
 
         def work(faults: Faults) -> dict[str, Building]:
-            root = self.root_at(point)
-            return {
-                name: built
-                for name, spec in specs.items()
-                if _stands(name, specs) and (built := self._type(name, spec, root, faults)) is not None
-            }
+            root, built = self.root_at(point), {}
+            for name, spec in specs.items():
+                own = Faults(self.file)
+                building = self._type(name, spec, root, own) if _stands(name, specs) else None
+                if building is not None:
+                    built[name] = building
+                inherits = spec.like is not None and spec.like not in built
+                # What the whole of a building lacks is told of the one it is like, where that lacks it too.
+                whole = root.locate(("buildings", name)) if inherits and own.problems else None
+                faults.extend(p for p in own.problems if (p.line, p.column) != whole)
+            return built
 
         return self._once("types", point, ("buildings",), work)
 
-    def _type(self, name: str, spec: BuildingSpec, root: Node, faults: Faults) -> Building | None:
+    def _type(self, name: str, spec: BuildingSpec, root: Tree, faults: Faults) -> Building | None:
         if (name, spec) not in self._types:
             built = building_room.build(name, spec, root, ("buildings", name), faults)
             if built is None:

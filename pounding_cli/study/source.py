@@ -265,7 +265,7 @@ class _Reader:
         if composed.tag not in _PLAIN_TAGS:
             self.refuse(mark, f"the tag {composed.tag} is not used here", "write the plain value")
             return word
-        if composed.style is not None:
+        if composed.style in ('"', "'", "|", ">"):
             return word
         if word.lower() in _WORDS:
             return _WORDS[word.lower()]
