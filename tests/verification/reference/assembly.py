@@ -108,7 +108,7 @@ def reduced_mass(scene: Scene, e: int) -> float:
 
 
 def ground(scene: Scene) -> list[tuple[float, float, float, float]]:
-    """(t0, t1, acceleration at t0, slope) of every straight piece of the ground motion, still ground at the end."""
+    """(t0, t1, acceleration at t0, slope) of every straight piece of the motion, then the still tail."""
     a, dt = scene.motion.acceleration, scene.motion.dt
     pieces = [(i * dt, (i + 1) * dt, a[i], (a[i + 1] - a[i]) / dt) for i in range(a.size - 1)]
     if scene.tail > 0:

@@ -11,7 +11,7 @@ import numpy as np
 def oscillator_under_ramp(
     u0: float, v0: float, acceleration: float, slope: float, omega: float, xi: float, t: float
 ) -> tuple[float, float]:
-    """u, u' at t of u'' + 2 xi w u' + w^2 u = -(a + s t) from u0, v0 (Chopra, Dynamics of Structures, sec. 5.2); xi < 1."""
+    """u, u' at t of u'' + 2 xi w u' + w^2 u = -(a + s t) from u0, v0 (Chopra, Dynamics of Structures)."""
     c1 = -slope / omega**2
     c0 = (-acceleration - 2 * xi * omega * c1) / omega**2
     damped = omega * math.sqrt(1 - xi**2)
@@ -107,8 +107,8 @@ def bilinear_throw(
     excess = energy - yield_shear * dy / 2  # Vy x + soft x^2 / 2
     first = dy + _stretch(yield_shear, soft, excess)
     shear = yield_shear + soft * (first - dy)
-    # Back down: elastic over 2 Dy from shear to shear - 2 Vy, then at slope `soft` until the speed is zero
-    again.gained = (shear**2 - (shear - 2 * yield_shear) ** 2) / (2 * stiffness)
+    # Back down: elastic over 2 Dy from shear to shear - 2 Vy, then at slope `soft` until the speed is 0.
+    gained = (shear**2 - (shear - 2 * yield_shear) ** 2) / (2 * stiffness)
     second = first - 2 * dy - _stretch(2 * yield_shear - shear, soft, gained)
     lost = energy - _recoverable(second, stiffness, yield_shear, hardening)
     return Excursion(first, second, shear, lost)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from reference.assembly import coordinates, ground, reduced_mass, start
 from scipy.linalg import expm
 
 from pounding_cli.model.scene import Scene
+from reference.assembly import coordinates, ground, reduced_mass, start
 
 
 def march(scene: Scene, initial=None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,0 +1,172 @@
+"""The laws of storeys and links branch by branch: forces, and what ends each branch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding_cli.model.scene import Scene
+from reference.assembly import Coordinates, coordinates, reduced_mass
+
+
+@dataclass
+class Branches:
+    """Which branch every storey and link is on; what `Laws` needs besides q and q'.
+
+    storey : 0 elastic, +1 or -1 yielding that way; plastic : plastic drift [m] of an elastic storey
+    link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap)
+    """
+
+    storey: np.ndarray
+    plastic: np.ndarray
+    link: list[str]
+
+
+class Laws:
+    """Forces of a scene on given branches."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.c: Coordinates = coordinates(scene)
+        self.elastic = str(scene.analysis) == "elastic"
+        self.reduced = [reduced_mass(scene, e) for e in range(len(scene.links))]
+        self.offset = np.array([0.0 if str(e.kind) != "pounding" else e.gap for e in scene.links])
+
+    def begin(self) -> Branches:
+        """At rest: nothing has yielded, only connectors act."""
+        storeys = self.c.stiffness.size
+        links = ["on" if str(e.kind) == "connector" else "open" for e in self.scene.links]
+        return Branches(np.zeros(storeys, int), np.zeros(storeys), links)
+
+    def shears(self, drift: np.ndarray, b: Branches) -> np.ndarray:
+        """Storey shears [N], a k D + (1 - a) k (D - Dp), D - Dp = +-Dy while yielding; (storeys, times)."""
+        slope, still = self.storey_lines(b)
+        return slope[:, None] * drift + still[:, None]
+
+    def storey_lines(self, b: Branches) -> tuple[np.ndarray, np.ndarray]:
+        """Slope [N/m] and value at zero drift [N] of every storey's current branch."""
+        k, a = self.c.stiffness, self.c.hardening
+        if self.elastic:
+            return k, np.zeros_like(k)
+        reach = np.where(np.isfinite(self.c.yield_drift), self.c.yield_drift, 0.0)
+        still = (1 - a) * k * np.where(b.storey == 0, -b.plastic, b.storey * reach)
+        return np.where(b.storey == 0, k, a * k), still
+
+    def link_law(self, e: int, v: np.ndarray, rate: np.ndarray, branch: str) -> np.ndarray:
+        """Force [N] of link e on a branch at v (gap subtracted for pounding) and v'; eqs (6), (9), (10)."""
+        link = self.scene.links[e]
+        xi, m = link.damping_ratio, self.reduced[e]
+        if str(link.kind) != "infill":
+            return link.stiffness * v + 2 * xi * np.sqrt(link.stiffness * m) * rate
+        p = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
+        if branch == "beyond":
+            force = link.impact_stiffness * v
+            if str(link.infill_law) == "continuous":
+                force = p * link.gap**3 + link.stiffness * link.gap + link.impact_stiffness * (v - link.gap)
+            return force + 2 * xi * np.sqrt(link.impact_stiffness * m) * rate
+        slope = 3 * p * v**2 + link.stiffness
+        return p * v**3 + link.stiffness * v + 2 * xi * np.sqrt(slope * m) * rate
+
+    def side(self, e: int, v: float, branch: str) -> str:
+        """Branch of the law at compression v > 0 of a closed link."""
+        link = self.scene.links[e]
+        return "beyond" if str(link.kind) == "infill" and v > link.gap else "on"
+
+    def link_forces(self, v: np.ndarray, rate: np.ndarray, b: Branches) -> np.ndarray:
+        """Forces of all links [N], shape of v."""
+        force = np.zeros_like(v)
+        for e, branch in enumerate(b.link):
+            if branch in ("on", "beyond"):
+                force[e] = self.link_law(e, v[e], rate[e], branch)
+        return force
+
+    def linear(self, b: Branches) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
+        """K, C, f of the force -K q - C q' - f of the current branches, and the links that are not in it."""
+        c = self.c
+        slope, still = self.storey_lines(b)
+        k = c.springs + c.drift.T @ (slope[:, None] * c.drift)
+        damping, f, curved = c.damping.copy(), c.drift.T @ still, []
+        for e, link in enumerate(self.scene.links):
+            if b.link[e] not in ("on", "beyond"):
+                continue
+            if str(link.kind) == "infill" and b.link[e] == "on":
+                curved.append(e)
+                continue
+            # Two values of a straight line give the line.
+            zero = float(self.link_law(e, 0.0, 0.0, b.link[e]))
+            spring = float(self.link_law(e, 1.0, 0.0, b.link[e])) - zero
+            dashpot = float(self.link_law(e, 0.0, 1.0, b.link[e])) - zero
+            pair = np.outer(c.closing[e], c.closing[e])
+            k, damping = k + spring * pair, damping + dashpot * pair
+            f = f + c.closing[e] * (zero - spring * self.offset[e])
+        return k, damping, f, curved
+
+    def fastest(self, b: Branches) -> float:
+        """A bound on the highest circular frequency of the current branches [rad/s]."""
+        c = self.c
+        k = c.springs + c.drift.T @ (c.stiffness[:, None] * c.drift)
+        for e, branch in enumerate(b.link):
+            if branch != "open":
+                link = self.scene.links[e]
+                s = (
+                    max(link.stiffness, link.impact_stiffness)
+                    if str(link.kind) == "infill"
+                    else link.stiffness
+                )
+                k = k + s * np.outer(c.closing[e], c.closing[e])
+        root = 1 / np.sqrt(c.mass)
+        return float(np.sqrt(np.linalg.eigvalsh(k * np.outer(root, root))[-1]))
+
+    def guards(self, q: np.ndarray, rate: np.ndarray, b: Branches) -> list[tuple[tuple, np.ndarray]]:
+        """What ends the branches: (change, g), due when g rises through zero; q, q' of shape (N, times)."""
+        c, out = self.c, []
+        drift, drift_rate = c.drift @ q, c.drift @ rate
+        if not self.elastic:
+            for j in np.flatnonzero(np.isfinite(c.yield_drift)):
+                if b.storey[j] == 0:
+                    reach = drift[j] - b.plastic[j]
+                    out += [(("storey", j, 1), reach - c.yield_drift[j])]
+                    out += [(("storey", j, -1), -reach - c.yield_drift[j])]
+                else:
+                    out += [(("storey", j, 0), -b.storey[j] * drift_rate[j])]
+        v, v_rate = c.closing @ q - self.offset[:, None], c.closing @ rate
+        for e, link in enumerate(self.scene.links):
+            branch = b.link[e]
+            if str(link.kind) == "connector":
+                continue
+            if branch == "open":
+                out += [(("link", e, "on"), v[e])]
+                continue
+            out += [(("link", e, "open"), -v[e])]
+            infill = str(link.kind) == "infill"
+            if infill and branch == "on":
+                out += [(("link", e, "beyond"), v[e] - link.gap)]
+            if infill and branch == "beyond":
+                out += [(("link", e, "on"), link.gap - v[e])]
+            if link.tension_cut and link.damping_ratio > 0:
+                if branch == "cut":
+                    past = infill and v[e] > link.gap
+                    law = np.where(
+                        past,
+                        self.link_law(e, v[e], v_rate[e], "beyond"),
+                        self.link_law(e, v[e], v_rate[e], "on"),
+                    )
+                    out += [(("link", e, "press"), law)]
+                else:
+                    out += [(("link", e, "cut"), -self.link_law(e, v[e], v_rate[e], branch))]
+        return out
+
+    def apply(self, change: tuple, q: np.ndarray, b: Branches) -> Branches:
+        """The branches after a change."""
+        what, i, to = change
+        new = Branches(b.storey.copy(), b.plastic.copy(), list(b.link))
+        if what == "storey":
+            if to == 0:
+                new.plastic[i] = self.c.drift[i] @ q - b.storey[i] * self.c.yield_drift[i]
+            new.storey[i] = to
+        elif to == "press":
+            new.link[i] = self.side(i, float(self.c.closing[i] @ q), "cut")
+        else:
+            new.link[i] = to
+        return new

@@ -1,0 +1,213 @@
+"""Any scene by Dormand-Prince 8(5,3) from one event to the next: slow, and independent of the solver.
+
+Every storey yield and unload, every opening and closing of a link and every sample of the ground motion ends
+a step; peaks are sought on the dense output.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
+
+from pounding_cli.model.scene import Scene
+from reference.assembly import ground, start
+from reference.branches import Laws
+
+PLACES = np.linspace(0.0, 1.0, 5)
+"""Where in a step events are looked for."""
+FINE = np.linspace(0.0, 1.0, 33)
+"""Where in a step peaks are looked for."""
+FINEST = 1e-17
+"""Below this [m, m/s, N] a guard past zero is rounding, not an event."""
+
+
+@dataclass
+class Result:
+    """Peaks and end of a run over all storeys, floors and links; names as in `solve.response`."""
+
+    shear: np.ndarray
+    drift: np.ndarray
+    acceleration: np.ndarray
+    displacement_max: np.ndarray
+    displacement_min: np.ndarray
+    peak_force: np.ndarray
+    max_closing: np.ndarray
+    impulse: np.ndarray
+    contact_time: np.ndarray
+    impacts: np.ndarray
+    residual_drift: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+    energy: dict[str, float]
+    changes: list[tuple[float, tuple]] = field(default_factory=list)
+
+
+class _Run:
+    def __init__(self, scene: Scene, initial, rtol: float, per_radian: float) -> None:
+        self.scene, self.laws, self.rtol, self.per_radian = scene, Laws(scene), rtol, per_radian
+        self.c = self.laws.c
+        self.n, self.links = self.c.mass.size, len(scene.links)
+        self.floors = np.concatenate(self.c.floors)
+        q, rate = start(scene, self.c, initial)
+        # q, q', impulse of every link, work of ground, dashpots, storeys, links
+        self.y = np.concatenate((q, rate, np.zeros(self.links + 4)))
+        self.b = self.laws.begin()
+        self.peak: np.ndarray | None = None
+        self.contact_time, self.impacts = np.zeros(self.links), np.zeros(self.links, int)
+        self.changes: list[tuple[float, tuple]] = []
+
+    def split(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return y[: self.n], y[self.n : 2 * self.n]
+
+    def freeze(self) -> None:
+        """Constant matrices of the current branches."""
+        self.k, self.damping, self.f, self.curved = self.laws.linear(self.b)
+        self.longest = self.per_radian / self.laws.fastest(self.b)
+
+    def acceleration(self, q, rate, a_g):
+        c, laws = self.c, self.laws
+        tall = q.ndim == 2
+        f = self.f[:, None] if tall else self.f
+        force = -self.k @ q - self.damping @ rate - f
+        force = force - (np.outer(c.loaded, a_g) if tall else c.loaded * a_g)
+        for e in self.curved:
+            pair = c.closing[e]
+            law = laws.link_law(e, pair @ q, pair @ rate, "on")
+            force -= np.outer(pair, law) if tall else pair * law
+        return force / (c.mass[:, None] if tall else c.mass)
+
+    def slope(self, t: float, y: np.ndarray) -> np.ndarray:
+        q, rate = self.split(y)
+        c, a_g = self.c, self.a0 + self.a1 * (t - self.t0)
+        out = np.empty_like(y)
+        out[: self.n], out[self.n : 2 * self.n] = rate, self.acceleration(q, rate, a_g)
+        closing_rate = c.closing @ rate
+        forces = self.laws.link_forces(c.closing @ q - self.laws.offset, closing_rate, self.b)
+        shears = self.storey_slope * (c.drift @ q) + self.storey_still
+        out[2 * self.n : 2 * self.n + self.links] = forces
+        out[-4:] = (
+            -a_g * (c.loaded @ rate),
+            rate @ (c.damping @ rate),
+            shears @ (c.drift @ rate),
+            forces @ closing_rate,
+        )
+        return out
+
+    def quantities(self, t: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Everything whose largest value is wanted, (quantities, times)."""
+        q, rate = y[: self.n], y[self.n : 2 * self.n]
+        c, a_g = self.c, self.a0 + self.a1 * (t - self.t0)
+        drift, closing = c.drift @ q, c.closing @ q
+        force = self.laws.link_forces(closing - self.laws.offset[:, None], c.closing @ rate, self.b)
+        total = self.acceleration(q, rate, a_g)[self.floors] + a_g
+        u = q[self.floors]
+        shear = self.laws.shears(drift, self.b)
+        return np.vstack((np.abs(shear), np.abs(drift), np.abs(total), u, -u, np.abs(force), closing))
+
+    def gather(self, t0: float, t1: float, y: np.ndarray, dense) -> None:
+        """Raise the peaks by what happens between t0 and t1; `y` holds the states at both ends."""
+        ends = self.quantities(np.array([t0, t1]), y)
+        if self.peak is None:
+            self.peak = ends[:, 0].copy()
+        if not (ends.max(axis=1) > self.peak - 0.02 * np.abs(self.peak)).any():
+            return
+        t = t0 + FINE * (t1 - t0)
+        values = self.quantities(t, dense(t))
+        values[:, [0, -1]] = ends
+        # The top of the parabola through the three values around the largest, kept between them.
+        at, rows = np.clip(values.argmax(axis=1), 1, t.size - 2), np.arange(values.shape[0])
+        left, middle, right = (values[rows, at + i] for i in (-1, 0, 1))
+        bend = left - 2 * middle + right
+        top = np.clip((left - right) / np.where(bend < 0, 2 * bend, np.inf), -1, 1)
+        best = middle + top * (right - left) / 2 + top**2 * bend / 2
+        self.peak = np.maximum(self.peak, np.maximum(best, ends.max(axis=1)))
+
+    def due(self, t: np.ndarray, y: np.ndarray, dense) -> tuple[float, tuple] | None:
+        """The first change between t[0] and t[-1], with its time."""
+        first = None
+        for number, (change, g) in enumerate(self.laws.guards(y[: self.n], y[self.n : 2 * self.n], self.b)):
+            if not g.max() > FINEST:
+                continue
+            if (
+                g[0] > 0
+            ):  # past zero by rounding: two changes at one instant, or one at the end of the last step
+                if g[1] <= g[0]:
+                    continue
+                crossing = t[0]
+            else:
+                i = int(np.argmax((g[:-1] <= 0) & (g[1:] > 0)))
+                crossing = t[i]
+                if g[i] < 0:
+                    crossing = brentq(lambda x, n=number: self.guard(n, x, dense), t[i], t[i + 1], xtol=1e-16)
+            if first is None or crossing < first[0]:
+                first = (crossing, change)
+        return first
+
+    def guard(self, number: int, t: float, dense) -> float:
+        y = dense(np.array([t]))
+        return float(self.laws.guards(y[: self.n], y[self.n : 2 * self.n], self.b)[number][1][0])
+
+    def piece(self, t: float, end: float) -> float:
+        """Integrate to `end` or to the next change; returns the time reached."""
+        self.freeze()
+        self.storey_slope, self.storey_still = self.laws.storey_lines(self.b)
+        method = DOP853(
+            self.slope, t, self.y, end, rtol=self.rtol, atol=1e-16, max_step=self.longest,
+            first_step=min(self.longest, end - t),
+        )  # fmt: skip
+        while method.status == "running":
+            message = method.step()
+            assert method.status != "failed", message
+            dense = method.dense_output()
+            times = method.t_old + PLACES * (method.t - method.t_old)
+            y = dense(times)
+            y[:, 0], y[:, -1] = self.y, method.y
+            event = self.due(times, y, dense)
+            stop = method.t if event is None else event[0]
+            if event is not None:
+                y = dense(np.array([method.t_old, stop]))
+            ends = np.column_stack((self.y, y[:, -1]))
+            self.gather(method.t_old, stop, ends, dense)
+            acting = [e for e, branch in enumerate(self.b.link) if branch in ("on", "beyond")]
+            self.contact_time[acting] += stop - method.t_old
+            self.y = ends[:, -1].copy()
+            if event is not None:
+                self.change(stop, event[1])
+                return stop
+        return end
+
+    def change(self, t: float, change: tuple) -> None:
+        self.changes.append((t, change))
+        assert len(self.changes) < 20_000, "events without end"
+        what, e, to = change
+        if what == "link" and to == "on" and self.b.link[e] == "open":
+            self.impacts[e] += 1
+        self.b = self.laws.apply(change, self.y[: self.n], self.b)
+
+    def result(self) -> Result:
+        c, floors = self.c, self.floors
+        q, rate = self.split(self.y)
+        assert self.peak is not None
+        s, n, m = c.stiffness.size, floors.size, self.links
+        parts = np.split(self.peak, np.cumsum([s, s, n, n, n, m]))
+        work = dict(zip(("input", "damping", "storeys", "links"), self.y[-4:], strict=True))
+        return Result(
+            parts[0], parts[1], parts[2], parts[3], -parts[4], parts[5], parts[6],
+            self.y[2 * self.n : 2 * self.n + m].copy(), self.contact_time, self.impacts, c.drift @ q,
+            q[floors], rate[floors], work | {"kinetic": float(c.mass @ rate**2 / 2), "springs": float(q @
+            c.springs @ q / 2)}, self.changes,
+        )  # fmt: skip
+
+
+def integrate(scene: Scene, initial=None, rtol: float = 1e-11, per_radian: float = 0.25) -> Result:
+    """Run a scene; `per_radian`: longest step times highest frequency [rad], bounds the dense output."""
+    run = _Run(scene, initial, rtol, per_radian)
+    for t0, t1, acceleration, slope in ground(scene):
+        run.t0, run.a0, run.a1 = t0, acceleration, slope
+        t = t0
+        while t1 - t > 1e-14 * max(1.0, t1):
+            t = run.piece(t, t1)
+    return run.result()
