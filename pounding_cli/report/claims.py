@@ -204,11 +204,7 @@ def scales(evidence: Evidence) -> list[Finding]:
         if record not in TABLE1 or record == "elcentro":
             continue
         # Arias intensity goes with the square of the scale; `arias` is that of the motion as used.
-        factor = (
-            float(row["scale"])
-            / float(reference["scale"])
-            * math.sqrt(float(reference["arias"]) / float(row["arias"]))
-        )
+        factor = row["scale"] / reference["scale"] * math.sqrt(reference["arias"] / row["arias"])
         words = (
             f"{record} ({row['source']}): scale for equal Arias intensity over Table 1's {TABLE1[record]:.2f}"
         )

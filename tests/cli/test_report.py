@@ -1,0 +1,186 @@
+"""`pound report`: what it writes and prints, and what it refuses."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pounding_cli.batch import run_plan
+from pounding_cli.cli.main import main
+from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
+from pounding_cli.study import expand, load_study
+
+STUDY = """\
+title: Two small buildings
+claims: fig6
+records:
+  use: [{file: weak.txt}, {file: strong.txt}]
+  duration: whole
+  scale: 1.0
+buildings:
+  stiff: {storeys: 3, period: 0.3 s, mass: 200 t, height: 3 m,
+          yield: {code: UBC-1991, zone: 0.4, soil: 1.2, Rw: 12}}
+  soft: {like: stiff, storeys: 2, period: 0.5 s}
+group: [stiff, soft]
+impact: {stiffness: 20 x stiffest storey, restitution: 0.5}
+cases:
+  touching: {link: pounding, gap: 0 cm}
+  gap: {link: pounding, gap: 1 cm}
+  infill: {link: infill, gap: 1 cm, stiffness: 1/5 mean storey of stiff}
+  connected: {link: connector, gap: 1 cm, floors: [2], stiffness: 1/5 mean storey of stiff}
+analyses: [elastic, inelastic]
+"""
+
+FACTOR = {"pounding": 1.5, "infill": 1.4, "connector": 1.3}
+
+
+def known(scene, accuracy=1e-6, method="taylor"):
+    """V/V0 and mu/mu0 are FACTOR of the first link's law everywhere; accelerations are its tenth power."""
+    factor = FACTOR[scene.links[0].kind] if scene.links else 1.0
+    found = []
+    for building in scene.buildings:
+        one = np.full(building.storeys, scene.motion.pga)
+        found.append(
+            BuildingResponse(
+                1e6 * factor * one, 0.01 * factor * one, factor * one, factor**10 * one, one, -one, 0 * one
+            )
+        )
+    n = np.ones(len(scene.links))
+    flags = ("connector closed beyond its gap",) if factor == 1.3 else ()
+    links = LinkResponse(n, 1e6 * n, 0.005 * n, n, n)
+    return Response(tuple(found), links, "done", "", method, accuracy, 1, 1, 1e-4, flags=flags)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder to stand in, with the results `two.h5` and `swept.h5`."""
+    monkeypatch.chdir(tmp_path)
+    t = np.arange(0.0, 0.5, 0.01)
+    for name, peak in (("weak", 0.1), ("strong", 0.4)):
+        np.savetxt(tmp_path / f"{name}.txt", np.column_stack([t, peak * np.sin(12 * t)]))
+    (tmp_path / "two.yaml").write_text(STUDY)
+    (tmp_path / "swept.yaml").write_text(STUDY + "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n")
+    for name in ("two", "swept"):
+        run_plan(
+            expand(load_study(tmp_path / f"{name}.yaml")), tmp_path / f"{name}.h5", solve=known, workers=1
+        )
+    return tmp_path
+
+
+@pytest.fixture
+def pound(monkeypatch, capsys):
+    """`pound ARGUMENTS` in this process: exit code, stdout, stderr."""
+
+    def call(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["pound", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        captured = capsys.readouterr()
+        return int(end.value.code or 0), captured.out, captured.err
+
+    return call
+
+
+def test_report_stands_beside_the_results_unless_said_otherwise(folder, pound):
+    code, out, err = pound("report", "two.h5", "--format", "svg")
+    assert (code, err) == (0, "")
+    assert out.splitlines()[0].startswith("two/summary.md: ")
+    assert "  connection-stiffer     holds partly" in out.splitlines()
+    assert {path.name for path in (folder / "two").glob("*.*")} == {
+        "summary.md", "stiff-response.svg", "stiff-accelerations.svg", "soft-response.svg",
+        "soft-accelerations.svg", "link-forces.svg",
+    }  # fmt: skip
+    read = pd.read_csv(folder / "two" / "tables" / "storey.csv")
+    assert set(read.loc[read["case"] == "infill", "V_ratio"].round(12)) == {1.4}
+
+
+def test_page_carries_the_numbers_of_the_file(folder, pound):
+    pound("report", "two.h5", "-o", "here", "--no-figures", "-q")
+    page = (folder / "here" / "summary.md").read_text(encoding="utf-8")
+    row = "| connected | 1.30 (1) | 1.30 (1) | 13.79 (1) | 1.30 (1) | 1.30 (1) | 13.79 (1) |"
+    assert page.count(row) == 2
+    assert "| connector closed beyond its gap | 4 |" in page
+    assert "Motions: user: weak, strong." in page
+    # 1 - (1.4 / 1.5)^10 = 49.8 %, short of 80 %.
+    assert "infill against touching, elastic, mean over the floors: **50 %**" in page
+
+
+def test_sweep_adds_the_claims_at_every_point(folder, pound):
+    code, out, _ = pound("report", "swept.h5", "--no-figures")
+    assert code == 0
+    page = (folder / "swept" / "claims-sensitivity.md").read_text(encoding="utf-8")
+    heads = "impact.restitution = 0.4 | impact.restitution = 0.5 | impact.restitution = 0.65"
+    assert f"| claim | {heads} |" in page
+    # The swept key is written with its value 0.5 outside the sweep: that point is the one shown.
+    shown = (folder / "swept" / "summary.md").read_text(encoding="utf-8")
+    assert "those at impact.restitution = 0.5" in shown
+    assert "holds" not in out
+
+
+def test_several_files_are_compared_on_one_page(folder, pound):
+    code, out, _ = pound("report", "two.h5", "swept.h5", "-o", "both", "--no-figures")
+    assert code == 0
+    assert out.splitlines()[-1] == "both/comparison.md"
+    page = (folder / "both" / "comparison.md").read_text(encoding="utf-8")
+    assert "| claim | two | swept: impact.restitution = 0.4 |" in page
+    assert (folder / "both" / "two" / "summary.md").is_file()
+    assert (folder / "both" / "swept" / "summary.md").is_file()
+
+
+def test_files_of_one_name_keep_their_reports_apart(folder, pound):
+    (folder / "other").mkdir()
+    (folder / "other" / "two.h5").write_bytes((folder / "two.h5").read_bytes())
+    assert pound("report", "two.h5", "other/two.h5", "-o", "both", "--no-figures", "-q") == (0, "", "")
+    assert (folder / "both" / "two" / "summary.md").is_file()
+    assert (folder / "both" / "two-2" / "summary.md").is_file()
+
+
+def test_same_report_again_is_the_same_to_the_byte(folder, pound):
+    for name in ("one", "again"):
+        pound("report", "two.h5", "-o", name, "-q", "--format", "svg")
+    for path in (folder / "one").rglob("*.*"):
+        assert path.read_bytes() == (folder / "again" / path.relative_to(folder / "one")).read_bytes(), (
+            path.name
+        )
+
+
+@pytest.mark.parametrize(
+    ("name", "content"), [("missing.h5", None), ("text.h5", b"not a results file"), (".", None)]
+)
+def test_what_is_no_results_file_is_refused(folder, pound, name, content):
+    if content is not None:
+        (folder / name).write_bytes(content)
+    code, out, err = pound("report", name)
+    assert code == 2
+    assert out == ""
+    assert err.startswith("error: ")
+    assert "Traceback" not in err
+
+
+def test_one_bad_file_stops_all_before_anything_is_written(folder, pound):
+    code, _, _ = pound("report", "two.h5", "missing.h5", "-o", "both")
+    assert code == 2
+    assert not (folder / "both").exists()
+
+
+def test_a_file_in_place_of_the_folder_is_refused(folder, pound):
+    (folder / "taken").write_text("")
+    code, _, err = pound("report", "two.h5", "-o", "taken", "--no-figures")
+    assert code == 2
+    assert "cannot write the report to taken" in err
+    assert "-o FOLDER" in err
+
+
+def test_help_has_an_example_and_loads_nothing_heavy():
+    script = (
+        "import sys; from click.testing import CliRunner; from pounding_cli.cli.main import cli\n"
+        "out = CliRunner().invoke(cli, ['report', '--help']).output\n"
+        "print(out); print([m for m in ('numba', 'scipy', 'pandas', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert "pound report results/fig6.h5" in done.stdout
+    assert done.stdout.splitlines()[-1] == "[]"
