@@ -17,7 +17,7 @@ from pounding_cli.kernels.layout import (
     POUNDING,
 )
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-from pounding_cli.kernels.simd import greater, load, magnitude, maximum, minimum, splat
+from pounding_cli.kernels.simd import greater, load, lowest, magnitude, maximum, minimum, splat
 
 STOREY, CLOSES, OPENS, STIFFENS, SOFTENS, PULLS, PUSHES = 0, 1, 2, 3, 4, 5, 6
 """Kinds of event."""
@@ -66,12 +66,13 @@ def first_storey_event(slots, state, work, ends, padded, order, end, scratch):
         rate0 = load(ends.rate0, b) * line
         rate = load(ends.rate, b) * line
         suspects &= ~(greater(minimum(rate0, rate), load(ends.rate_stray, b)) & greater(line * line, zero))
-        for i in range(b, b + 8):
-            if suspects >> (i - b) & 1:
-                s = _storey_crossing(slots, state, work, ends, padded, order, i, min(end, earliest), scratch)
-                if s < earliest and s <= end:
-                    earliest = s
-                    which = i
+        while suspects != 0:
+            i = b + lowest(suspects)
+            suspects &= suspects - 1
+            s = _storey_crossing(slots, state, work, ends, padded, order, i, min(end, earliest), scratch)
+            if s < earliest and s <= end:
+                earliest = s
+                which = i
     return earliest, which
 
 

@@ -18,8 +18,8 @@ from pounding_cli.kernels.simd import pointer
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
 """How every kernel is compiled; only fused multiply-add is allowed beyond IEEE arithmetic."""
 
-INLINE: dict[str, Any] = {**OPTIONS, "forceinline": True}
-"""The same for a piece of a kernel that stands in a file of its own."""
+INLINE: dict[str, Any] = {**OPTIONS, "cache": False, "forceinline": True}
+"""The same for a piece of a kernel that stands in a file of its own; it is kept as part of the kernel, not by itself."""
 
 OPEN, LINEAR, CUBIC = 0, 1, 2
 """Link branches: no contact; F = s v + F0 + c v'; the infill's cubic with its square-root dashpot."""

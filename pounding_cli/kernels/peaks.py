@@ -5,8 +5,8 @@ from __future__ import annotations
 from numba import njit
 
 from pounding_cli.kernels.layout import INLINE, LINKS_NONE, OPEN
-from pounding_cli.kernels.polynomial import highest
-from pounding_cli.kernels.simd import greater, load, magnitude, maximum, minimum, splat, store
+from pounding_cli.kernels.polynomial import highest, value
+from pounding_cli.kernels.simd import greater, load, lowest, magnitude, maximum, minimum, splat, store
 
 
 @njit(**INLINE)
@@ -25,11 +25,12 @@ def _drift_peaks(work, ends, peaks, padded, order, end, scratch):
         if suspects != 0:
             store(peaks.drift, b, maximum(peak, reach))
             suspects &= _turns(load(ends.rate0, b), load(ends.rate, b), load(ends.rate_stray, b))
-            for i in range(b, b + 8):
-                if suspects >> (i - b) & 1:
-                    for k in range(order + 1):
-                        scratch[k] = work.D[k * padded + i]
-                    peaks.drift[i] = highest(scratch, order, end, peaks.drift[i], True)
+            while suspects != 0:
+                i = b + lowest(suspects)
+                suspects &= suspects - 1
+                for k in range(order + 1):
+                    scratch[k] = work.D[k * padded + i]
+                peaks.drift[i] = highest(scratch, order, end, peaks.drift[i], True)
 
 
 @njit(**INLINE)
@@ -44,12 +45,13 @@ def _shear_peaks(work, ends, peaks, padded, order, end, scratch):
         if suspects != 0:
             store(peaks.shear, b, maximum(peak, reach))
             suspects &= _turns(load(ends.rate0, b), load(ends.rate, b), load(ends.rate_stray, b))
-            for i in range(b, b + 8):
-                if suspects >> (i - b) & 1:
-                    for k in range(order + 1):
-                        scratch[k] = work.tangent[i] * work.D[k * padded + i]
-                    scratch[0] += work.offset[i]
-                    peaks.shear[i] = highest(scratch, order, end, peaks.shear[i], True)
+            while suspects != 0:
+                i = b + lowest(suspects)
+                suspects &= suspects - 1
+                for k in range(order + 1):
+                    scratch[k] = work.tangent[i] * work.D[k * padded + i]
+                scratch[0] += work.offset[i]
+                peaks.shear[i] = highest(scratch, order, end, peaks.shear[i], True)
 
 
 @njit(**INLINE)
@@ -67,16 +69,18 @@ def _displacement_peaks(work, ends, peaks, padded, order, end, scratch):
             store(peaks.displacement_max, b, maximum(top, maximum(first, last)))
             store(peaks.displacement_min, b, minimum(bottom, minimum(first, last)))
             turns = _turns(load(work.W, b), load(ends.v, b), load(ends.v_stray, b))
-            for i in range(b, b + 8):
-                if (above | below) & turns & 1 << (i - b):
-                    for k in range(order + 1):
-                        scratch[k] = work.U[k * padded + i]
-                    peaks.displacement_max[i] = highest(scratch, order, end, peaks.displacement_max[i], False)
-                    for k in range(order + 1):
-                        scratch[k] = -scratch[k]
-                    peaks.displacement_min[i] = -highest(
-                        scratch, order, end, -peaks.displacement_min[i], False
-                    )
+            suspects = (above | below) & turns
+            while suspects != 0:
+                i = b + lowest(suspects)
+                suspects &= suspects - 1
+                for k in range(order + 1):
+                    scratch[k] = work.U[k * padded + i]
+                peaks.displacement_max[i] = highest(scratch, order, end, peaks.displacement_max[i], False)
+                for k in range(order + 1):
+                    scratch[k] = -scratch[k]
+                peaks.displacement_min[i] = -highest(
+                    scratch, order, end, -peaks.displacement_min[i], False
+                )
 
 
 @njit(**INLINE)
@@ -90,13 +94,14 @@ def _acceleration_peaks(work, ends, peaks, padded, order, end, scratch, h, groun
             store(peaks.acceleration, b, maximum(peak, reach))
             jerk0 = load(work.W, 2 * padded + b) * 2.0 + ground_slope
             suspects &= _turns(jerk0, load(ends.jerk, b), load(ends.jerk_stray, b))
-            for i in range(b, b + 8):
-                if suspects >> (i - b) & 1:
-                    for k in range(order):
-                        scratch[k] = (k + 1) * work.W[(k + 1) * padded + i] * scale
-                    scratch[0] += ground * scale
-                    scratch[1] += ground_slope * scale
-                    peaks.acceleration[i] = highest(scratch, order - 1, end, peaks.acceleration[i], True)
+            while suspects != 0:
+                i = b + lowest(suspects)
+                suspects &= suspects - 1
+                for k in range(order):
+                    scratch[k] = (k + 1) * work.W[(k + 1) * padded + i] * scale
+                scratch[0] += ground * scale
+                scratch[1] += ground_slope * scale
+                peaks.acceleration[i] = highest(scratch, order - 1, end, peaks.acceleration[i], True)
 
 
 @njit(**INLINE)
@@ -105,6 +110,7 @@ def _rocking_peaks(feet, work, peaks, order, end, scratch):
     for f in range(count):
         for k in range(order + 1):
             scratch[k] = work.phi_D[k * count + f]
+        peaks.rocking[f] = max(peaks.rocking[f], abs(scratch[0]), abs(value(scratch, order, end)))
         peaks.rocking[f] = highest(scratch, order, end, peaks.rocking[f], True)
 
 
@@ -119,7 +125,7 @@ def _link_peaks(links, state, work, ends, peaks, padded, order, end, scratch, h)
         if reach + ends.u_stray[left] + ends.u_stray[right] > peaks.closing[e]:
             for k in range(order + 1):
                 scratch[k] = work.U[k * padded + left] - work.U[k * padded + right]
-            peaks.closing[e] = highest(scratch, order, end, peaks.closing[e], False)
+            peaks.closing[e] = highest(scratch, order, end, max(peaks.closing[e], reach), False)
         if state.link_branch[e] == OPEN or state.link_cut[e] == 1:
             continue
         power = end
@@ -134,7 +140,8 @@ def _link_peaks(links, state, work, ends, peaks, padded, order, end, scratch, h)
         peaks.impulse[e] += impulse * h
         peaks.contact_time[e] += end * h
         if reach > peaks.force[e]:
-            peaks.force[e] = highest(scratch, order - 1, end, peaks.force[e], True)
+            reach = max(abs(scratch[0]), abs(value(scratch, order - 1, end)))
+            peaks.force[e] = highest(scratch, order - 1, end, max(peaks.force[e], reach), True)
 
 
 @njit(**INLINE)

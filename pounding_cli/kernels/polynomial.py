@@ -53,31 +53,29 @@ def first_crossing(c, n, end):
     start = c[first]
     start_slope = c[first + 1] if first < n else 0.0
     size = start
-    last = c[n]
+    last = start
     last_slope = 0.0
     bound = 0.0
     bend = 0.0
-    power = 1.0
-    for k in range(n - 1, first - 1, -1):
-        last_slope = last_slope * end + last
-        last = last * end + c[k]
+    power = 1.0  # end^(j - 1)
     for k in range(first + 1, n + 1):
         j = k - first
-        term = abs(c[k])
-        size += term
-        if j >= 2:
-            term *= j * (j - 1) * power
-            bound += term
-            bend += (j - 2) * term
-            power *= end
-    if last > 0.0:
-        if min(start, last) > 0.125 * bound * end * end:
-            return NEVER
-    if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend * end:
+        term = c[k] * power
+        sloped = j * term
+        last += term * end
+        last_slope += sloped
+        size += abs(term)
+        bent = (j - 1) * abs(sloped)  # |p''| end
+        bound += bent
+        bend += (j - 2) * bent if j > 2 else 0.0
+        power *= end
+    if last > 0.0 and min(start, last) > 0.125 * bound * end:
+        return NEVER
+    if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend:
         if last > 0.0:
             return NEVER
         return _simple_root(c, first, n, end, start, last)
-    return _march(c, first, n, end, bound, 1e-17 * size)
+    return _march(c, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size)
 
 
 @njit(**OPTIONS)
@@ -128,69 +126,64 @@ def _march(c, first, n, end, bound, floor):
 
 
 @njit(**OPTIONS)
-def _derivative_root(c, n, low, high, slope_low):
-    """A zero of the derivative between low and high, where it changes sign: Newton kept inside a bracket."""
-    s = 0.5 * (low + high)
+def _turn(c, n, low, high, slope_low, slope_high):
+    """The polynomial where its derivative, which changes sign between low and high, is zero: Newton in a bracket."""
+    s = low + (high - low) * slope_low / (slope_low - slope_high)
+    rising = slope_low > 0.0
     for _ in range(60):
         d = n * c[n]
         dd = 0.0
         for k in range(n - 1, 0, -1):
             dd = dd * s + d
             d = d * s + k * c[k]
-        if (d > 0.0) == (slope_low > 0.0):
+        if (d > 0.0) == rising:
             low = s
         else:
             high = s
-        step = s - d / dd if dd != 0.0 else low - 1.0
-        if not low < step < high:
-            step = 0.5 * (low + high)
-        if abs(step - s) < 1e-9:
-            return step
-        s = step
-    return s
-
-
-@njit(**OPTIONS)
-def _measure(x, absolute):
-    return abs(x) if absolute else x
+        new = s - d / dd if dd != 0.0 else low - 1.0
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        moved = abs(new - s)
+        s = new
+        if moved < 1e-6:  # the next step would move by about 1e-12, the value by its square
+            break
+    return value(c, n, s)
 
 
 @njit(**OPTIONS)
 def highest(c, n, end, best, absolute):
-    """The larger of `best` and the largest p, or |p| if `absolute`, on [0, end]."""
-    best = max(best, _measure(c[0], absolute))
-    if n < 1 or end <= 0.0:
+    """The larger of `best` and the largest p, or |p| if `absolute`, inside [0, end]; the ends are in `best` already."""
+    if n < 2 or end <= 0.0:
         return best
-    best = max(best, _measure(value(c, n, end), absolute))
     first = c[1]
-    last = slope(c, n, end)
-    bend = 0.0  # how far p' can stray from the straight line between its ends
-    power = end * end
-    for k in range(3, n + 1):
-        bend += k * (k - 1) * (k - 2) * abs(c[k]) * power * 0.125
-        power *= end
-    if first * last > 0.0 and min(abs(first), abs(last)) > bend:
-        return best
+    second = 2.0 * c[2]
+    last = first
     second_last = 0.0
+    bend = 0.0  # how far p' can stray from the straight line between its ends
     twist = 0.0  # the same for p''
-    power = end * end
-    for k in range(n, 1, -1):
-        second_last = second_last * end + k * (k - 1) * c[k]
-    for k in range(4, n + 1):
-        twist += k * (k - 1) * (k - 2) * (k - 3) * abs(c[k]) * power * 0.125
+    power = 1.0
+    for k in range(2, n + 1):
+        sloped = k * c[k] * power
+        bent = (k - 1) * sloped
+        last += sloped * end
+        second_last += bent
+        size = (k - 2) * abs(bent)
+        bend += size
+        twist += (k - 3) * size if k > 3 else 0.0
         power *= end
+    if first * last > 0.0 and min(abs(first), abs(last)) > 0.125 * bend * end:
+        return best
     pieces = 16  # without proof of a single turning point look at pieces, each with its own end slopes
-    if n >= 2 and 2.0 * c[2] * second_last > 0.0 and min(abs(2.0 * c[2]), abs(second_last)) > twist:
+    if second * second_last > 0.0 and min(abs(second), abs(second_last)) > 0.125 * twist:
         pieces = 1
     low = 0.0
     slope_low = first
     for piece in range(1, pieces + 1):
         high = end * piece / pieces
         slope_high = slope(c, n, high) if piece < pieces else last
-        best = max(best, _measure(value(c, n, high), absolute))
         if slope_low * slope_high < 0.0:
-            turn = _derivative_root(c, n, low, high, slope_low)
-            best = max(best, _measure(value(c, n, turn), absolute))
+            found = _turn(c, n, low, high, slope_low, slope_high)
+            best = max(best, abs(found) if absolute else found)
         low = high
         slope_low = slope_high
     return best

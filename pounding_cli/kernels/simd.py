@@ -181,6 +181,16 @@ def greater(typingctx, first, second):
     return types.int64(vec, vec), codegen
 
 
+@intrinsic
+def lowest(typingctx, bits):
+    """Number of the lowest set bit; at least one must be set. A loop over set bits: `bits &= bits - 1`."""
+
+    def codegen(context, builder, signature, args):
+        return builder.cttz(args[0], ir.Constant(ir.IntType(1), 1))
+
+    return types.int64(types.int64), codegen
+
+
 def _binary(operation, emit):
     @intrinsic
     def apply(typingctx, first, second):

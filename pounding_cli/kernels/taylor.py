@@ -49,6 +49,7 @@ from pounding_cli.kernels.link_series import closings, set_law
 from pounding_cli.kernels.peaks import track
 from pounding_cli.kernels.recurrence import LARGEST_ORDER, Work, expand, rescale, restencil, shrink
 from pounding_cli.kernels.simd import further, load, pointer, store
+from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.summary import Ends, stop_at, summarise
 
 
@@ -169,6 +170,8 @@ def build(inelastic: bool, founded: bool, kinds: int):
     founded : at least one building sways or rocks on its foundation
     kinds : LINKS_NONE, LINKS_LINEAR (pounding, connectors) or LINKS_CUBIC (infill too)
     """
+
+    source = source_digest()
 
     @njit(**OPTIONS)
     def integrate(
