@@ -29,7 +29,7 @@ class Matrices:
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Undamped modes, longest period first: periods [s], shape (N,); shapes [-], (N, N), a column a mode, M-normal."""
+    """Undamped modes: periods [s], longest first, shape (N,); shapes [-], M-normal columns, (N, N)."""
 
     periods: np.ndarray
     shapes: np.ndarray
