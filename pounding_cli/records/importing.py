@@ -45,7 +45,8 @@ def differences(entry: Entry, motion: Motion) -> list[str]:
     if abs(found / facts.arias - 1.0) > _ARIAS:
         told.append(
             f"Arias intensity: {found:.3f} m/s in the first {entry.duration:g} s, "
-            f"against {facts.arias:.3f} m/s {known}: Arias scale changes by {(facts.arias / found) ** 0.5:.3f}"
+            f"against {facts.arias:.3f} m/s {known}: an Arias scale "
+            f"changes by {(facts.arias / found) ** 0.5:.3f}"
         )
     if facts.dt is not None and abs(motion.dt / facts.dt - 1.0) > 1e-6:
         told.append(f"time step: {motion.dt:g} s, against {facts.dt:g} s: another digitisation")
