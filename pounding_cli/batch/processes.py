@@ -60,24 +60,23 @@ class Processes:
         """Solve until the bundles end, or a worker dies: then `suspects` holds the bundles that were out."""
         running: dict[Future, Bundle] = {}
         pool = _pool(self.workers, task)
-        try:
-            for bundle in itertools.islice(bundles, self.workers * _AHEAD):
+
+        def hand_out(most: int) -> None:
+            for bundle in itertools.islice(bundles, most):
+                suspects.append(bundle)  # until the pool has taken it
                 running[pool.submit(_solve, bundle)] = bundle
+                suspects.pop()
+
+        try:
+            hand_out(self.workers * _AHEAD)
             while running:
                 ready, _ = wait(running, return_when=FIRST_COMPLETED)
                 for future in ready:
-                    bundle = running.pop(future)
-                    try:
-                        yield from future.result()
-                    except BrokenProcessPool:
-                        suspects.append(bundle)
-                if suspects:
-                    suspects.extend(running.values())
-                    return
-                for bundle in itertools.islice(bundles, len(ready)):
-                    running[pool.submit(_solve, bundle)] = bundle
-        except BrokenProcessPool:  # raised by submit: the bundle at hand was not taken
-            suspects.extend([*running.values(), bundle])
+                    yield from future.result()
+                    del running[future]
+                hand_out(len(ready))
+        except BrokenProcessPool:
+            suspects.extend(running.values())
         finally:
             _end(pool)
 

@@ -210,7 +210,9 @@ def test_a_baseline_that_failed_has_no_ratio(plan, output):
     assert storey[hit].V0.isna().all()
 
 
-def test_a_worker_that_dies_costs_one_scene(plan, output):
+@pytest.mark.parametrize("bundle_seconds", [0.1, 60.0])  # one scene a bundle; all in one
+def test_a_worker_that_dies_costs_one_scene(plan, output, monkeypatch, bundle_seconds):
+    monkeypatch.setattr("pounding_cli.batch.processes.BUNDLE_SECONDS", bundle_seconds)
     outcome = run_plan(plan, output, solve=dies, workers=2)
     assert (outcome.done, outcome.failed) == (23, 1)
     assert outcome.failures[0].place == "gap, inelastic, other"
@@ -302,6 +304,13 @@ def test_refused_outputs_are_refused_before_anything_is_solved(plan, tmp_path):
 def test_unknown_engine_and_workers_are_refused(plan, output, engine, workers):
     with pytest.raises(InputError):
         run_plan(plan, output, solve=known, engine_name=engine, workers=workers)
+
+
+def test_bundles_that_come_after_a_death_are_solved_too(output):
+    """More scenes than are handed out at once: the rest goes to new workers."""
+    plan = small_plan(records=tuple((f"r{number}", float(number)) for number in range(1, 16)))
+    outcome = run_plan(plan, output, solve=dies, workers=2)
+    assert (outcome.done, outcome.failed) == (len(plan.scenes) - 1, 1)
 
 
 def test_a_place_of_a_swept_study_names_its_point(output):

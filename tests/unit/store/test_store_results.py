@@ -187,6 +187,12 @@ def test_a_study_without_links_has_an_empty_link_table(tmp_path):
     assert (results.storey().V_ratio == 1.0).all()
 
 
+def test_a_case_without_links_has_no_rows_beside_one_with(tmp_path):
+    plan = small_plan(cases=(("touching", 0.0), ("apart", None)))
+    write_results(tmp_path / "r.h5", plan, solved(plan))
+    assert set(open_results(tmp_path / "r.h5").link().case) == {"touching"}
+
+
 def test_xarray_opens_it_with_names_units_and_coordinates(swept):
     with xarray.open_dataset(swept, engine="h5netcdf") as data:
         assert data["V"].dims == (
