@@ -18,7 +18,7 @@ from reference.branches import Laws
 
 PLACES = np.linspace(0.0, 1.0, 5)
 """Where in a step events are looked for."""
-FINE = np.linspace(0.0, 1.0, 33)
+FINE = np.linspace(0.0, 1.0, 97)
 """Where in a step peaks are looked for."""
 FINEST = 1e-17
 """Below this [m, m/s, N] a guard past zero is rounding, not an event."""

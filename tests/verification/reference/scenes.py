@@ -1,0 +1,75 @@
+"""Small buildings, motions and links the verification tests share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pounding_cli.model.building import Building
+from pounding_cli.model.code_design import UbcDesign
+from pounding_cli.model.foundation import Foundation
+from pounding_cli.model.links import Kind, Link, damping_ratio
+from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.model.stiffness import rayleigh_factors, stiffness_for_period
+from pounding_cli.records.motion import Motion
+
+XI = damping_ratio(0.5)
+ELASTIC, INELASTIC = Analysis.ELASTIC, Analysis.INELASTIC
+FOUNDATION = Foundation(2e5, 1e9, 1e7, 1e7, 1e11, 1e8)
+
+
+def shear_building(
+    period: float,
+    storeys: int = 3,
+    foundation: Foundation | None = None,
+    strength: float = 1.0,
+    damping: float = 0.05,
+) -> Building:
+    """A building of 200 t floors as in the paper's studies, of `strength` times the code's storey shears."""
+    mass, height = np.full(storeys, 2e5), np.full(storeys, 3.0)
+    k = stiffness_for_period(mass, period, 1 / 3)
+    shears = strength * UbcDesign(1991, 0.4).yield_shears(mass, height, period)
+    factors = rayleigh_factors(mass, k, damping)
+    return Building(f"{period}", mass, height, k, shears, np.full(storeys, 0.05), *factors, foundation)
+
+
+def oscillator(
+    mass: float, stiffness: float, xi: float = 0.0, yield_shear: float = np.inf, hardening: float = 0.0
+) -> Building:
+    """One storey; Rayleigh damping of ratio xi, half from each factor."""
+    alpha, beta = rayleigh_factors([mass], [stiffness], xi)
+    return Building("oscillator", [mass], [3.0], [stiffness], [yield_shear], [hardening], alpha, beta)
+
+
+def still(duration: float, dt: float = 0.02) -> Motion:
+    """Ground at rest."""
+    return Motion("still", dt, np.zeros(round(duration / dt) + 1))
+
+
+def shake(duration: float, peak: float = 4.0, seed: int = 1, dt: float = 0.02) -> Motion:
+    """Smoothed noise that begins at zero, of a peak acceleration [m/s2]."""
+    noise = np.random.default_rng(seed).normal(size=round(duration / dt) + 7)
+    smooth = np.convolve(noise, np.hanning(9)[1:-1], "valid")
+    smooth[0] = 0.0
+    return Motion("noise", dt, smooth * peak / np.abs(smooth).max())
+
+
+def links(
+    kind: Kind | str, gap: float, floors=(1, 2, 3), left: int = 0, xi: float = XI, **law
+) -> tuple[Link, ...]:
+    """Links of one law at several floors: 2e10 N/m for impacts, 1.5e8 N/m for infill and connector."""
+    kind = Kind(kind)
+    stiffness = law.pop("stiffness", 2e10 if kind is Kind.POUNDING else 1.5e8)
+    return tuple(Link(left, j, j, kind, gap, stiffness, 2e10, xi, **law) for j in floors)
+
+
+def pair(
+    kind: Kind | str, gap: float, motion: Motion, analysis: Analysis = ELASTIC, foundation=None, **law
+) -> Scene:
+    """The 0.36 s and 0.60 s buildings, three storeys each, linked at every floor."""
+    two = shear_building(0.36, foundation=foundation), shear_building(0.60, foundation=foundation)
+    return Scene(two, links(kind, gap, **law), motion, analysis)
+
+
+def gather(response, name: str) -> np.ndarray:
+    """One quantity of all buildings of a response, left to right."""
+    return np.concatenate([getattr(b, name) for b in response.buildings])
