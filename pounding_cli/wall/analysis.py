@@ -41,6 +41,7 @@ class WallResponse:
     step : time step used [s]; freedoms : number of unknowns [-]; seconds : time spent [s]
     peak_force [N] at peak_time [s]; impulse : of the contact force [N s];
     separation : first time the striker leaves (glued: that the force pulls) [s], NaN if it never does;
+    last_contact : last time the striker pushes [s];
     momentum_residual : impulse less the striker's change of momentum, over its first momentum [-];
     energy_residual : the energy that is missing or too much, its largest over time, over the first energy [-]
     wall_stress : largest von Mises of an element's mean stress [N/m2];
@@ -60,6 +61,7 @@ class WallResponse:
     peak_force: float
     peak_time: float
     separation: float
+    last_contact: float
     impulse: float
     momentum_residual: float
     energy_residual: float
@@ -134,7 +136,6 @@ def strike(model: WallModel) -> WallResponse:
     energy = run.striker_energy + run.kinetic_energy + run.strain_energy
     averaged = float(recorder.cells.max())
     contact = 0.5 * sum(model.patch)
-    over_half = operators.cell_height[recorder.cells > 0.5 * averaged]
     corners = wall.mesh.p.shape[1]
     # scikit-fem numbers the corners of the mesh first
     moved = (system.spread @ recorder.at_peak).reshape(-1, 2)[wall.basis.nodal_dofs[0]][:corners]
@@ -148,6 +149,7 @@ def strike(model: WallModel) -> WallResponse:
         peak_force=float(run.force[peak]),
         peak_time=float(run.time[peak]),
         separation=_separation(run),
+        last_contact=float(run.time[np.flatnonzero(run.force > 0)[-1]]),
         impulse=impulse,
         momentum_residual=impulse / start - (1 - float(run.velocity[-1]) / model.striker.speed),
         energy_residual=float(np.abs(energy / energy[0] - 1).max()),
@@ -157,7 +159,7 @@ def strike(model: WallModel) -> WallResponse:
         column_stress=float(recorder.members[beams:].max()),
         beam_stress_then=float(then[:beams].max()),
         column_stress_then=float(then[beams:].max()),
-        reach=float(np.abs(over_half - contact).max()),
+        reach=_reach(np.abs(operators.cell_height - contact), recorder.cells),
         stressed_share=float(operators.area[recorder.elements > 0.1 * averaged].sum() / operators.area.sum()),
         cell_height=operators.cell_height,
         cell_stress=recorder.cells,
@@ -175,6 +177,16 @@ def strike(model: WallModel) -> WallResponse:
         ),
         flags=_flags(model, run, energy),
     )
+
+
+def _reach(distance: np.ndarray, stress: np.ndarray) -> float:
+    """Farthest distance at which the stress is half its largest [m], on straight lines between the cells."""
+    half = 0.5 * stress.max()
+    ends = [float(distance[stress >= half].max())]
+    for i in np.flatnonzero((stress[1:] >= half) != (stress[:-1] >= half)):
+        share = (half - stress[i]) / (stress[i + 1] - stress[i])
+        ends.append(float(distance[i] + share * (distance[i + 1] - distance[i])))
+    return max(ends)
 
 
 def _separation(run: Transient) -> float:

@@ -56,7 +56,7 @@ def stress_operators(model: WallModel, wall: WallMesh, system: System) -> Stress
     height = _cell_heights(model)
     cells = sp.kron(_overlaps(model, wall, height, area), sp.eye_array(3)) @ element_stress
 
-    x, y = wall.basis.global_coordinates().value.reshape(2, -1)
+    x, y = wall.basis.global_coordinates().reshape(2, -1)
     row = np.searchsorted(wall.y_lines, y) - 1
     per_height = weight * wall.thickness / np.diff(wall.y_lines)[row]
     arm = model.length / 2 - x

@@ -1,0 +1,67 @@
+"""`pound wall`: the bumper wall of Fig. 8."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from pounding_cli.study.wall_study import WallPoint
+    from pounding_cli.wall.analysis import WallResponse
+
+
+@click.command("wall", short_help="The bumper wall of Fig. 8.")
+@click.argument("study", type=click.Path(path_type=Path), metavar="STUDY")
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.h5", help="Results file.")
+@click.option("--no-figures", is_flag=True, help="Write the results file only.")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
+def command(study: Path, output: Path | None, no_figures: bool, quiet: bool) -> None:
+    """A floor strikes a concrete building on its bumper wall: force, separation, stresses.
+
+    Prints peak force and stresses, writes FILE.h5 (results/STUDY.h5 unless told), the figures beside it and
+    the fields for ParaView in a folder named like it.
+
+    \b
+    Example:
+      pound wall configs/fig8.yaml -o results/fig8.h5
+    """
+    from pounding_cli.store.wall_store import write_wall
+    from pounding_cli.study.wall_study import load_wall_study
+
+    loaded = load_wall_study(study)
+    path = output or Path("results") / f"{study.stem}.h5"
+    if not quiet:
+        click.echo(loaded.title)
+    write_wall(loaded, path, progress=None if quiet else _summary)
+    files = [path]
+    if not no_figures:
+        from pounding_cli.report.wall_figures import draw_wall
+
+        files += draw_wall(path, path.parent)
+    if not quiet:
+        click.echo(f"wrote {path}" + (f" and {len(files) - 1} figures and fields" if len(files) > 1 else ""))
+
+
+def _summary(point: WallPoint, response: WallResponse) -> None:
+    where = ", ".join(f"{name} = {value}" for name, value in point.values.items())
+    if where:
+        click.echo(where)
+    left = f"{1e3 * response.separation:.1f} ms" if math.isfinite(response.separation) else "not reached"
+    click.echo(
+        f"  peak force {response.peak_force / 1e6:.2f} MN at {1e3 * response.peak_time:.1f} ms, "
+        f"separation {left}, impulse {response.impulse / 1e3:.1f} kN s"
+    )
+    click.echo(
+        f"  peak stress {response.wall_stress / 1e6:.1f} N/mm2 in an element, "
+        f"{response.averaged_stress / 1e6:.1f} N/mm2 over {point.model.averaging_length:g} m; "
+        f"beams {response.beam_stress / 1e6:.1f}, columns {response.column_stress / 1e6:.1f} N/mm2"
+    )
+    click.echo(
+        f"  energy balance open by {response.energy_residual:.1e}; {response.freedoms} freedoms, "
+        f"step {1e3 * response.step:.3g} ms, {response.seconds:.2f} s"
+    )
+    for flag in response.flags:
+        click.echo(f"  note: {flag}")

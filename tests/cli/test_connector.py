@@ -1,0 +1,76 @@
+"""`pound connector` from study file to results file, figure and claims."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+from pounding_cli.cli.connector import command
+from pounding_cli.errors import InputError
+from pounding_cli.report.connector_figures import connector_claims
+
+FIG5 = Path(__file__).parents[2] / "configs" / "fig5.yaml"
+
+
+def run(*arguments):
+    return CliRunner().invoke(command, [str(a) for a in arguments], catch_exceptions=False)
+
+
+def test_figure_5(tmp_path):
+    out = tmp_path / "fig5.h5"
+    result = run(FIG5, "-o", out)
+    assert result.exit_code == 0
+    assert "|R1| at most 3.980 at Omega/omega10 = 0.701" in result.output
+    assert "0.652-0.772, 1.086-1.163" in result.output
+    assert (tmp_path / "fig5.png").stat().st_size > 10_000
+    assert "system 1" in (tmp_path / "fig5.svg").read_text()
+    with xr.open_dataset(out, engine="h5netcdf") as data:
+        assert data["R1"].dims == ("damping", "frequency")
+        assert float(data["peak2"].sel(damping=0.10)) == pytest.approx(2.40, abs=0.01)
+        identity = data["R1_real"] + data["R2_real"], data["R1_imag"] + data["R2_imag"]
+        assert float(abs(identity[0] - 2).max()) < 1e-12
+        assert float(abs(identity[1]).max()) < 1e-12
+    claims = connector_claims(out)
+    assert [c["holds"] for c in claims] == [True, False, True, False]
+
+
+def test_no_sweep_general_masses_and_no_bands(tmp_path):
+    study = tmp_path / "a.yaml"
+    study.write_text(
+        "title: other\nfirst: {mass: 100 t, stiffness: 20 kN/mm, damping: 2 %}\n"
+        "second: {mass: 300 t, period: 0.9 s}\nconnector: {stiffness: 0 N/m, damping_ratio: 0.1}\n"
+    )
+    result = run(study, "-o", tmp_path / "a.h5", "--no-figures")
+    assert "both ratios exceed 1 in: nowhere" in result.output
+    with xr.open_dataset(tmp_path / "a.h5", engine="h5netcdf") as data:
+        assert float(data["peak1"]) == pytest.approx(1.0, abs=1e-12)
+    assert not (tmp_path / "a.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("title: t\nsecond: {frequncy_ratio: 0.6}\n", 2, "frequncy_ratio"),
+        ("title: t\ndamping: 3 m\n", 2, "3 m"),
+        ("title: t\nsecond: {mass: 1 t}\n", 2, "no frequency"),
+        ("title: t\nsecond: {period: 1 s, frequency_ratio: 0.5}\n", 2, "cannot both"),
+        ("title: t\nsweep: {dampng: [1 %]}\n", 2, "dampng"),
+        ("title: t\nsweep:\n  damping: 5 %\n", 3, "not a list"),
+        ("title: t\nsweep:\n  damping: [5 %, -1]\n", 3, "damping"),
+        ("title: t\nsweep: {frequencies.low: [0.1, 0.2]}\n", 2, "cannot be an axis"),
+        ("title: t\nsweep: {first: [1, 2]}\n", 2, "whole section"),
+        ("title: t\nfrequencies: {low: 2, high: 1}\n", 2, "not below"),
+        ("title: t\nconnector: {stiffness: soft}\n", 2, "soft"),
+    ],
+)
+def test_refused(tmp_path, text, line, words):
+    study = tmp_path / "bad.yaml"
+    study.write_text(text)
+    with pytest.raises(InputError) as refused:
+        run(study)
+    assert any(words in str(p) and p.line == line and p.hint for p in refused.value.problems), str(
+        refused.value
+    )
