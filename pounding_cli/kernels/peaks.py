@@ -78,9 +78,7 @@ def _displacement_peaks(work, ends, peaks, padded, order, end, scratch):
                 peaks.displacement_max[i] = highest(scratch, order, end, peaks.displacement_max[i], False)
                 for k in range(order + 1):
                     scratch[k] = -scratch[k]
-                peaks.displacement_min[i] = -highest(
-                    scratch, order, end, -peaks.displacement_min[i], False
-                )
+                peaks.displacement_min[i] = -highest(scratch, order, end, -peaks.displacement_min[i], False)
 
 
 @njit(**INLINE)

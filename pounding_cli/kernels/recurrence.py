@@ -133,7 +133,6 @@ def _foundations(slots, feet, work, k, padded, h):
         moment = -h2 * feet.stiffness[f] * angle - h * feet.dashpot[f] * turning
         for i in range(feet.first[f], feet.stop[f]):
             rise = slots.rise[i]
-            work.tilt[row + i] = rise * angle
             turned = rise * (h2 * work.tangent[i] * angle + h * slots.dashpot[i] * turning)
             work.force[i] += turned
             drift = work.U[row + i]
@@ -151,7 +150,10 @@ def _foundations(slots, feet, work, k, padded, h):
             if base >= 0:
                 work.force[base] += drag
             moment += drag * arm + shear * rise
-        work.phi_D[(k + 1) * count + f] = turning * work.reciprocal[k + 1]
+        angle = turning * work.reciprocal[k + 1]
+        work.phi_D[(k + 1) * count + f] = angle
+        for i in range(feet.first[f], feet.stop[f]):
+            work.tilt[row + padded + i] = slots.rise[i] * angle
         work.phi_W[(k + 1) * count + f] = moment / feet.inertia[f] * work.reciprocal[k + 1]
 
 

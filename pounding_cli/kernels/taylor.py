@@ -98,7 +98,7 @@ def _workspace(room, padded, feet_count, link_count):
 
 
 @njit(**INLINE)
-def _start(feet, state, work, padded, h, founded):
+def _start(slots, feet, state, work, padded, h, founded):
     """Order 0 of the series from the state."""
     for b in range(0, padded, 8):
         store(work.U, b, load(state.u, b))
@@ -107,6 +107,8 @@ def _start(feet, state, work, padded, h, founded):
         for f in range(feet.number):
             work.phi_D[f] = state.phi[f]
             work.phi_W[f] = h * state.phi_v[f]
+            for i in range(feet.first[f], feet.stop[f]):
+                work.tilt[i] = slots.rise[i] * state.phi[f]
 
 
 @njit(**INLINE)
@@ -212,7 +214,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
             h = remaining
             fraction = remaining / dt  # what is left of a segment after an event needs fewer orders
             ag = starts[segment] + slopes[segment] * offset
-            _start(feet, state, work, padded, h, founded)
+            _start(slots, feet, state, work, padded, h, founded)
             busy = closings(links, state, work) if kinds != LINKS_NONE else 0
             order, close = expand(
                 slots, feet, links, state, work, peaks, busy, padded, h, ag, slopes[segment], tolerance,

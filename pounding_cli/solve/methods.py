@@ -8,12 +8,17 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pounding_cli.kernels import layout
+from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve import taylor
+from pounding_cli.solve import central_difference, taylor
 from pounding_cli.solve.arrays import at_rest, no_peaks, pack, unpack
+from pounding_cli.solve.flags import flags_of
 from pounding_cli.solve.response import Response
 
-METHODS: dict[str, Callable] = {"taylor": taylor.integrate}
+METHODS: dict[str, Callable] = {
+    "taylor": taylor.integrate,
+    "central-difference": central_difference.integrate,
+}
 
 OUTCOMES = {
     layout.DONE: ("done", ""),
@@ -69,14 +74,16 @@ def solve(
             state.u[span], state.v[span] = u, v
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
     begin = time.perf_counter()
-    status, steps, events, orders, reached = METHODS[method](scene, arrays, state, peaks, accuracy, bounds)
+    status, steps, events, orders, _ = METHODS[method](scene, arrays, state, peaks, accuracy, bounds)
     seconds = time.perf_counter() - begin
     _compiled.add(method)
     if status == layout.DONE and not all(np.isfinite(p).all() for p in (*peaks[:7], *peaks[8:])):
         status = layout.NOT_FINITE
     buildings, links = unpack(scene, arrays, state, peaks)
     outcome, advice = OUTCOMES[status]
+    effects = effects_of(scene)
     return Response(
         buildings, links, outcome, advice, method, accuracy, steps, events, seconds, orders=orders,
+        flags=flags_of(scene, links), effects=effects.kept, dropped=effects.dropped,
         final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
     )  # fmt: skip

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from pounding_cli.kernels import layout
-from pounding_cli.model.links import Kind
+from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, aligned
 from pounding_cli.solve.ground import segments
@@ -19,15 +17,15 @@ SAFETY = 10.0
 
 def variant(scene: Scene) -> tuple[bool, bool, int]:
     """Which effects the compiled kernel must contain: (storeys yield, foundations, link laws)."""
-    inelastic = scene.analysis == "inelastic" and any(
-        np.isfinite(b.yield_shear).any() for b in scene.buildings
-    )
-    founded = any(b.foundation is not None for b in scene.buildings)
-    kinds = {link.kind for link in scene.links}
+    effects = effects_of(scene)
     laws = (
-        layout.LINKS_CUBIC if Kind.INFILL in kinds else (layout.LINKS_LINEAR if kinds else layout.LINKS_NONE)
+        layout.LINKS_CUBIC
+        if effects.infill
+        else layout.LINKS_LINEAR
+        if effects.contact
+        else layout.LINKS_NONE
     )
-    return inelastic, founded, laws
+    return effects.yielding, effects.foundations, laws
 
 
 def most_order(tolerance: float) -> int:

@@ -1,0 +1,98 @@
+"""Accelerations of a scene in a given state, evaluated directly from eqs (1)-(10): what fixed-step methods call.
+
+It shares nothing with the series of the Taylor integrator but the arrays, so that the two can check each other. Hysteresis is
+a return mapping: the elastic part of the drift, D - plastic, is cut back to the yield drift whenever a sample lies beyond it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from pounding_cli.kernels.layout import CONNECTOR, INFILL, INLINE, POUNDING
+
+
+@njit(**INLINE)
+def link_force(links, e, v, rate):
+    """Force of link e [N] at closing v (gap subtracted for pounding) [m] and its rate [m/s]; 0 when it is open."""
+    kind = links.kind[e]
+    if kind != CONNECTOR and v <= 0.0:
+        return 0.0
+    if kind != INFILL:
+        force = links.stiffness[e] * v + links.dashpot[e] * rate
+    elif v <= links.gap[e]:
+        slope = links.stiffness[e] + 3.0 * links.cubic[e] * v * v
+        force = (
+            links.cubic[e] * v**3 + links.stiffness[e] * v + links.root_dashpot[e] * math.sqrt(slope) * rate
+        )
+    else:
+        force = links.beyond[e] * v + links.beyond_force[e] + links.beyond_dashpot[e] * rate
+    return max(force, 0.0) if links.tension_cut[e] == 1 else force
+
+
+@njit(**INLINE)
+def accelerations(
+    slots, feet, links, plastic, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
+):
+    """Fill `out` with u'' [m/s2], `out_phi` with phi'' [rad/s2], `drift`, `shear` (restoring force) and link `force`.
+
+    Moves `plastic` where a storey yields: call it once a step with the states of that step, in order.
+    """
+    size = slots.size
+    for i in range(size):
+        out[i] = 0.0
+        turned = 0.0
+        turned_v = 0.0
+        if slots.rise[i] != 0.0:
+            for f in range(feet.number):
+                if feet.first[f] <= i < feet.stop[f]:
+                    turned = slots.rise[i] * phi[f]
+                    turned_v = slots.rise[i] * phi_v[f]
+        below = u[i - 1] if slots.couple[i] != 0.0 else 0.0
+        below_v = v[i - 1] if slots.couple[i] != 0.0 else 0.0
+        d = u[i] - below - turned
+        drift[i] = d
+        restoring = slots.stiffness[i] * d
+        if inelastic:
+            elastic = d - plastic[i]
+            limit = slots.yield_drift[i]
+            if elastic > limit:
+                elastic = limit
+                plastic[i] = d - limit
+            elif elastic < -limit:
+                elastic = -limit
+                plastic[i] = d + limit
+            a = slots.hardening[i]
+            restoring = slots.stiffness[i] * (a * d + (1.0 - a) * elastic)
+        shear[i] = restoring
+        force[i] = restoring + slots.dashpot[i] * (v[i] - below_v - turned_v)
+    for i in range(size):
+        out[i] -= force[i]
+        if slots.couple[i] != 0.0:
+            out[i - 1] += force[i]
+        out[i] -= slots.alpha[i] * slots.mass[i] * v[i]
+    for f in range(feet.number):
+        base = feet.base[f]
+        sway = v[base] if base >= 0 else 0.0
+        moment = -feet.stiffness[f] * phi[f] - feet.dashpot[f] * phi_v[f]
+        for i in range(feet.first[f], feet.stop[f]):
+            arm = slots.elevation[i]
+            drag = feet.alpha[f] * slots.mass[i] * (v[i] - sway - arm * phi_v[f])
+            out[i] -= drag
+            if base >= 0:
+                out[base] += drag
+            moment += drag * arm + force[i] * slots.rise[i]
+        out_phi[f] = moment / feet.inertia[f]
+    for e in range(links.number):
+        left = links.left[e]
+        right = links.right[e]
+        closing = u[left] - u[right]
+        if links.kind[e] == POUNDING:
+            closing -= links.gap[e]
+        pushing = link_force(links, e, closing, v[left] - v[right])
+        force[size + e] = pushing
+        out[left] -= pushing
+        out[right] += pushing
+    for i in range(size):
+        out[i] = out[i] * slots.inverse_mass[i] - ground * slots.real[i]

@@ -1,0 +1,71 @@
+"""What a scene calls for, and why the rest is left out: decided here, once, before anything is simulated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding_cli.model.links import Kind
+from pounding_cli.model.scene import Analysis, Scene
+
+
+@dataclass(frozen=True)
+class Effects:
+    """The effects of a scene.
+
+    yielding : storeys can leave their elastic branch
+    foundations : some base sways or rocks
+    contact : some link is pounding or a connector, whose laws are linear while active
+    infill : some link follows the infill's cubic with its square-root dashpot
+    kept, dropped : the same in words; what is dropped comes with the reason
+    """
+
+    yielding: bool
+    foundations: bool
+    contact: bool
+    infill: bool
+    kept: tuple[str, ...]
+    dropped: tuple[str, ...]
+
+
+def effects_of(scene: Scene) -> Effects:
+    """Derive what a scene needs from its own data alone."""
+    kept, dropped = [], []
+
+    def decide(needed: bool, effect: str, reason: str) -> bool:
+        if needed:
+            kept.append(effect)
+        else:
+            dropped.append(f"{effect}: {reason}")
+        return needed
+
+    buildings, links = scene.buildings, scene.links
+    kinds = {link.kind for link in links}
+    inelastic = scene.analysis == Analysis.INELASTIC
+    can_yield = any(np.isfinite(b.yield_shear).any() for b in buildings)
+    yielding = decide(
+        inelastic and can_yield,
+        "yielding storeys",
+        "every yield shear is infinite" if inelastic else "the analysis is elastic",
+    )
+    foundations = decide(
+        any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed"
+    )
+    decide(any(b.alpha > 0 for b in buildings), "mass-proportional damping", "alpha is 0")
+    decide(any(b.beta > 0 for b in buildings), "stiffness-proportional damping", "beta is 0")
+    contact = Kind.POUNDING in kinds or Kind.CONNECTOR in kinds
+    infill = Kind.INFILL in kinds
+    for kind in Kind:
+        decide(kind in kinds, f"{kind} links", "the case has none")
+    if links:
+        damped = any(link.damping_ratio > 0 for link in links)
+        decide(damped, "link dashpots", "restitution is 1")
+        cut = any(link.tension_cut and link.damping_ratio > 0 for link in links)
+        asked = any(link.tension_cut for link in links)
+        decide(
+            cut,
+            "tension cut-off",
+            "without a dashpot no link can pull" if asked else "links may pull, as printed",
+        )
+    return Effects(yielding, foundations, contact, infill, tuple(kept), tuple(dropped))
