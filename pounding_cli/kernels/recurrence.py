@@ -65,60 +65,6 @@ def restencil(slots, work, i):
 
 
 @njit(**INLINE)
-def _infill_force(links, work, e, k, h):
-    """Order k of the cubic law with its square-root dashpot (eq. 9), times h^2; v is known to order k + 1."""
-    base = e * LARGEST_ORDER
-    v, square, slope, root = work.V, work.square, work.slope, work.root
-    cubic = links.cubic[e]
-    total = 0.0
-    for i in range(k + 1):
-        total += v[base + i] * v[base + k - i]
-    square[base + k] = total
-    slope[base + k] = 3.0 * cubic * total + (links.stiffness[e] if k == 0 else 0.0)
-    force = links.stiffness[e] * v[base + k]
-    third = 0.0
-    for i in range(k + 1):
-        third += square[base + i] * v[base + k - i]
-    force = h * h * (force + cubic * third)
-    if links.root_dashpot[e] > 0.0:
-        if k == 0:
-            root[base] = slope[base] ** 0.5
-        else:
-            total = slope[base + k]
-            for i in range(1, k):
-                total -= root[base + i] * root[base + k - i]
-            root[base + k] = 0.5 * total / root[base]
-        total = 0.0
-        for i in range(k + 1):
-            total += root[base + i] * (k - i + 1) * v[base + k - i + 1]
-        force += h * links.root_dashpot[e] * total
-    return force
-
-
-@njit(**INLINE)
-def _link_forces(links, state, work, active, count, k, padded, h, kinds):
-    """Order k of every active link's force, added to `work.force`."""
-    row = k * padded
-    for a in range(count):
-        e = active[a]
-        base = e * LARGEST_ORDER
-        rate = work.W[row + links.left[e]] - work.W[row + links.right[e]]
-        work.V[base + k + 1] = rate * work.reciprocal[k + 1]
-        if kinds == LINKS_CUBIC and state.link_branch[e] == CUBIC:
-            force = _infill_force(links, work, e, k, h)
-        elif kinds == LINKS_CUBIC and links.kind[e] == 1:
-            force = h * h * links.beyond[e] * work.V[base + k] + h * links.beyond_dashpot[e] * rate
-            if k == 0:
-                force += h * h * links.beyond_force[e]
-        else:
-            force = h * h * links.stiffness[e] * work.V[base + k] + h * links.dashpot[e] * rate
-        work.F[base + k] = force
-        if state.link_cut[e] == 0:
-            work.force[links.left[e]] -= force
-            work.force[links.right[e]] += force
-
-
-@njit(**INLINE)
 def _foundations(slots, feet, work, k, padded, h):
     """Order k of what foundations add: rocking's share of the storey shears, the mass-proportional damping of the
     structural motion (eq. 2), and order k + 1 of the rocking angle."""

@@ -184,6 +184,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
 
         `room` is scratch (`room_needed`), zeroed and at a cache line. Fills `state` and `peaks` in place; returns (status, steps, events, orders computed, time reached [s]).
         """
+        _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
         slots, feet, links = (
             slot_pointers(slot_arrays),
             foot_pointers(foot_arrays),
