@@ -22,7 +22,7 @@ _INTEGER = re.compile(r"[-+]?[0-9]+\Z")
 _NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
 _WORDS: dict[str, Any] = {"": None, "~": None, "null": None, "true": True, "false": False}
 _DEEPEST = 30
-_MOST_VALUES = 2_000_000
+_MOST_VALUES = 500_000
 
 
 @dataclass(frozen=True, eq=False)

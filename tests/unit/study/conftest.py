@@ -1,4 +1,4 @@
-"""Study files written for one test: `study` loads a text, `refused` checks what is said of a wrong one and where."""
+"""Study files written for one test: `study` loads a text, `refused` checks what is said of a wrong one."""
 
 from __future__ import annotations
 

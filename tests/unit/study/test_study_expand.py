@@ -1,0 +1,143 @@
+"""Expansion: rows, scenes kept once, axes crossed or moving together."""
+
+from __future__ import annotations
+
+import pytest
+
+from pounding_cli.errors import InputError
+from pounding_cli.study import expand, load_study
+
+GAP = "gap: {link: pounding, gap: 5 cm}"
+END = "analyses: [elastic]\n"
+
+
+def test_rows_and_shared_baselines(study):
+    """2 cases x 2 analyses x 2 records; 2 buildings x 2 analyses x 2 records alone, whatever the cases."""
+    plan = expand(
+        study((GAP, GAP + "\n  touch: {link: pounding, gap: 0}"), ("[elastic]", "[elastic, inelastic]"))
+    )
+    assert len(plan.rows) == 8
+    baselines = {digest for row in plan.rows for digest in row.baselines}
+    assert len(baselines) == 8
+    assert len(plan.scenes) == 16
+    assert all(plan.scenes[digest].digest == digest for digest in plan.scenes)
+    row = plan.rows[0]
+    assert (row.case, row.analysis, row.record, row.point) == ("gap", "elastic", "elcentro", ())
+    alone = plan.scenes[row.baselines[1]]
+    assert alone.links == ()
+    assert alone.digest == plan.scenes[row.scene].alone(1).digest
+
+
+def test_twins_share_their_baseline(study):
+    plan = expand(study(("group: [stiff, soft]", "group: [soft, stiff, soft]")))
+    row = plan.rows[0]
+    assert row.baselines[0] == row.baselines[2] != row.baselines[1]
+    assert [b.name for b in plan.scenes[row.scene].buildings] == ["soft-1", "stiff", "soft-2"]
+
+
+def test_cross_product(study):
+    plan = expand(
+        study((END, END + "sweep:\n  impact.restitution: [0.4, 0.5]\n  cases.gap.gap: [1 cm, 2 cm, 3 cm]\n"))
+    )
+    assert [axis.names for axis in plan.axes] == [("impact.restitution",), ("cases.gap.gap",)]
+    assert plan.axes[0].values == ((0.4,), (0.5,))
+    assert plan.axes[1].values == ((pytest.approx(0.01),), (pytest.approx(0.02),), (pytest.approx(0.03),))
+    assert [row.point for row in plan.rows[::2]] == [(i, j) for i in range(2) for j in range(3)]
+    for row in plan.rows:
+        link = plan.scenes[row.scene].links[0]
+        assert link.gap == pytest.approx(0.01 * (row.point[1] + 1))
+    assert (
+        plan.scenes[plan.rows[0].scene].links[0].damping_ratio
+        > plan.scenes[plan.rows[-1].scene].links[0].damping_ratio
+    )
+    assert len({row.baselines for row in plan.rows}) == 2
+
+
+def test_zipped_axis(study):
+    plan = expand(
+        study(
+            (END, END + "sweep:\n  - {buildings.stiff.period: [0.3 s, 0.4 s], cases.gap.gap: [1 cm, 2 cm]}\n")
+        )
+    )
+    assert len(plan.axes) == 1
+    assert plan.axes[0].names == ("buildings.stiff.period", "cases.gap.gap")
+    assert len(plan.rows) == 2 * 2
+    last = plan.scenes[plan.rows[-1].scene]
+    assert last.buildings[0].periods[0] == pytest.approx(0.4)
+    assert last.links[0].gap == pytest.approx(0.02)
+
+
+def test_sweep_reaches_who_inherits(study):
+    """`soft` is like `stiff`: a swept mass of `stiff` is that of `soft` too."""
+    plan = expand(study((END, END + "sweep: {buildings.stiff.mass: [100 t, 300 t]}\n")))
+    assert [plan.scenes[row.scene].buildings[1].mass[0] for row in plan.rows[::2]] == [1e5, 3e5]
+
+
+def test_sweep_of_a_key_the_file_leaves_to_its_default(study):
+    plan = expand(
+        study(
+            (
+                END,
+                END + "sweep: {impact.tension_cut: [false, true], buildings.soft.hardening: [0.02],"
+                " tail: [0, 1 s]}\n",
+            )
+        )
+    )
+    assert plan.axes[0].values == (("false",), ("true",))
+    assert {plan.scenes[row.scene].links[0].tension_cut for row in plan.rows} == {False, True}
+    assert {plan.scenes[row.scene].tail for row in plan.rows} == {0.0, 1.0}
+    assert {plan.scenes[row.baselines[0]].tail for row in plan.rows} == {0.0, 1.0}
+    assert plan.scenes[plan.rows[0].scene].buildings[1].hardening[0] == 0.02
+
+
+def test_sweep_of_records_and_of_texts(study):
+    plan = expand(
+        study(
+            (
+                END,
+                END + "sweep:\n  records.scale: [1, {pga: 0.2 g}]\n"
+                "  impact.stiffness: [5 x stiffest storey, 1e10 N/m]\n",
+            )
+        )
+    )
+    assert plan.axes[0].values == ((1.0,), ("{pga: 0.2 g}",))
+    assert plan.axes[1].values == (("5 x stiffest storey",), (1e10,))
+    assert len({plan.scenes[row.scene].motion.digest for row in plan.rows}) == 4
+
+
+def test_sweep_of_an_entry_of_a_list(study):
+    plan = expand(
+        study(
+            (GAP, "gap: {link: connector, gap: 5 cm, floors: [1]}"),
+            (END, END + "sweep: {cases.gap.floors.0: [1, 3]}\n"),
+        )
+    )
+    assert [plan.scenes[row.scene].links[0].left_floor for row in plan.rows[::2]] == [1, 3]
+
+
+def test_combination_that_is_not_sound(study):
+    """A floor 3 and two storeys: each value stands alone, together they do not; told with the point."""
+    text = END + "sweep:\n  buildings.stiff.storeys: [3, 2]\n  cases.gap.floors: [[1], [3]]\n"
+    read = study((GAP, "gap: {link: pounding, gap: 5 cm, floors: [1]}"), (END, text))
+    with pytest.raises(InputError, match=r"no common floor 3 .*storeys = 2") as caught:
+        expand(read)
+    assert all(p.line and p.hint for p in caught.value.problems)
+
+
+def test_repeated_scene_runs_once(study):
+    """Sweeping what an elastic impact ignores: the rows differ, the scenes do not."""
+    read = study((GAP, GAP + "\n  same: {link: pounding, gap: 50 mm}"))
+    plan = expand(read)
+    assert len(plan.rows) == 4
+    assert len({row.scene for row in plan.rows}) == 2
+
+
+def test_expansion_is_the_same_twice(tmp_path):
+    one, other = (expand(load_study("configs/sensitivity/taper.yaml")) for _ in range(2))
+    assert one.rows == other.rows
+    assert list(one.scenes) == list(other.scenes)
+
+
+def test_fixed_step_method(study):
+    plan = expand(study((END, END + "method: central-difference\ntime_step: 0.1 ms\n")))
+    assert (plan.method, plan.accuracy) == ("central-difference", pytest.approx(1e-4))
