@@ -27,7 +27,6 @@ def write_report(results: Tables, folder: Path, formats: Sequence[str] = FORMATS
     files = save(figures, folder, formats)
     judgements = judge(shown)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         files += write_csv(results, folder / "tables")
         columns = sensitivity.judge_points(evidences)
         files.append(folder / "tables" / "claims.csv")

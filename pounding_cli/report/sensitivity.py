@@ -53,7 +53,7 @@ def page(title: str, columns: Sequence[Column]) -> list[str]:
     if not keys:
         return [*lines, "No results here name a figure of the paper (`claims: fig6` or `fig7`).", ""]
     verdicts = [[f"[{key}](#{key})", *(_verdict(column.get(key)) for column in by_key)] for key in keys]
-    lines += ["## Verdicts", "", *_table("claim", heads, verdicts)]
+    lines += ["## Verdicts", "", *_table("claim", heads, verdicts), *_changes(keys, heads, by_key)]
     for key in keys:
         judged = [column.get(key) for column in by_key]
         claim = next(judgement.claim for judgement in judged if judgement)
@@ -66,6 +66,24 @@ def page(title: str, columns: Sequence[Column]) -> list[str]:
         verdict = ["verdict", *(_verdict(judgement) for judgement in judged)]
         lines += _table("number found", heads, [verdict, *rows])
     return lines
+
+
+def _changes(
+    keys: Sequence[str], heads: Sequence[str], by_key: Sequence[Mapping[str, Judgement]]
+) -> list[str]:
+    """Which verdicts are not the same everywhere: the most frequent one, and where it is another."""
+    lines = []
+    for key in keys:
+        verdicts = {
+            head: _verdict(column[key]) for head, column in zip(heads, by_key, strict=True) if key in column
+        }
+        most = max(verdicts.values(), key=list(verdicts.values()).count)
+        others = [f"*{verdict}* at {head}" for head, verdict in verdicts.items() if verdict != most]
+        if others:
+            lines.append(f"- {key}: *{most}*, but {'; '.join(others)}")
+    if not lines:
+        return ["Every verdict is the same everywhere.", ""]
+    return ["Verdicts that change; every other is the same everywhere:", "", *lines, ""]
 
 
 def _table(corner: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -61,6 +61,8 @@ def test_sweep_gives_the_verdict_at_every_value(tmp_path):
     write_report(results, tmp_path, ())
     page = (tmp_path / "claims-sensitivity.md").read_text(encoding="utf-8")
     assert "| [code-gap](#code-gap) | holds | holds | does not hold |" in page
+    changes = [line for line in page.splitlines() if line.startswith("- ")]
+    assert changes == ["- code-gap: *holds*, but *does not hold* at impact.restitution = 0.65"]
     words = "V/V0, elastic: largest mean over the storeys of stiff, with the gap"
     assert f"| {words} | 1.000 | 1.050 | **1.300** |" in page
     table = pd.read_csv(tmp_path / "tables" / "claims.csv")
@@ -87,6 +89,7 @@ def test_comparison_sets_several_results_side_by_side(tmp_path):
     write_comparison({"fig6": one, "fig7": other}, tmp_path)
     page = (tmp_path / "comparison.md").read_text(encoding="utf-8")
     assert "| claim | fig6 | fig7 |" in page
+    assert "Every verdict is the same everywhere." in page
     assert "| [narrow-gap](#narrow-gap) | holds | – |" in page
     assert "| [code-gap](#code-gap) | – | holds partly |" in page
     assert set(pd.read_csv(tmp_path / "comparison.csv")["where"]) == {"fig6", "fig7"}
