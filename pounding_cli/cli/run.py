@@ -89,19 +89,24 @@ def _print(found: Overview, outcome: Outcome) -> None:
 
     click.echo(found.title)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("case", "analysis", "ratio"):
-        table.add_column(heading)
-    for building in found.buildings:
-        table.add_column(f"{building} roof", justify="right")
-        table.add_column("largest (storey)", justify="right")
-    for line in found.lines:
-        cells = []
-        for roof, largest, at in zip(line.roof, line.largest, line.at, strict=True):
-            cells += [_number(roof), _number(largest, at)]
-        table.add_row(line.case, line.analysis, line.ratio, *cells)
-    # Away from a terminal nothing is wrapped, whatever the width a pipe claims to have.
-    Console(width=None if sys.stdout.isatty() else 40 + 45 * len(found.buildings)).print(table)
-    many = f" at {found.points} points of the sweep" if found.points > 1 else ""
+    table.add_column("case", no_wrap=True)
+    table.add_column("building", no_wrap=True)
+    for analysis, ratio in found.ratios.items():
+        table.add_column(f"{analysis}\n{ratio} at roof", justify="right")
+        table.add_column("\nlargest (storey)", justify="right")
+    for case in dict.fromkeys(line.case for line in found.lines):
+        lines = [line for line in found.lines if line.case == case]
+        for place, building in enumerate(found.buildings):
+            cells = []
+            for line in lines:
+                cells += [_number(line.roof[place]), _number(line.largest[place], line.at[place])]
+            table.add_row("" if place else case, building, *cells, end_section=len(found.points) > 1)
+    # Away from a terminal nothing is cut or wrapped, whatever the width a pipe claims to have.
+    Console(width=None if sys.stdout.isatty() else 250).print(table)
+    count = len(found.points)
+    many = f" at {count} points of the sweep" if count > 1 else ""
+    for number, point in enumerate(found.points if 1 < count <= FEW_POINTS else (), start=1):
+        click.echo(f"Line {number}, {point}")
     motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
     click.echo(f"Means over {found.records} motions{many}.\nMotions, {motions}")
     for flag, scenes in found.flags.items():

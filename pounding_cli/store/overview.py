@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from collections import Counter
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from pounding_cli.store.files import opened
@@ -26,7 +28,6 @@ class Line:
 
     case: str
     analysis: str
-    ratio: str
     roof: tuple[np.ndarray, ...]
     largest: tuple[np.ndarray, ...]
     at: tuple[np.ndarray, ...]
@@ -38,15 +39,17 @@ class Overview:
 
     motions : source ("real", "stand-in", "user") -> names
     flags : sentence -> number of scenes
-    points : points of the sweep, 1 where nothing is swept
+    ratios : analysis -> the ratio shown of it
+    points : every point of the sweep in words; one, empty, where nothing is swept
     """
 
     title: str
     buildings: tuple[str, ...]
     lines: tuple[Line, ...]
+    ratios: dict[str, str]
     motions: dict[str, list[str]]
     flags: dict[str, int]
-    points: int
+    points: tuple[str, ...]
     records: int
     solver_seconds: float
 
@@ -63,7 +66,7 @@ def overview(path: Path) -> Overview:
             list(file[name].asstr()[:]) for name in ("case", "analysis", "building", "record")
         )
         sources = list(file["record_source"].asstr()[()].reshape(-1, len(records))[0])
-        swept = len(json.loads(file.attrs["swept"]))
+        swept = json.loads(file.attrs["swept"])
         means = {ratio: file[f"{ratio}_mean"][()] for ratio, _ in MEASURES.values()}
         # Storeys of a building, in whichever point of the sweep it has most of them.
         mass = file["mass"][()]
@@ -71,22 +74,39 @@ def overview(path: Path) -> Overview:
         lines = []
         for c, case in enumerate(cases):
             for a, analysis in enumerate(analyses):
-                ratio, symbol = MEASURES[analysis]
-                values = means[ratio].reshape(-1, *means[ratio].shape[swept:])[:, c, a]
+                ratio, _ = MEASURES[analysis]
+                values = means[ratio].reshape(-1, *means[ratio].shape[len(swept) :])[:, c, a]
                 each = [_building(values[:, b], int(there[b].sum())) for b in range(len(buildings))]
                 roof, largest, at = zip(*each, strict=True)
-                lines.append(Line(case, analysis, symbol, roof, largest, at))
+                lines.append(Line(case, analysis, roof, largest, at))
         flags = Counter(flag for cell in file["flags"].asstr()[()].flat for flag in cell.splitlines())
         return Overview(
             str(file.attrs["title"]),
             tuple(buildings),
             tuple(lines),
+            {analysis: MEASURES[analysis][1] for analysis in analyses},
             {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
             dict(flags.most_common()),
-            int(np.prod(means["V_ratio"].shape[:swept])),
+            _points([{name: _values(file[name]) for name in names} for names in swept]),
             len(records),
             float(file.attrs["solver_seconds"]),
         )
+
+
+def _points(axes: list[dict[str, list]]) -> tuple[str, ...]:
+    """Points in words, the last axis fastest, as the arrays are laid out."""
+    words = [
+        [
+            ", ".join(f"{name} = {value}" for name, value in zip(axis, row, strict=True))
+            for row in zip(*axis.values(), strict=True)
+        ]
+        for axis in axes
+    ]
+    return tuple(", ".join(point) for point in product(*words))
+
+
+def _values(dataset: h5py.Dataset) -> list:
+    return list(dataset.asstr()[:]) if h5py.check_string_dtype(dataset.dtype) else dataset[:].tolist()
 
 
 def _building(values: np.ndarray, storeys: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
