@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -85,11 +85,6 @@ def synthesize(target: Target) -> Motion:
         if damping > _STALLED:
             break
     return Motion(target.name, target.dt, samples, "stand-in")
-
-
-def with_seed(target: Target, seed: int) -> Target:
-    """The same target with other random phases."""
-    return replace(target, seed=seed)
 
 
 def _noise(seed: int, size: int) -> np.ndarray:
