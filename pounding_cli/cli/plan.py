@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 @click.command("plan")
 @click.argument("study", type=click.Path(path_type=Path))
 def command(study: Path) -> None:
-    """Show what STUDY would run: scenes, baselines shared, links by kind, motions and their scales.
+    """Show what STUDY would run: scenes, baselines shared, links by kind, effects kept and dropped, motions.
 
     Nothing is computed or written.
 
@@ -50,6 +50,8 @@ def _lines(plan: Plan) -> list[str]:
         lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
     lines.append("cases")
     lines += [f"  {case:<16} {_links(plan, case)}" for case in plan.cases]
+    lines.append("effects    (in scenes of the group)")
+    lines += _effects(plan, linked)
     lines.append("motions    (as used)")
     lines += [
         f"  {use.name:<16} {use.source}, first {use.window:g} s x {use.scale:.3f}: "
@@ -64,6 +66,30 @@ def _counted(plan: Plan) -> str:
     for names, word in ((plan.cases, "cases"), (plan.analyses, "analyses"), (plan.records, "records")):
         parts.append(f"{len(names)} {word}")
     return ", ".join(parts)
+
+
+def _effects(plan: Plan, linked: set[str]) -> list[str]:
+    """In how many scenes each effect is simulated, and why it is dropped in the others."""
+    from pounding_cli.model.effects import effects_of
+
+    kept: Counter[str] = Counter()
+    dropped: Counter[str] = Counter()
+    for digest in plan.scenes:
+        if digest in linked:
+            effects = effects_of(plan.scenes[digest])
+            kept.update(effects.kept)
+            dropped.update(effects.dropped)
+    names = dict.fromkeys((*kept, *(text.split(": ", 1)[0] for text in dropped)))
+    lines = []
+    for name in names:
+        reasons = [
+            f"dropped in {count}: {text.split(': ', 1)[1]}"
+            for text, count in dropped.items()
+            if text.split(": ", 1)[0] == name
+        ]
+        parts = [f"kept in {kept[name]}"] * bool(kept[name]) + reasons
+        lines.append(f"  {name:<30} {'; '.join(parts)}")
+    return lines
 
 
 def _links(plan: Plan, case: str) -> str:

@@ -10,9 +10,6 @@ from pounding_cli.study import units
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, limited
 
-METHODS = ("taylor", "central-difference")
-"""Methods a study may name; all but the first march with a fixed time step."""
-
 Method = Literal["taylor", "central-difference"]
 Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
 LinkKind = Literal["pounding", "infill", "connector", "none"]
