@@ -38,10 +38,11 @@ LINKS_NONE, LINKS_LINEAR, LINKS_CUBIC = 0, 1, 2
 
 Slots = namedtuple(
     "Slots",
-    "size couple couple_right stiffness dashpot inverse_mass mass alpha real yield_drift hardening rise elevation",
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha real yield_drift hardening plateau rise elevation",
 )
 """size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the foundation's), inverse_mass [1/kg], mass [kg],
-alpha [1/s] (0 over a foundation), real (1, padding 0), yield_drift [m] (inf: never), hardening [-], rise [m] (storey height
+alpha [1/s] (0 over a foundation), real (1, padding 0), yield_drift [m] (inf: never), hardening [-], plateau
+(1 - a) Vy [N] (0 where it never yields), rise [m] (storey height
 where the building rocks, else 0), elevation [m]."""
 
 Feet = namedtuple("Feet", "number first stop base inertia stiffness dashpot alpha")
@@ -77,7 +78,7 @@ def slot_pointers(a):
     return Slots(
         a.size, pointer(a.couple), pointer(a.couple_right), pointer(a.stiffness), pointer(a.dashpot),
         pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.real), pointer(a.yield_drift),
-        pointer(a.hardening), pointer(a.rise), pointer(a.elevation),
+        pointer(a.hardening), pointer(a.plateau), pointer(a.rise), pointer(a.elevation),
     )  # fmt: skip
 
 

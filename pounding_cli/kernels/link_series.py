@@ -1,6 +1,7 @@
 """The force of every link, order by order, eight links at a time.
 
-One law serves all branches, its coefficients set lane by lane when a branch changes (`set_law`):
+One law serves all branches, its coefficients set lane by lane when a branch changes (`set_law`; a sixth row tells
+whether the force is applied):
     F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v'.
 The infill's cubic with its square-root dashpot (eq. 9) needs products of series; a scene without infill has none of that.
 """
@@ -20,6 +21,7 @@ def set_law(links, state, law, e):
     branch = state.link_branch[e]
     for row in range(5):
         law[row * count + e] = 0.0
+    law[5 * count + e] = 0.0 if branch == OPEN or state.link_cut[e] == 1 else 1.0
     if branch == CUBIC:
         law[e] = links.stiffness[e]
         law[count + e] = links.cubic[e]

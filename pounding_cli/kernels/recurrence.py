@@ -203,4 +203,5 @@ def rescale(feet, links, work, busy, padded, order, ratio, founded, kinds):
             for b in range(k * count, (k + 1) * count, 8):
                 store(work.V, b, load(work.V, b) * power)
                 store(work.F, b, load(work.F, b) * (power * ratio * ratio))
+                store(work.rates, b, load(work.rates, b) * (power * ratio))
         power *= ratio

@@ -45,6 +45,7 @@ from pounding_cli.kernels.layout import (
     slot_pointers,
     state_pointers,
 )
+from pounding_cli.kernels.ledger import account, ledger_pointers
 from pounding_cli.kernels.link_series import closings, set_law
 from pounding_cli.kernels.peaks import track
 from pounding_cli.kernels.recurrence import LARGEST_ORDER, Work, expand, rescale, restencil, shrink
@@ -67,7 +68,7 @@ def _workspace(room, padded, feet_count, link_count):
     by_link = rows * link_count
     at = further(room, 4 * by_slot)
     at_link = further(at, 30 * padded)
-    at_rest = further(at_link, 5 * by_link + 6 * link_count)
+    at_rest = further(at_link, 5 * by_link + 7 * link_count)
     reciprocal = further(at_rest, 2 * rows * feet_count)
     curve = further(reciprocal, rows + 1)
     twist = further(curve, rows + 1)
@@ -123,7 +124,7 @@ def _storey_event(slots, state, work, i, drift):
         state.plastic[i] = np.inf  # no elastic range is watched while the storey is on a yield line
         state.snapped_storey[i] = 0
         work.tangent[i] = a * k0
-        work.offset[i] = line * (1.0 - a) * k0 * limit
+        work.offset[i] = line * slots.plateau[i]
     else:
         line = state.line[i]
         state.line[i] = 0.0
@@ -177,12 +178,14 @@ def build(inelastic: bool, founded: bool, kinds: int):
 
     @njit(**OPTIONS)
     def integrate(
-        slot_arrays, foot_arrays, link_arrays, state_arrays, peak_arrays, room, starts, slopes, dt, tolerance, quiet, most_order, most_steps,
-        most_events,
+        slot_arrays, foot_arrays, link_arrays, state_arrays, peak_arrays, ledger_arrays, nodes, weights, room, starts,
+        slopes, dt, tolerance, quiet, most_order, most_steps, most_events,
     ):  # fmt: skip
         """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of length dt.
 
-        `room` is scratch (`room_needed`), zeroed and at a cache line. Fills `state` and `peaks` in place; returns (status, steps, events, orders computed, time reached [s]).
+        `room` is scratch (`room_needed`), zeroed and at a cache line. `nodes` and `weights` are Gauss-Legendre
+        rules on [0, 1] (`ledger.MOST_POINTS`). Fills state, peaks and ledger in place; returns (status, steps, events,
+        orders computed, time reached [s]).
         """
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
         slots, feet, links = (
@@ -191,6 +194,8 @@ def build(inelastic: bool, founded: bool, kinds: int):
             link_pointers(link_arrays),
         )
         state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
+        ledger = ledger_pointers(ledger_arrays)
+        points, shares = pointer(nodes), pointer(weights)
         padded = slots.size
         link_count = links.size
         work, ends, scratch = _workspace(pointer(room), padded, feet.number, link_count)
@@ -260,6 +265,10 @@ def build(inelastic: bool, founded: bool, kinds: int):
                         storey = -1
             if end < 1.0:
                 stop_at(slots, work, ends, padded, order, end, ground, ground_slope, founded)
+            account(
+                slots, feet, links, state, work, ends, ledger, points, shares, order, end, h, ag, slopes[segment], busy,
+                inelastic, founded, kinds,
+            )  # fmt: skip
             track(
                 feet, links, state, work, ends, peaks, padded, order, end, scratch, h, ground,
                 ground_slope, inelastic, founded, kinds,

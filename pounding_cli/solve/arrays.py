@@ -8,6 +8,7 @@ import numpy as np
 
 from pounding_cli.kernels import layout
 from pounding_cli.kernels.layout import Feet, Links, Peaks, Slots, State
+from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.model.links import InfillLaw, Kind
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
@@ -68,6 +69,10 @@ def pack(scene: Scene) -> Arrays:
         slots.mass[span] = building.mass
         slots.yield_drift[span] = building.yield_drift
         slots.hardening[span] = building.hardening
+        finite = np.isfinite(building.yield_shear)
+        slots.plateau[span] = np.where(
+            finite, (1 - building.hardening) * np.where(finite, building.yield_shear, 0), 0
+        )
         slots.elevation[span] = building.elevation
         if foundation is None:
             slots.alpha[span] = building.alpha
@@ -156,12 +161,18 @@ def no_peaks(arrays: Arrays) -> Peaks:
     )  # fmt: skip
 
 
+def empty_ledger(arrays: Arrays) -> Ledger:
+    """Energies before the first step."""
+    by_slot = [aligned(arrays.padded) for _ in range(4)]
+    return Ledger(*by_slot, aligned(arrays.links.size), np.zeros(arrays.feet.number))
+
+
 def unpack(
     scene: Scene, arrays: Arrays, state: State, peaks: Peaks
 ) -> tuple[tuple[BuildingResponse, ...], LinkResponse]:
     """Peaks by slot and link as responses by building and link."""
     buildings = []
-    drift_now = _drift(arrays, state)
+    drift_now = drift_of(arrays, state)
     inelastic = scene.analysis == "inelastic"
     for b, building in enumerate(scene.buildings):
         span, base, foot = arrays.floors[b], arrays.bases[b], arrays.foot[b]
@@ -192,7 +203,8 @@ def unpack(
     return tuple(buildings), links
 
 
-def _drift(arrays: Arrays, state: State) -> np.ndarray:
+def drift_of(arrays: Arrays, state: State) -> np.ndarray:
+    """Storey drifts (and sway of bases) of a state [m], by slot."""
     before = np.concatenate(([0.0], state.u[:-1]))
     drift = state.u - arrays.slots.couple * before
     for f in range(arrays.feet.number):

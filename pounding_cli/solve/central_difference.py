@@ -12,9 +12,9 @@ from pounding_cli.solve.ground import segments
 
 
 def integrate(
-    scene: Scene, arrays: Arrays, state, peaks, time_step: float, bounds
+    scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds
 ) -> tuple[int, int, int, int, float]:
-    """Run the kernel with the largest step not above `time_step` [s] that divides the motion's."""
+    """Run the kernel with the largest step not above `time_step` [s] that divides the motion's; keeps no ledger."""
     from pounding_cli.kernels import central_difference
 
     starts, slopes, dt = segments(scene)

@@ -11,7 +11,8 @@ from pounding_cli.kernels import layout
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import central_difference, taylor
-from pounding_cli.solve.arrays import at_rest, no_peaks, pack, unpack
+from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
+from pounding_cli.solve.energy import balance, held
 from pounding_cli.solve.flags import flags_of
 from pounding_cli.solve.response import Response
 
@@ -19,6 +20,9 @@ METHODS: dict[str, Callable] = {
     "taylor": taylor.integrate,
     "central-difference": central_difference.integrate,
 }
+
+ACCOUNTING = {"taylor"}
+"""Methods that keep an energy ledger."""
 
 OUTCOMES = {
     layout.DONE: ("done", ""),
@@ -73,8 +77,9 @@ def solve(
         for span, u, v in zip(arrays.floors, *initial, strict=True):
             state.u[span], state.v[span] = u, v
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
+    ledger, before = empty_ledger(arrays), held(scene, arrays, state)
     begin = time.perf_counter()
-    status, steps, events, orders, _ = METHODS[method](scene, arrays, state, peaks, accuracy, bounds)
+    status, steps, events, orders, _ = METHODS[method](scene, arrays, state, peaks, ledger, accuracy, bounds)
     seconds = time.perf_counter() - begin
     _compiled.add(method)
     if status == layout.DONE and not all(np.isfinite(p).all() for p in (*peaks[:7], *peaks[8:])):
@@ -84,6 +89,7 @@ def solve(
     effects = effects_of(scene)
     return Response(
         buildings, links, outcome, advice, method, accuracy, steps, events, seconds, orders=orders,
+        energy=balance(scene, arrays, before, state, ledger) if method in ACCOUNTING else {},
         flags=flags_of(scene, links), effects=effects.kept, dropped=effects.dropped,
         final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
     )  # fmt: skip

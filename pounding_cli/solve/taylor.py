@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
+import numpy as np
+
 from pounding_cli.kernels import layout
+from pounding_cli.kernels.ledger import MOST_POINTS
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, aligned
@@ -28,14 +32,21 @@ def variant(scene: Scene) -> tuple[bool, bool, int]:
     return effects.yielding, effects.foundations, laws
 
 
+@functools.cache
+def gauss_rules(most: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre nodes and weights on [0, 1] of all rules up to `most` points, one after the other."""
+    rules = [np.polynomial.legendre.leggauss(n) for n in range(1, most + 1)]
+    return np.concatenate([(x + 1) / 2 for x, _ in rules]), np.concatenate([w / 2 for _, w in rules])
+
+
 def most_order(tolerance: float) -> int:
     """Highest order worth computing before the step is cut: near the optimum of Jorba & Zou, -ln(tol) / 2 + 1, and above it,
     because most steps end at a record sample."""
-    return min(30, max(10, int(math.ceil(-0.75 * math.log(tolerance))) + 4))
+    return min(30, max(10, math.ceil(-0.75 * math.log(tolerance)) + 4))
 
 
 def integrate(
-    scene: Scene, arrays: Arrays, state, peaks, accuracy: float, bounds: tuple[int, int]
+    scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds: tuple[int, int]
 ) -> tuple[int, int, int, int, float]:
     """Run the kernel; see `kernels.taylor.build`."""
     from pounding_cli.kernels import taylor
@@ -45,6 +56,6 @@ def integrate(
     room = aligned(taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size))
     kernel = taylor.build(*variant(scene))
     return kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, room, starts, slopes, dt, tolerance, scene.motion.pga,
-        most_order(tolerance), *bounds,
+        arrays.slots, arrays.feet, arrays.links, state, peaks, ledger, *gauss_rules(MOST_POINTS), room, starts, slopes, dt,
+        tolerance, scene.motion.pga, most_order(tolerance), *bounds,
     )  # fmt: skip

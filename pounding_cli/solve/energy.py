@@ -1,0 +1,74 @@
+"""The energy ledger of a run: what came in, where it is, where it went, and what is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pounding_cli.kernels.layout import State
+from pounding_cli.kernels.ledger import Ledger
+from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.arrays import Arrays, drift_of
+
+
+def held(scene: Scene, arrays: Arrays, state: State) -> dict[str, float]:
+    """Energy in the scene now [J]: kinetic, stored in storeys and foundations, stored in links."""
+    slots, feet = arrays.slots, arrays.feet
+    kinetic = 0.5 * float(slots.mass @ state.v**2)
+    drift = drift_of(arrays, state)
+    elastic = drift.copy()
+    if scene.analysis == "inelastic":
+        on_line = state.line != 0
+        elastic[~on_line] -= state.plastic[~on_line]
+        elastic[on_line] = state.line[on_line] * slots.yield_drift[on_line]
+    stored = 0.5 * float(slots.stiffness @ (slots.hardening * drift**2 + (1 - slots.hardening) * elastic**2))
+    for f in range(feet.number):
+        if np.isfinite(feet.inertia[f]):
+            kinetic += 0.5 * float(feet.inertia[f]) * float(state.phi_v[f]) ** 2
+            stored += 0.5 * float(feet.stiffness[f]) * float(state.phi[f]) ** 2
+    links = 0.0
+    for e, link in enumerate(scene.links):
+        links += potential(link, float(state.u[arrays.links.left[e]] - state.u[arrays.links.right[e]]))
+    return {"kinetic": kinetic, "stored": stored, "links_stored": links}
+
+
+def potential(link: Link, closing: float) -> float:
+    """Energy in a link's spring [J] at a closing u_l - u_r [m]: the integral of its elastic force."""
+    if link.kind is Kind.CONNECTOR:
+        return 0.5 * link.stiffness * closing**2
+    if link.kind is Kind.POUNDING:
+        return 0.5 * link.stiffness * max(closing - link.gap, 0.0) ** 2
+    v = max(closing, 0.0)
+    cubic = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
+    inside = min(v, link.gap)
+    energy = 0.25 * cubic * inside**4 + 0.5 * link.stiffness * inside**2
+    if v > link.gap:
+        energy += 0.5 * link.impact_stiffness * (v**2 - link.gap**2)
+        if link.infill_law == "continuous":
+            at_gap = cubic * link.gap**3 + link.stiffness * link.gap
+            energy += (at_gap - link.impact_stiffness * link.gap) * (v - link.gap)
+    return energy
+
+
+def balance(
+    scene: Scene, arrays: Arrays, before: dict[str, float], state: State, ledger: Ledger
+) -> dict[str, float]:
+    """The ledger [J]; `residual` is what is missing over the largest entry [-].
+
+    input : work of the ground, plus what the scene held at the start
+    kinetic, stored, links_stored : held at the end
+    damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
+    """
+    now = held(scene, arrays, state)
+    work_on_links = float(ledger.links.sum())
+    book = {
+        "input": float(ledger.input.sum()) + sum(before.values()),
+        **now,
+        "damping": float(ledger.dashpots.sum() + ledger.drag.sum() + ledger.feet.sum()),
+        "hysteresis": float(ledger.hysteresis.sum()),
+        "links": work_on_links - now["links_stored"] + before["links_stored"],
+    }
+    missing = book["input"] - sum(value for key, value in book.items() if key != "input")
+    scale = max(abs(value) for value in book.values())
+    book["residual"] = missing / scale if scale > 0 else 0.0
+    return book
