@@ -89,7 +89,13 @@ def legend(ax: Axes, cases: Iterable[str], **keywords: Any) -> None:
 def caption(figure: Figure, text: str) -> None:
     """A caption under the figure, wrapped to its width."""
     characters = int(figure.get_figwidth() * 18.5)
-    figure.supxlabel(textwrap.fill(text, characters), x=0.015, ha="left", fontsize=7.5, color="0.25")
+    figure.supxlabel(
+        textwrap.fill(text, characters, break_on_hyphens=False),
+        x=0.015,
+        ha="left",
+        fontsize=7.5,
+        color="0.25",
+    )
 
 
 def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
@@ -98,6 +104,9 @@ def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = F
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
+            with mpl.rc_context(RC):
+                figure.draw_without_rendering()
+            figure.set_layout_engine("none")  # laid out once, not once a format
             for suffix in formats:
                 path = folder / f"{name}.{suffix}"
                 # Without a date in it, a figure that did not change is the same file.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,6 +12,8 @@ from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.figures import RESPONSES, framed, headline, plotted_cases
 from pounding_cli.report.style import caption, looks, styled
 
+LINE = 34
+"""Characters that fit under one panel."""
 MOST_POINTS = 40
 """Points without a numeric axis beyond which there is no figure: their names would not be legible."""
 
@@ -31,6 +34,22 @@ def _numeric_axis(evidences: Sequence[Evidence]) -> np.ndarray | None:
     return np.array([value[0] for value in values], float)
 
 
+def _worded(evidences: Sequence[Evidence]) -> tuple[list[str], str]:
+    """Ticks for points that are no numbers, and their key: the words where they fit, else numbers."""
+    words = [", ".join(str(value) for value in evidence.point.values()) for evidence in evidences]
+    width = LINE // len(words)
+    wrapped = [textwrap.fill(text, max(width, 1), break_long_words=False) for text in words]
+    if (
+        max(len(line) for text in wrapped for line in text.split("\n")) <= width
+        and len("".join(words)) < 3 * LINE
+    ):
+        return wrapped, ""
+    numbers = [str(number) for number in range(1, len(words) + 1)]
+    return numbers, " Points: " + "; ".join(
+        f"({n}) {text}" for n, text in zip(numbers, words, strict=True)
+    ) + "."
+
+
 @styled
 def sweep_figure(evidences: Sequence[Evidence], building: str) -> Figure:
     """V/V0 elastic and mu/mu0 inelastic at the storey where the mean over the motions is largest."""
@@ -38,6 +57,7 @@ def sweep_figure(evidences: Sequence[Evidence], building: str) -> Figure:
     panels = [panel for panel in RESPONSES if panel[0] in first.analyses]
     figure, axes = framed(first, [building], 1, max(len(panels), 1), headline(first, building))
     numeric = _numeric_axis(evidences)
+    ticks, key = ([], "") if numeric is not None else _worded(evidences)
     across = np.arange(len(evidences)) if numeric is None else numeric
     order = np.argsort(across, kind="stable")
     for ax, (analysis, ratio, label) in zip(axes[0], panels, strict=False):
@@ -58,12 +78,12 @@ def sweep_figure(evidences: Sequence[Evidence], building: str) -> Figure:
         ax.set_title(analysis.capitalize(), loc="left")
         ax.set_ylabel(f"{label}, largest mean over the storeys")
         if numeric is None:
-            names = [", ".join(str(value) for value in evidence.point.values()) for evidence in evidences]
-            ax.set_xticks(across, names, rotation=90 if len(names) > 4 else 0)
+            ax.set_xticks(across, ticks)
+            ax.set_xlim(-0.3, len(ticks) - 0.7)
         elif (numeric > 0).all() and numeric.max() / numeric.min() > 20:
             ax.set_xscale("log")
         ax.set_xlabel(", ".join(first.point))
     count = first.storey["record"].nunique()
     sentence = motion_sentence(first.records)
-    caption(figure, f"Means over the {count} motions of the ratios to {building} alone. {sentence}")
+    caption(figure, f"Means over the {count} motions of the ratios to {building} alone. {sentence}{key}")
     return figure

@@ -158,6 +158,20 @@ def test_sweep_over_words_stands_on_their_names():
     editions = ["UBC-1985", "UBC-1988", "UBC-1991"]
     figure = sweep_figures(points(make(axis=("buildings.stiff.yield.code", editions))))["soft-sweep"]
     assert [tick.get_text() for tick in panels(figure)[0].get_xticklabels()] == editions
+    assert_no_overlap(figure)
+
+
+def test_sweep_over_long_words_numbers_them_and_gives_the_key():
+    yields = [
+        "{code: UBC-1991, zone: 0.4, soil: 1.2, Rw: 12}",
+        "{code: UBC-1985, zone: 1.0, soil: 1.2, K: 0.67}",
+        "{code: UBC-1985, zone: 1.0, soil: 1.2, K: 1.0}",
+    ]
+    figure = sweep_figures(points(make(axis=("buildings.stiff.yield", yields))))["soft-sweep"]
+    assert [tick.get_text() for tick in panels(figure)[0].get_xticklabels()] == ["1", "2", "3"]
+    key = figure.get_supxlabel().replace("\n", " ")
+    assert f"(1) {yields[0]}; (2) {yields[1]}; (3) {yields[2]}." in key
+    assert_no_overlap(figure)
 
 
 def test_cases_differ_in_colour_marker_and_line_together():
