@@ -60,6 +60,10 @@ def _summary(point: WallPoint, response: WallResponse) -> None:
         f"beams {response.beam_stress / 1e6:.1f}, columns {response.column_stress / 1e6:.1f} N/mm2"
     )
     click.echo(
+        f"  in the wall's cross-sections: shear up to {response.wall_shear / 1e6:.2f} MN, "
+        f"moment up to {response.wall_moment / 1e6:.2f} MN m"
+    )
+    click.echo(
         f"  energy balance open by {response.energy_residual:.1e}; {response.freedoms} freedoms, "
         f"step {1e3 * response.step:.3g} ms, {response.seconds:.2f} s"
     )

@@ -41,9 +41,7 @@ def find(pair: Oscillators, low: float = 0.05, high: float = 2.0, points: int = 
     def peak(which: int) -> tuple[float, float]:
         best = int(np.argmax(sizes(grid)[which]))
         left, right = grid[max(best - 1, 0)], grid[min(best + 1, points - 1)]
-        top = minimize_scalar(
-            lambda x: -float(sizes(x)[which]), bounds=(left, right), options={"xatol": 1e-10}
-        )
+        top = minimize_scalar(lambda x: -float(sizes(x)[which]), bounds=(left, right), options={"xatol": 1e-10})
         candidates = [(float(sizes(x)[which]), float(x)) for x in (top.x, grid[best])]
         return max(candidates)
 
@@ -64,6 +62,4 @@ def find(pair: Oscillators, low: float = 0.05, high: float = 2.0, points: int = 
         crossings.append(high)
     first, second = peak(0), peak(1)
     lower, upper = coupled_frequencies(pair)
-    return Findings(
-        *first, *second, np.array(crossings).reshape(-1, 2), (lower / pair.omega10, upper / pair.omega10)
-    )
+    return Findings(*first, *second, np.array(crossings).reshape(-1, 2), (lower / pair.omega10, upper / pair.omega10))

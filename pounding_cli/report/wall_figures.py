@@ -37,9 +37,7 @@ _UNITS = {
 }
 
 
-def draw_wall(
-    path: Path, folder: Path, formats: tuple[str, ...] = ("png", "svg"), vtu: bool = True
-) -> list[Path]:
+def draw_wall(path: Path, folder: Path, formats: tuple[str, ...] = ("png", "svg"), vtu: bool = True) -> list[Path]:
     """Draw the results of `pound wall` and write its fields for ParaView; returns the files."""
     with open_swept(path, "wall") as file:
         points = list(product(*(range(n) for n in file["peak_force"].shape)))
@@ -51,6 +49,8 @@ def draw_wall(
             if file["peak_force"].shape[axis] > 1:
                 name = axes_of(file, "peak_force")[axis]
                 figures[f"{path.stem}-{name.replace('.', '-')}"] = sweep_figure(file, axis)
+        if "mesh.size" in axes_of(file, "peak_force"):
+            figures[f"{path.stem}-accuracy"] = accuracy_figure(file)
         written = save(figures, folder, formats)
         if vtu:
             written += [_write_vtu(file, point, folder / path.stem) for point in points[:_FIELDS_DRAWN]]
@@ -187,6 +187,43 @@ def sweep_figure(file: h5py.File, axis: int) -> Figure:
     _title(figure, file)
     if len(others) > len(_COLORS):
         caption(figure, f"The first {len(_COLORS)} of {len(others)} curves.")
+    return figure
+
+
+@styled
+def accuracy_figure(file: h5py.File) -> Figure:
+    """Error of force and averaged stress against processor time, one line a mesh refined.
+
+    Errors are relative to the point with the most freedoms among those that differ in mesh alone; that point
+    itself is left out.
+    """
+    axes = axes_of(file, "peak_force")
+    axis = axes.index("mesh.size")
+    figure = new_figure(9.2, 3.6)
+    panels = figure.subplots(1, 2)
+    lines = list(product(*(range(n) for place, n in enumerate(file["peak_force"].shape) if place != axis)))
+    rest = tuple(name for name in axes if name != "mesh.size")
+    # Elements of either shape approach one limit; any other key changes what is computed.
+    alike = [tuple(p for p, name in zip(line, rest, strict=True) if name != "mesh.element") for line in lines]
+    for color, line, group in zip(_COLORS, lines, alike, strict=False):
+        at = (*line[:axis], slice(None), *line[axis:])
+        along = [
+            (*other[:axis], slice(None), *other[axis:]) for other, g in zip(lines, alike, strict=True) if g == group
+        ]
+        finest = max(along, key=lambda where: file["freedoms"][where].max())
+        best = int(np.argmax(file["freedoms"][finest]))
+        for ax, key in zip(panels, ("peak_force", "averaged_stress"), strict=True):
+            error = np.abs(file[key][at] / file[key][finest][best] - 1)
+            seconds = file["seconds"][at]
+            shown = error > 0
+            label = point_label(file, rest, line) if rest else None
+            ax.loglog(seconds[shown], error[shown], color=color, marker="o", ms=4, lw=1.4, label=label)
+    for ax, label in zip(panels, ("error of peak force", "error of averaged stress"), strict=True):
+        ax.set(xlabel="processor time [s]", ylabel=label)
+    if rest:
+        panels[0].legend(fontsize=7)
+    _title(figure, file)
+    caption(figure, "Relative to the finest mesh of the study with the same contact.")
     return figure
 
 

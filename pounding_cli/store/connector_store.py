@@ -35,11 +35,7 @@ def write_connector(study: ConnectorStudy, path: Path) -> list[Findings]:
                 write_array(file, name + suffix, part, (*dims, "frequency"), "1", what)
         for name in ("peak1", "at1", "peak2", "at2"):
             values = np.array([getattr(f, name) for f in found]).reshape(shape)
-            what = (
-                "largest ratio of system "
-                if name.startswith("peak")
-                else "Omega / omega10 at the peak of system "
-            )
+            what = "largest ratio of system " if name.startswith("peak") else "Omega / omega10 at the peak of system "
             write_array(file, name, values, dims, "1", what + name[-1])
         for place, name in enumerate(("frequency_low", "frequency_high")):
             values = np.array([f.frequencies[place] for f in found]).reshape(shape)

@@ -35,9 +35,7 @@ def open_swept(path: Path, kind: str) -> h5py.File:
         raise InputError(Problem(f"{path} is not a results file", hint)) from None
     if file.attrs.get("kind") != kind:
         file.close()
-        raise InputError(
-            Problem(f"{path} holds no results of `pound {kind}`", f"run `pound {kind} STUDY -o FILE.h5`")
-        )
+        raise InputError(Problem(f"{path} holds no results of `pound {kind}`", f"run `pound {kind} STUDY -o FILE.h5`"))
     return file
 
 

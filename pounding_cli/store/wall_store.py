@@ -26,11 +26,13 @@ NUMBERS = {
     "column_stress": ("N/m2", "largest edge stress of the columns"),
     "beam_stress_then": ("N/m2", "largest edge stress of the beams at the instant of the wall's peak"),
     "column_stress_then": ("N/m2", "largest edge stress of the columns at the instant of the wall's peak"),
+    "wall_shear": ("N", "largest shear force in a cross-section of the wall"),
+    "wall_moment": ("N m", "largest bending moment in a cross-section of the wall"),
     "reach": ("m", "farthest from the contact that the averaged stress exceeds half its largest"),
     "stressed_share": ("1", "share of the wall's area stressed above a tenth of the averaged stress"),
     "step": ("s", "time step"),
     "freedoms": ("1", "degrees of freedom"),
-    "seconds": ("s", "computing time"),
+    "seconds": ("s", "processor time"),
 }
 """Variables over the swept dimensions: unit and meaning."""
 
@@ -95,8 +97,6 @@ def _write_point(group: h5py.Group, point: WallPoint, response: WallResponse) ->
         text = f"largest {name} of the wall's cross-section over time"
         write_array(group, name, getattr(response, name), ("row_height",), units, text)
     mesh = group.create_group("mesh")
-    mesh.attrs["description"] = (
-        "corner points [m], quadrilaterals (point numbers), values of points and elements"
-    )
+    mesh.attrs["description"] = "corner points [m], quadrilaterals (point numbers), values of points and elements"
     for name in ("points", "quads", "displacement", "stress_peak", "stress_envelope"):
         mesh.create_dataset(name, data=getattr(fields, name), compression="gzip", shuffle=True)

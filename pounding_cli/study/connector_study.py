@@ -80,9 +80,7 @@ class LinkSpec(Model):
         description="K, as a multiple of k1 or in N/m",
         examples=["0.2 k1"],
     )
-    damping_ratio: Damping | None = Field(
-        default=None, description="xi of its dashpot (eq. 7)", examples=[0.1]
-    )
+    damping_ratio: Damping | None = Field(default=None, description="xi of its dashpot (eq. 7)", examples=[0.1])
     dashpot: Dashpot | None = Field(
         default=None, description="its dashpot, in place of damping_ratio", examples=["100 kN s/m"]
     )
@@ -93,17 +91,13 @@ class RangeSpec(Model):
 
     low: Ratio = Field(default=0.2, description="lowest Omega / omega10", examples=[0.2])
     high: Ratio = Field(default=1.6, description="highest Omega / omega10", examples=[1.6])
-    points: int = Field(
-        default=1401, ge=11, le=1_000_000, description="number of frequencies", examples=[1401]
-    )
+    points: int = Field(default=1401, ge=11, le=1_000_000, description="number of frequencies", examples=[1401])
 
 
 class ConnectorStudyModel(Model):
     """A study of two connected oscillators (paper, Figs 4 and 5)."""
 
-    title: str = Field(
-        description="one line that says what is studied", examples=["Two connected oscillators"]
-    )
+    title: str = Field(description="one line that says what is studied", examples=["Two connected oscillators"])
     first: FirstSpec = FirstSpec()
     second: SecondSpec = SecondSpec(frequency_ratio=0.6)
     connector: LinkSpec = LinkSpec()
@@ -171,9 +165,7 @@ def load_connector_study(path: Path) -> ConnectorStudy:
     assert spec is not None  # a study has at least one point, and a refused one did not come this far
     resolved = ConnectorStudyModel.model_validate(points_of(root, axes)[0][1].plain()).model_dump(mode="json")
     span = spec.frequencies
-    return ConnectorStudy(
-        path, text, spec.title, axes, tuple(points), span.low, span.high, span.points, resolved
-    )
+    return ConnectorStudy(path, text, spec.title, axes, tuple(points), span.low, span.high, span.points, resolved)
 
 
 def _alternatives(spec: ConnectorStudyModel, tree: Node, faults: Faults) -> None:
@@ -193,9 +185,7 @@ def _alternatives(spec: ConnectorStudyModel, tree: Node, faults: Faults) -> None
                 key=True,
             )
         if name == "second" and not given:
-            faults.at(
-                tree, (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period"
-            )
+            faults.at(tree, (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period")
     if spec.frequencies.low >= spec.frequencies.high:
         faults.at(tree, ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}")
 

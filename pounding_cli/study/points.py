@@ -52,9 +52,7 @@ def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple
             continue
         columns = [holder.value[name].value for name in names]
         if len({len(column) for column in columns}) > 1:
-            faults.add(
-                holder.mark, "keys that move together need lists of one length", "give as many values of each"
-            )
+            faults.add(holder.mark, "keys that move together need lists of one length", "give as many values of each")
             continue
         axes.append(PointAxis(names, tuple(zip(*columns, strict=True))))
     count = 1
@@ -90,9 +88,7 @@ def _is_axis(name: str, holder: Node, root: Node, model: type[BaseModel], faults
             return False
     below = keys_at(model, path, root)
     if len(below) > 0 and set(below) != set(keys_at(model, path[:-1], root)):
-        faults.add(
-            mark, f"sweep axis '{name}' is a whole section", f"name one value in it, e.g. `{name}.{below[0]}`"
-        )
+        faults.add(mark, f"sweep axis '{name}' is a whole section", f"name one value in it, e.g. `{name}.{below[0]}`")
         return False
     values = holder.value[name]
     if not values.is_list or not values.value:

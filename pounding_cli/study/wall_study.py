@@ -26,15 +26,11 @@ def _read_height(value: Any) -> float | str:
     if isinstance(value, str) and (found := _PLACE.match(value)):
         return f"{found[1]} {int(found[2])}"
     if isinstance(value, str) and value.strip()[:3] in ("mid", "flo"):
-        raise refuse(
-            f"'{value}' is no height", "write a height, e.g. 13.5 m, or `mid-storey 5`, or `floor 4`"
-        )
+        raise refuse(f"'{value}' is no height", "write a height, e.g. 13.5 m, or `mid-storey 5`, or `floor 4`")
     return _HEIGHT.read(value)
 
 
-Height = Annotated[
-    float | str, TextForm(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))
-]
+Height = Annotated[float | str, TextForm(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
 Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True)]
 Poisson = Annotated[float, Quantity("Poisson's ratio", "", "0.2", 0.0, 0.5, open_high=True)]
 Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0)]
@@ -46,9 +42,7 @@ Step = Annotated[float | str, limited(units.TIME, name="time step", example="0.1
 class WallSpec(Model):
     """The bumper wall."""
 
-    length: Length = Field(
-        default=2.0, description="length of the wall, at right angles to the gap", examples=["2 m"]
-    )
+    length: Length = Field(default=2.0, description="length of the wall, at right angles to the gap", examples=["2 m"])
     thickness: Length = Field(default=0.25, description="thickness of the wall", examples=["25 cm"])
 
 
@@ -72,9 +66,7 @@ class FrameSpec(Model):
         examples=[["5 m"]],
     )
     beam: SectionSpec = Field(default=SectionSpec(width=0.25, depth=0.60), description="section of the beams")
-    column: SectionSpec = Field(
-        default=SectionSpec(width=0.60, depth=0.60), description="section of the columns"
-    )
+    column: SectionSpec = Field(default=SectionSpec(width=0.60, depth=0.60), description="section of the columns")
     floor_mass: Mass = Field(default=200e3, description="mass of every floor", examples=["200 t"])
 
 
@@ -100,9 +92,7 @@ class ContactSpec(Model):
     """What touches, and how."""
 
     over: wall.Over = Field(default=wall.Over.PATCH, description="patch or node", examples=["patch"])
-    bond: wall.Bond = Field(
-        default=wall.Bond.UNILATERAL, description="unilateral or glued", examples=["unilateral"]
-    )
+    bond: wall.Bond = Field(default=wall.Bond.UNILATERAL, description="unilateral or glued", examples=["unilateral"])
     patch: Length = Field(
         default=0.20, description="height of the patch: the striking slab's thickness", examples=["20 cm"]
     )
@@ -112,32 +102,22 @@ class MeshSpec(Model):
     """The mesh of the wall."""
 
     size: Length = Field(default=0.05, description="element size at the contact", examples=["0.05 m"])
-    growth: Share = Field(
-        default=0.2, description="growth of the size per metre from the contact", examples=[0.2]
-    )
-    element: wall.Shape = Field(
-        default=wall.Shape.QUADRATIC, description="linear or quadratic", examples=["quadratic"]
-    )
+    growth: Share = Field(default=0.2, description="growth of the size per metre from the contact", examples=[0.2])
+    element: wall.Shape = Field(default=wall.Shape.QUADRATIC, description="linear or quadratic", examples=["quadratic"])
 
 
 class TimeSpec(Model):
     """The integration in time."""
 
-    end: Annotated[float, units.TIME] = Field(
-        default=0.060, description="end of the analysis", examples=["60 ms"]
-    )
+    end: Annotated[float, units.TIME] = Field(default=0.060, description="end of the analysis", examples=["60 ms"])
     step: Step = Field(default="auto", description="time step, or auto", examples=["0.1 ms"])
-    rho: Share = Field(
-        default=0.9, description="spectral radius at infinite frequency; 1: no damping", examples=[0.9]
-    )
+    rho: Share = Field(default=0.9, description="spectral radius at infinite frequency; 1: no damping", examples=[0.9])
 
 
 class WallStudyModel(Model):
     """A study of the bumper wall (paper, Fig. 8); everything not said is the paper's."""
 
-    title: str = Field(
-        description="one line that says what is studied", examples=["The bumper wall of Fig. 8"]
-    )
+    title: str = Field(description="one line that says what is studied", examples=["The bumper wall of Fig. 8"])
     wall: WallSpec = WallSpec()
     frame: FrameSpec = FrameSpec()
     concrete: ConcreteSpec = ConcreteSpec()
@@ -145,9 +125,7 @@ class WallStudyModel(Model):
     contact: ContactSpec = ContactSpec()
     mesh: MeshSpec = MeshSpec()
     time: TimeSpec = TimeSpec()
-    averaging_length: Length = Field(
-        default=0.5, description="side of the cell over which stress is averaged"
-    )
+    averaging_length: Length = Field(default=0.5, description="side of the cell over which stress is averaged")
     sweep: Any = Field(
         default=None, description="keys and the values they take", examples=[{"wall.length": ["1 m", "2 m"]}]
     )
@@ -196,9 +174,7 @@ def load_wall_study(path: Path) -> WallStudy:
             points.append(WallPoint(index, values, _model(spec)))
         except InputError as refused:
             where = "".join(f" ({name} = {values[name]})" for name in values)
-            faults.extend(
-                Problem(p.message + where, p.hint, str(path), *_mark(p, tree)) for p in refused.problems
-            )
+            faults.extend(Problem(p.message + where, p.hint, str(path), *_mark(p, tree)) for p in refused.problems)
     faults.refuse()
     return WallStudy(path, text, title, axes, tuple(points), resolved)
 

@@ -44,7 +44,7 @@ def wall_stiffness(wall: WallMesh, concrete: Concrete) -> sp.csr_matrix:
     return (b.T @ d @ b).tocsr()
 
 
-def _wall_end(wall: WallMesh, y: float, x_end: float, columns: int) -> sp.csr_matrix:
+def wall_end(wall: WallMesh, y: float, x_end: float, columns: int) -> sp.csr_matrix:
     """Motion (u, v, theta) of a beam's end at the wall from the floor line's nodes, sparse (3, columns).
 
     The weighted mean of the line: it carries the beam's end force and moment into the whole line without
@@ -83,9 +83,7 @@ def assemble(model: WallModel, wall: WallMesh) -> System:
     def member(ends, motions, section):
         turn, length = rotation(*ends)
         motion = sp.vstack(motions, format="csr")
-        pieces.append(
-            motion.T @ sp.csr_matrix(turn.T @ local_stiffness(young, section, length) @ turn) @ motion
-        )
+        pieces.append(motion.T @ sp.csr_matrix(turn.T @ local_stiffness(young, section, length) @ turn) @ motion)
         stress_rows.append(sp.csr_matrix(edge_stress_rows(young, section, length) @ turn) @ motion)
 
     x = model.length + np.concatenate([[0.0], frame.columns])
@@ -94,7 +92,7 @@ def assemble(model: WallModel, wall: WallMesh) -> System:
     tributary[0] += model.length
     share = tributary / x[-1]
     for floor, y in enumerate(frame.floors, 1):
-        motions = [_wall_end(wall, y, model.length, total), *(column_node(i, floor) for i in range(lines))]
+        motions = [wall_end(wall, y, model.length, total), *(column_node(i, floor) for i in range(lines))]
         for i in range(lines):
             member(((x[i], y), (x[i + 1], y)), (motions[i], motions[i + 1]), frame.beam)
         nodes, weight = wall.on_line(y)

@@ -71,6 +71,4 @@ def test_refused(tmp_path, text, line, words):
     study.write_text(text)
     with pytest.raises(InputError) as refused:
         run(study)
-    assert any(words in str(p) and p.line == line and p.hint for p in refused.value.problems), str(
-        refused.value
-    )
+    assert any(words in str(p) and p.line == line and p.hint for p in refused.value.problems), str(refused.value)

@@ -13,7 +13,10 @@ from click.testing import CliRunner
 from pounding_cli.cli.wall import command
 from pounding_cli.errors import InputError
 from pounding_cli.report.wall_claims import wall_claims
+from pounding_cli.report.wall_figures import accuracy_figure
+from pounding_cli.store.swept import open_swept
 from pounding_cli.study.wall_study import load_wall_study
+from pounding_cli.wall.analysis import strike
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -81,13 +84,45 @@ def test_claims(small):
     assert f"{averaged[1]:.1f} N/mm2 averaged" in stress[1]["found"]
 
 
-@pytest.mark.parametrize(
-    "path", [CONFIGS / "fig8.yaml", *sorted(CONFIGS.glob("wall-*.yaml"))], ids=lambda p: p.stem
-)
+@pytest.mark.parametrize("path", [CONFIGS / "fig8.yaml", *sorted(CONFIGS.glob("wall-*.yaml"))], ids=lambda p: p.stem)
 def test_every_study_file_loads(path):
     study = load_wall_study(path)
     assert len(study.points) == int(np.prod([len(axis.nodes) for axis in study.axes]))
     assert len({repr(point.model) for point in study.points}) == len(study.points)
+
+
+@pytest.mark.parametrize("path", sorted(CONFIGS.glob("wall-*.yaml")), ids=lambda p: p.stem)
+def test_every_study_runs_at_its_first_point(path):
+    found = strike(load_wall_study(path).points[0].model)
+    assert found.peak_force > 0
+    assert found.energy_residual < 5e-3
+
+
+def test_figure_8(tmp_path):
+    result = run(CONFIGS / "fig8.yaml", "-o", tmp_path / "fig8.h5", "--no-figures")
+    assert "contact.over = node, mesh.size = 0.5\n  peak force 6.20 MN at 6.9 ms" in result.output
+    claims = wall_claims(tmp_path / "fig8.h5")
+    paper = {c["paper"]: c for c in claims if c["point"] == "contact.over = node, mesh.size = 0.5"}
+    assert next(c for words, c in paper.items() if "33 N/mm2" in words)["holds"]
+    assert next(c for words, c in paper.items() if "local" in words)["holds"]
+    assert not next(c for words, c in paper.items() if "beams and columns" in words)["holds"]
+    with xr.open_dataset(tmp_path / "fig8.h5", engine="h5netcdf") as data:
+        under_node = data["wall_stress"].sel({"contact.over": "node"}).values / 1e6
+    assert under_node == pytest.approx([22, 34, 63, 122], rel=0.1)
+
+
+def test_accuracy_figure_shows_errors_that_fall(tmp_path):
+    study = tmp_path / "a.yaml"
+    study.write_text(
+        "title: t\nmesh: {growth: 0}\ntime: {end: 12 ms, step: 0.2 ms}\n"
+        "sweep: {mesh.element: [linear, quadratic], mesh.size: [1 m, 0.5 m, 0.25 m]}\n"
+    )
+    run(study, "-o", tmp_path / "a.h5", "--no-figures")
+    with open_swept(tmp_path / "a.h5", "wall") as file:
+        lines = accuracy_figure(file).axes[0].get_lines()
+    assert [len(line.get_ydata()) for line in lines] == [3, 2]
+    for line in lines:
+        assert (np.diff(line.get_ydata()) < 0).all()
 
 
 def test_heights_in_words(tmp_path):
@@ -121,6 +156,4 @@ def test_refused(tmp_path, text, line, words):
     study.write_text(text)
     with pytest.raises(InputError) as refused:
         run(study)
-    assert any(words in str(p) and p.line == line and p.hint for p in refused.value.problems), str(
-        refused.value
-    )
+    assert any(words in str(p) and p.line == line and p.hint for p in refused.value.problems), str(refused.value)

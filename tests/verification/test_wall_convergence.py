@@ -14,9 +14,7 @@ from pounding_cli.wall.model import Bond, Contact, Frame, Mesh, Over, Shape, Tim
 NODE = Contact(Over.NODE, Bond.GLUED)
 
 
-def model(
-    size: float, shape: Shape = Shape.LINEAR, contact: Contact | None = None, growth: float = 0.0
-) -> WallModel:
+def model(size: float, shape: Shape = Shape.LINEAR, contact: Contact | None = None, growth: float = 0.0) -> WallModel:
     return WallModel(mesh=Mesh(size, growth, shape), contact=contact or Contact(), time=Time(end=0.02))
 
 
@@ -50,16 +48,12 @@ def test_stress_under_a_patch_stays_below_its_pressure():
 
 
 def test_averaged_stress_is_the_papers():
-    assert strike(model(0.05, Shape.QUADRATIC, growth=0.2)).averaged_stress / 1e6 == pytest.approx(
-        33, rel=0.05
-    )
+    assert strike(model(0.05, Shape.QUADRATIC, growth=0.2)).averaged_stress / 1e6 == pytest.approx(33, rel=0.05)
 
 
 def test_quadratic_elements_reach_the_same_force_sooner():
     exact = strike(model(0.025, Shape.QUADRATIC, growth=0.2)).peak_force
-    errors = {
-        shape: [abs(strike(model(h, shape)).peak_force / exact - 1) for h in (0.5, 0.25)] for shape in Shape
-    }
+    errors = {shape: [abs(strike(model(h, shape)).peak_force / exact - 1) for h in (0.5, 0.25)] for shape in Shape}
     assert np.all(np.array(errors[Shape.QUADRATIC]) < 0.2 * np.array(errors[Shape.LINEAR]))
 
 

@@ -13,9 +13,7 @@ from pounding_cli.wall.model import Bond, Contact, Mesh, Shape, Time, WallModel
 
 @pytest.mark.parametrize("shape", list(Shape))
 def test_glued_force_against_modes(shape):
-    model = WallModel(
-        mesh=Mesh(0.5, 0.0, shape), contact=Contact(bond=Bond.GLUED), time=Time(0.06, 2e-5, 1.0)
-    )
+    model = WallModel(mesh=Mesh(0.5, 0.0, shape), contact=Contact(bond=Bond.GLUED), time=Time(0.06, 2e-5, 1.0))
     found = strike(model)
     system = assemble(model, build_mesh(model))
     k = system.K.toarray()

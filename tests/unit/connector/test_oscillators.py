@@ -58,9 +58,7 @@ def test_mass_weighted_ratios_sum_to_the_total_mass(p, mass_ratio, k, zeta, xi, 
 
 
 def test_ratios_against_a_linear_solver():
-    pair = Oscillators(
-        m1=3.0, m2=5.0, k1=700.0, k2=400.0, zeta1=0.04, zeta2=0.11, stiffness=90.0, dashpot=2.5
-    )
+    pair = Oscillators(m1=3.0, m2=5.0, k1=700.0, k2=400.0, zeta1=0.04, zeta2=0.11, stiffness=90.0, dashpot=2.5)
     omega = np.array([3.0, 9.0, 15.0, 31.0])
     r1, r2 = response_ratios(pair, omega)
     for i, w in enumerate(omega):

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementVector
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from pounding_cli.wall.assembly import assemble, wall_stiffness
+from pounding_cli.wall.assembly import assemble, wall_end, wall_stiffness
 from pounding_cli.wall.mesh import build_mesh
 from pounding_cli.wall.model import Concrete, Contact, Frame, Mesh, Over, Section, Shape, Striker, WallModel
 
@@ -36,17 +36,13 @@ def test_wall_stiffness_against_the_librarys_elasticity(shape):
         for i in range(single.shape[0]):
             for axis in (0, 1):
                 theirs_vector[double[2 * i + axis]] = field[axis, single[i]]
-    assert ours_vector @ (ours @ ours_vector) == pytest.approx(
-        theirs_vector @ (theirs @ theirs_vector), rel=1e-12
-    )
+    assert ours_vector @ (ours @ ours_vector) == pytest.approx(theirs_vector @ (theirs @ theirs_vector), rel=1e-12)
 
 
 def lonely_wall(shape: Shape = Shape.QUADRATIC, height: float = 14.9) -> WallModel:
     """The wall with a frame that weighs nothing in its stiffness."""
     thin = Section(1e-4, 1e-4)
-    return WallModel(
-        frame=Frame(beam=thin, column=thin), striker=Striker(height=height), mesh=Mesh(0.25, 0.0, shape)
-    )
+    return WallModel(frame=Frame(beam=thin, column=thin), striker=Striker(height=height), mesh=Mesh(0.25, 0.0, shape))
 
 
 def test_wall_alone_is_a_timoshenko_cantilever():
@@ -118,3 +114,13 @@ def test_frame_alone_is_a_portal():
     force = np.zeros(system.M.size)
     force[-3:] = load
     assert spsolve(system.K, force)[-3:] == pytest.approx(np.linalg.solve(head, load), rel=1e-4)
+
+
+@SHAPES
+def test_a_beam_end_follows_rigid_motions_of_the_wall(shape):
+    model = WallModel(mesh=Mesh(0.5, 0.0, shape))
+    wall = build_mesh(model)
+    x, y = wall.nodes
+    end = wall_end(wall, 12.0, 2.0, 2 * x.size)
+    turned = np.column_stack([0.3 - 0.01 * (y - 12.0), 0.2 + 0.01 * x]).ravel()
+    assert end @ turned == pytest.approx([0.3, 0.2 + 0.01 * 2.0, 0.01])

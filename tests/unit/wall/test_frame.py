@@ -22,9 +22,7 @@ def test_cantilever():
 
 def test_edge_stress_of_a_cantilever():
     rows = edge_stress_rows(E, SECTION, 4.0)
-    moved = np.concatenate(
-        [np.zeros(3), np.linalg.solve(local_stiffness(E, SECTION, 4.0)[3:, 3:], [3e4, 1e4, 0])]
-    )
+    moved = np.concatenate([np.zeros(3), np.linalg.solve(local_stiffness(E, SECTION, 4.0)[3:, 3:], [3e4, 1e4, 0])])
     axial, bending = 3e4 / 0.15, 1e4 * 4 / (0.25 * 0.36 / 6)
     assert sorted(rows @ moved) == pytest.approx(sorted([axial + bending, axial - bending, axial, axial]))
 

@@ -20,9 +20,7 @@ def test_von_mises():
 @pytest.mark.parametrize("shape", list(Shape))
 def test_resultants_are_those_of_statics(shape):
     thin = Section(1e-4, 1e-4)
-    model = WallModel(
-        frame=Frame(beam=thin, column=thin), striker=Striker(height=10.5), mesh=Mesh(0.25, 0.0, shape)
-    )
+    model = WallModel(frame=Frame(beam=thin, column=thin), striker=Striker(height=10.5), mesh=Mesh(0.25, 0.0, shape))
     wall = build_mesh(model)
     system = assemble(model, wall)
     operators = stress_operators(model, wall, system)

@@ -19,9 +19,7 @@ def system(stiffness, mass):
     push = np.zeros(n)
     push[0] = 1.0
     empty = sp.csr_matrix((0, n))
-    return System(
-        sp.csc_matrix(np.array(stiffness, dtype=float)), np.array(mass, dtype=float), push, empty, empty, 0
-    )
+    return System(sp.csc_matrix(np.array(stiffness, dtype=float)), np.array(mass, dtype=float), push, empty, empty, 0)
 
 
 def on_a_spring(step, rho, bond=Bond.UNILATERAL, end=0.12):
