@@ -8,9 +8,7 @@ import click
 
 
 @click.command("schema")
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), help="Write to this file; to the screen unless given."
-)
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write to this file; to the screen unless given.")
 def command(output: Path | None) -> None:
     """Print the JSON Schema of study files: editors complete keys and mark mistakes with it.
 

@@ -66,14 +66,10 @@ def _design(code: CodeDesign, root: Node | Tree, path: Path, faults: Faults) -> 
     wrong = "Rw" if old else "K"
     if (code.rw if old else code.k) is not None:
         right = "`K: 0.67`" if old else "`Rw: 12`"
-        faults.at(
-            root, (*path, wrong), f"{code.code} has no {wrong}", f"write {right} in its place", key=True
-        )
+        faults.at(root, (*path, wrong), f"{code.code} has no {wrong}", f"write {right} in its place", key=True)
         return None
     if old and code.k is None:
-        faults.at(
-            root, path, "'K' is missing: UBC-1985 needs it", "write K, e.g. `K: 0.67` for a ductile frame"
-        )
+        faults.at(root, path, "'K' is missing: UBC-1985 needs it", "write K, e.g. `K: 0.67` for a ductile frame")
         return None
     if old and "zone" not in code.model_fields_set:
         faults.at(root, path, "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4")
@@ -83,9 +79,7 @@ def _design(code: CodeDesign, root: Node | Tree, path: Path, faults: Faults) -> 
     return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **known)
 
 
-def _foundation(
-    spec: FoundationSpec | str, root: Node | Tree, path: Path, faults: Faults
-) -> Foundation | None:
+def _foundation(spec: FoundationSpec | str, root: Node | Tree, path: Path, faults: Faults) -> Foundation | None:
     if not isinstance(spec, FoundationSpec):
         return None
     sways, rocks = spec.sway_stiffness is not None, spec.rocking_stiffness is not None
@@ -115,9 +109,7 @@ def _foundation(
 def _derived(
     name: str, spec: BuildingSpec, storeys: int, design: UbcDesign | None, foundation: Foundation | None
 ) -> Building:
-    mass, height, hardening = (
-        _filled(getattr(spec, key), storeys) for key in ("mass", "height", "hardening")
-    )
+    mass, height, hardening = (_filled(getattr(spec, key), storeys) for key in ("mass", "height", "hardening"))
     if spec.stiffness is not None:
         stiffness = np.array(spec.stiffness)
         period = 2 * np.pi / float(frequencies(mass, stiffness)[0])
@@ -135,9 +127,7 @@ def _derived(
         alpha, beta = spec.rayleigh.alpha, spec.rayleigh.beta
     else:
         alpha, beta = rayleigh_factors(mass, stiffness, spec.damping)
-    return Building(
-        name, mass, height, stiffness, yield_shear, hardening, float(alpha), float(beta), foundation
-    )
+    return Building(name, mass, height, stiffness, yield_shear, hardening, float(alpha), float(beta), foundation)
 
 
 def _filled(value: Any, storeys: int) -> np.ndarray:
@@ -150,9 +140,7 @@ def design_displacements(spec: BuildingSpec, building: Building) -> np.ndarray |
         return None
     design = _design(spec.yield_, Node({}, (0, 0), keys={}), (), Faults(""))
     assert design is not None
-    return design.design_displacements(
-        building.mass, building.height, building.stiffness, float(building.periods[0])
-    )
+    return design.design_displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
 
 
 def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:

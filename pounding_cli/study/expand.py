@@ -48,9 +48,7 @@ def expand(study: Study) -> Plan:
             for analysis in analyses:
                 for record, used in motions.items():
                     scene = maker.keep(Scene(buildings, links, used.motion, analysis, tail))
-                    baselines = tuple(
-                        maker.alone(building, used.motion, analysis, tail) for building in buildings
-                    )
+                    baselines = tuple(maker.alone(building, used.motion, analysis, tail) for building in buildings)
                     rows.append(Row(point, case, str(analysis), record, scene, baselines))
     if problems:
         raise InputError(sorted(problems, key=lambda p: (p.line, p.column, p.message)))
@@ -94,6 +92,4 @@ def _at_point(problem: Problem, axes: tuple[Axis, ...], point: tuple[int, ...]) 
         for axis, index in zip(axes, point, strict=True)
         for name, value in zip(axis.names, axis.values[index], strict=True)
     )
-    return Problem(
-        f"{problem.message} (where {place})", problem.hint, problem.file, problem.line, problem.column
-    )
+    return Problem(f"{problem.message} (where {place})", problem.hint, problem.file, problem.line, problem.column)

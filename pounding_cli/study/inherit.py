@@ -49,9 +49,7 @@ def inherited(buildings: Node, faults: Faults) -> Node:
     return Node(done, buildings.mark, keys=buildings.keys)
 
 
-def _follow(
-    name: str, buildings: Node, faults: Faults, seen: tuple[str, ...], circles: set[frozenset[str]]
-) -> Node:
+def _follow(name: str, buildings: Node, faults: Faults, seen: tuple[str, ...], circles: set[frozenset[str]]) -> Node:
     node: Node = buildings.value[name]
     like = node.get("like")
     if like is None or not isinstance(like.value, str):
@@ -67,9 +65,7 @@ def _follow(
         if frozenset((*seen, name)) not in circles:
             circles.add(frozenset((*seen, name)))
             shown = " -> ".join((*seen, name, like.value))
-            faults.add(
-                like.mark, f"like: goes round in a circle: {shown}", "let one of them stand on its own"
-            )
+            faults.add(like.mark, f"like: goes round in a circle: {shown}", "let one of them stand on its own")
         return node
     return merged(_follow(like.value, buildings, faults, (*seen, name), circles), node, "building")
 

@@ -46,9 +46,7 @@ class _Layer:
     path: Path
 
 
-def links_of(
-    case: CaseSpec, street: Street, root: Node | Tree, path: Path, faults: Faults
-) -> tuple[Link, ...]:
+def links_of(case: CaseSpec, street: Street, root: Node | Tree, path: Path, faults: Faults) -> tuple[Link, ...]:
     """All links of a case, by pair and then from the ground up; what is wrong is noted in `faults`."""
     reader = _Reader(street, root, faults)
     pairs = len(case.pairs or "1") if street.is_sketch else len(street.group) - 1
@@ -146,9 +144,7 @@ class _Reader:
     def link(self, place: int, left: int, right: int, layers: list[_Layer]) -> Link | None:
         word = _says(layers, "link")
         if word is None:
-            self.refuse(
-                layers[0].path, "'link' is missing", "write `link: pounding`, infill, connector or none"
-            )
+            self.refuse(layers[0].path, "'link' is missing", "write `link: pounding`, infill, connector or none")
             return None
         if word == "none":
             return None

@@ -44,26 +44,21 @@ class Study:
         base, resolver = self.resolver.base, self.resolver
         plain: dict[str, Any] = shown(self.model)
         plain["title"] = self.title
-        plain["sweep"] = [
-            {"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in self.axes
-        ]
+        plain["sweep"] = [{"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in self.axes]
         types, street = resolver.types(base), resolver.group(base)
         assert types is not None
         assert street is not None
         for name, building in types.items():
             plain["buildings"][name]["derived"] = {
                 **{key: getattr(building, key).tolist() for key in ("mass", "height", "stiffness")},
-                "yield_shear": [
-                    None if value == float("inf") else value for value in building.yield_shear.tolist()
-                ],
+                "yield_shear": [None if value == float("inf") else value for value in building.yield_shear.tolist()],
                 "alpha": building.alpha,
                 "beta": building.beta,
                 "period": float(building.periods[0]),
             }
         plain["places"] = list(places(self.model.group))
         allowed = {
-            name: building_room.design_displacements(spec, types[name])
-            for name, spec in self.model.buildings.items()
+            name: building_room.design_displacements(spec, types[name]) for name, spec in self.model.buildings.items()
         }
         plain["separation"] = [
             building_room.separation(allowed[one], allowed[other])
@@ -134,9 +129,7 @@ def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
         for index, nodes in enumerate(axis.nodes):
             point = (*resolver.base[:place], index, *resolver.base[place + 1 :])
             rows.append(
-                tuple(
-                    _value(resolver, point, path, node) for path, node in zip(axis.paths, nodes, strict=True)
-                )
+                tuple(_value(resolver, point, path, node) for path, node in zip(axis.paths, nodes, strict=True))
             )
         said.append(Axis(axis.names, tuple(rows)))
     return tuple(said)
@@ -161,9 +154,7 @@ def _whole_study(model: StudyModel, root: Node, faults: Faults) -> None:
     """What concerns no section alone."""
     fixed_step = model.method != "taylor"
     if fixed_step and model.time_step is None:
-        faults.at(
-            root, ("method",), f"method: {model.method} needs 'time_step'", "write e.g. `time_step: 1e-4 s`"
-        )
+        faults.at(root, ("method",), f"method: {model.method} needs 'time_step'", "write e.g. `time_step: 1e-4 s`")
     if not fixed_step and model.time_step is not None:
         faults.at(
             root,

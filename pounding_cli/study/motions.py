@@ -48,12 +48,8 @@ class Shelf:
         path = self.folder / Path(record.file).expanduser()
         if not path.is_file():
             what = "is a folder" if path.is_dir() else "does not exist"
-            raise InputError(
-                Problem(f"the record file {path} {what}", "paths are relative to the study file")
-            )
-        return records.read_motion(
-            path, name=name_of(record), unit=record.unit, dt=record.dt, format=record.format
-        )
+            raise InputError(Problem(f"the record file {path} {what}", "paths are relative to the study file"))
+        return records.read_motion(path, name=name_of(record), unit=record.unit, dt=record.dt, format=record.format)
 
 
 def name_of(record: str | RecordFile) -> str:
@@ -61,18 +57,14 @@ def name_of(record: str | RecordFile) -> str:
     return record if isinstance(record, str) else (record.name or Path(record.file).stem)
 
 
-def motions_of(
-    spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, warnings: Faults
-) -> dict[str, Used]:
+def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, warnings: Faults) -> dict[str, Used]:
     """The motions of a study by name, as they are used; what is wrong is noted in `faults`."""
     found: dict[str, Motion] = {}
     for place, record in enumerate(spec.use):
         path = ("records", "use", place)
         name = name_of(record)
         if name in found:
-            faults.at(
-                root, path, f"the record '{name}' stands twice", "remove one, or give it another `name:`"
-            )
+            faults.at(root, path, f"the record '{name}' stands twice", "remove one, or give it another `name:`")
             continue
         try:
             found[name] = shelf.take(record)
@@ -189,9 +181,7 @@ def _factors(
     return factor
 
 
-def _reference(
-    name: str, whole: dict[str, Motion], shelf: Shelf, root: Node | Tree, faults: Faults
-) -> Motion | None:
+def _reference(name: str, whole: dict[str, Motion], shelf: Shelf, root: Node | Tree, faults: Faults) -> Motion | None:
     known = records.names()
     if name not in known:
         faults.at(

@@ -81,9 +81,7 @@ def nearest(word: str, names: Iterable[str]) -> str:
     known = [str(name) for name in names]
     near = difflib.get_close_matches(str(word), known, 1, 0.5)
     listed = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
-    return (f"did you mean '{near[0]}'? " if near else "") + (
-        f"known: {listed}" if known else "none is defined"
-    )
+    return (f"did you mean '{near[0]}'? " if near else "") + (f"known: {listed}" if known else "none is defined")
 
 
 def options(annotation: Any) -> tuple[dict[str, Any], list[Any], list[Any]]:
@@ -146,9 +144,7 @@ def literals(model: type[BaseModel], name: str) -> list[str]:
     return words
 
 
-def _in_words(
-    item: dict[str, Any], path: Path, model: type[BaseModel], root: Node | Tree
-) -> tuple[str, str, bool]:
+def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: Node | Tree) -> tuple[str, str, bool]:
     kind, context, given = item["type"], item.get("ctx", {}), item.get("input")
     name = str(path[-1]) if path else "the study"
     shown = _shown(given)
@@ -196,12 +192,7 @@ def _owner(path: Path, root: Node | Tree) -> str:
     """The innermost key on a path, as `key: `."""
     for end in range(len(path), 0, -1):
         node = root.get(*path[: end - 1])
-        if (
-            node is not None
-            and node.is_mapping
-            and isinstance(path[end - 1], str)
-            and path[end - 1] in node.value
-        ):
+        if node is not None and node.is_mapping and isinstance(path[end - 1], str) and path[end - 1] in node.value:
             return f"{path[end - 1]}: "
     return ""
 
@@ -251,9 +242,4 @@ def _fields(annotation: Any) -> dict[str, FieldInfo]:
 def _flow(value: Any) -> str:
     import yaml
 
-    return (
-        yaml.safe_dump(value, default_flow_style=True, width=10_000)
-        .removesuffix("\n")
-        .removesuffix("\n...")
-        .strip()
-    )
+    return yaml.safe_dump(value, default_flow_style=True, width=10_000).removesuffix("\n").removesuffix("\n...").strip()

@@ -134,9 +134,7 @@ class Resolver:
 
         Of a section with problems, what remains without the faulty entries: the rest is looked at too.
         """
-        return self._once(
-            ("section", name), point, (name,), lambda faults: self._section(point, name, faults)
-        )
+        return self._once(("section", name), point, (name,), lambda faults: self._section(point, name, faults))
 
     def _section(self, point: Point, name: str, faults: Faults) -> Any:
         node = self.tree(point, name)
@@ -154,9 +152,7 @@ class Resolver:
                 return None
             faulty = {str(item["loc"][1]) for item in error.errors() if len(item["loc"]) > 1}
         try:
-            return _validated(
-                name, {k: v for k, v in value.items() if k not in faulty} | _harmless(name, faulty)
-            )
+            return _validated(name, {k: v for k, v in value.items() if k not in faulty} | _harmless(name, faulty))
         except ValidationError:
             return None
 
@@ -172,7 +168,7 @@ class Resolver:
             root, built = self.root_at(point), {}
             for name, spec in specs.items():
                 own = Faults(self.file)
-                building = self._type(name, spec, root, own) if _stands(name, specs) else None
+                building = self._type(name, spec, root, own)
                 if building is not None:
                     built[name] = building
                 inherits = spec.like is not None and spec.like not in built
@@ -305,17 +301,6 @@ def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Tree, fa
     return len(faults.problems) == before
 
 
-def _stands(name: str, specs: Mapping[str, BuildingSpec]) -> bool:
-    """Whether the chain of `like:` from this building ends; else what it lacks says nothing."""
-    seen: set[str] = set()
-    while (like := specs[name].like) is not None:
-        seen.add(name)
-        if like in seen or like not in specs:
-            return False
-        name = like
-    return True
-
-
 _holder = StudyModel.model_construct()
 
 
@@ -351,9 +336,7 @@ def shown(value: Any) -> Any:
     if isinstance(value, StiffnessRule):
         return str(value)
     if isinstance(value, BaseModel):
-        return {
-            info.alias or name: shown(getattr(value, name)) for name, info in type(value).model_fields.items()
-        }
+        return {info.alias or name: shown(getattr(value, name)) for name, info in type(value).model_fields.items()}
     if isinstance(value, dict):
         return {str(key): shown(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

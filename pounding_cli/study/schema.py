@@ -29,9 +29,7 @@ Hardening = Annotated[float, Quantity("hardening ratio", "", "0.05", 0.0, 1.0, o
 Window = Annotated[
     float | str, limited(units.TIME, name="window", example="10 s", words=("duration", "table1", "whole"))
 ]
-Duration = Annotated[
-    float | str, limited(units.TIME, name="duration", example="10 s", words=("table1", "whole"))
-]
+Duration = Annotated[float | str, limited(units.TIME, name="duration", example="10 s", words=("table1", "whole"))]
 Restitution = Annotated[float, Quantity("coefficient of restitution", "", "0.5", 0.0, 1.0, open_low=True)]
 
 
@@ -46,9 +44,7 @@ def _word_or_mapping(value: Any) -> str:
 _FILLED = Field(min_length=1)
 _EITHER = Discriminator(_list_or_one)
 Masses = Annotated[Annotated[tuple[Mass, ...], _FILLED, Tag("list")] | Annotated[Mass, Tag("one")], _EITHER]
-Heights = Annotated[
-    Annotated[tuple[Length, ...], _FILLED, Tag("list")] | Annotated[Length, Tag("one")], _EITHER
-]
+Heights = Annotated[Annotated[tuple[Length, ...], _FILLED, Tag("list")] | Annotated[Length, Tag("one")], _EITHER]
 Hardenings = Annotated[
     Annotated[tuple[Hardening, ...], _FILLED, Tag("list")] | Annotated[Hardening, Tag("one")], _EITHER
 ]
@@ -72,9 +68,7 @@ class RecordFile(Model):
     """A motion in a file of one's own."""
 
     file: str = Field(description="path of the file, relative to the study file", examples=["motions/x.AT2"])
-    name: Name | None = optional(
-        None, description="what tables call the motion; the file's stem unless given"
-    )
+    name: Name | None = optional(None, description="what tables call the motion; the file's stem unless given")
     unit: Literal["g", "m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2"] | None = optional(
         None, description="unit of the acceleration; g unless the file says otherwise"
     )
@@ -119,9 +113,7 @@ Scale = Annotated[
     | Annotated[PgaScale, Tag("pga")],
     Discriminator(_scale_kind),
 ]
-Record = Annotated[
-    Annotated[str, Tag("word")] | Annotated[RecordFile, Tag("mapping")], Discriminator(_word_or_mapping)
-]
+Record = Annotated[Annotated[str, Tag("word")] | Annotated[RecordFile, Tag("mapping")], Discriminator(_word_or_mapping)]
 
 
 class Records(Model):
@@ -172,18 +164,16 @@ class FoundationSpec(Model):
     mass: Annotated[float, Quantity("foundation mass", "kg", "100 t", 0.0)] = optional(
         0.0, description="mass of the base [kg]"
     )
-    sway_stiffness: StoreyStiffness | None = optional(
-        None, description="translational spring [N/m]; absent: no sway"
-    )
+    sway_stiffness: StoreyStiffness | None = optional(None, description="translational spring [N/m]; absent: no sway")
     sway_damping: Annotated[float, Quantity("sway damping", "N s/m", "1e6 N s/m", 0.0)] = optional(
         0.0, description="translational dashpot [N s/m]"
     )
     inertia: Annotated[float, Quantity("rotary inertia", "kg m2", "1000 t m2", 0.0)] = optional(
         0.0, description="rotary inertia of the base [kg m2]"
     )
-    rocking_stiffness: (
-        Annotated[float, Quantity("rocking stiffness", "N m", "5e9 N m", 0.0, open_low=True)] | None
-    ) = optional(None, description="rotational spring [N m/rad]; absent: no rocking")
+    rocking_stiffness: Annotated[float, Quantity("rocking stiffness", "N m", "5e9 N m", 0.0, open_low=True)] | None = (
+        optional(None, description="rotational spring [N m/rad]; absent: no rocking")
+    )
     rocking_damping: Annotated[float, Quantity("rocking damping", "N m s", "1e7 N m s", 0.0)] = optional(
         0.0, description="rotational dashpot [N m s/rad]"
     )
@@ -229,9 +219,7 @@ class Impact(Model):
     damping_ratio: DampingShare | None = optional(
         None, description="damping ratio of the dashpot [-], instead of restitution"
     )
-    tension_cut: bool = optional(
-        False, description="no force that pulls the floors together at the end of a contact"
-    )
+    tension_cut: bool = optional(False, description="no force that pulls the floors together at the end of a contact")
     dashpot: Literal["reduced-mass", "printed"] = optional(
         "reduced-mass", description="mass in eq. (7); `printed` is its form in the paper, whose unit is wrong"
     )
@@ -246,9 +234,7 @@ class LinkSpec(Model):
         None, description="s_imp, s_mat or s_con [N/m]; infill and connector: 1/5 mean storey unless given"
     )
     restitution: Restitution | None = optional(None, description="coefficient of restitution e [-]")
-    damping_ratio: DampingShare | None = optional(
-        None, description="damping ratio [-], instead of restitution"
-    )
+    damping_ratio: DampingShare | None = optional(None, description="damping ratio [-], instead of restitution")
     tension_cut: bool | None = optional(None, description="no force that pulls the floors together")
     law: Literal["continuous", "printed"] | None = optional(
         None, description="infill beyond its thickness: continuous, or eq. (9) as printed, which jumps"
@@ -259,21 +245,15 @@ LinkOrWord = Annotated[
     Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(_word_or_mapping)
 ]
 Floor = Annotated[int, Field(ge=1, le=100)]
-Floors = Annotated[
-    Annotated[tuple[Floor, ...], _FILLED, Tag("list")] | Annotated[Literal["all"], Tag("one")], _EITHER
-]
+Floors = Annotated[Annotated[tuple[Floor, ...], _FILLED, Tag("list")] | Annotated[Literal["all"], Tag("one")], _EITHER]
 
 
 class PairSpec(LinkSpec):
     """The links of one pair of neighbours."""
 
-    floors: Floors = optional(
-        "all", description="floors with this link, numbered in the left building of the pair"
-    )
+    floors: Floors = optional("all", description="floors with this link, numbered in the left building of the pair")
     elsewhere: LinkOrWord = optional("none", description="the link on the floors not listed")
-    by_floor: dict[Floor, LinkOrWord] = optional(
-        {}, description="links of single floors; they come before `floors`"
-    )
+    by_floor: dict[Floor, LinkOrWord] = optional({}, description="links of single floors; they come before `floors`")
 
 
 PairOrWord = Annotated[
@@ -293,9 +273,7 @@ class ReportSpec(Model):
     """What the report shows first."""
 
     plot: tuple[str, ...] | None = optional(None, description="cases in the main figure; all unless given")
-    building: str | None = optional(
-        None, description="building of the main figure; the stiffest unless given"
-    )
+    building: str | None = optional(None, description="building of the main figure; the stiffest unless given")
 
 
 _AXIS = {"type": "array", "minItems": 1}
@@ -333,9 +311,7 @@ class StudyModel(Model):
     tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = optional(
         0.0, description="free vibration after the motion [s]"
     )
-    claims: Literal["fig6", "fig7"] | None = optional(
-        None, description="figure of the paper this study reproduces"
-    )
+    claims: Literal["fig6", "fig7"] | None = optional(None, description="figure of the paper this study reproduces")
     report: ReportSpec = optional(ReportSpec(), description="what the report shows first")
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = optional(
         None,

@@ -133,9 +133,7 @@ def read_source(path: Path) -> tuple[str, Node]:
     root = reader.node(composed, 0)
     if not root.is_mapping:
         reader.problems.append(
-            Problem(
-                "a study is a mapping of keys to values", "begin with `title: ...`", str(path), *root.mark
-            )
+            Problem("a study is a mapping of keys to values", "begin with `title: ...`", str(path), *root.mark)
         )
     if reader.problems:
         raise InputError(reader.problems)
@@ -154,9 +152,7 @@ def _read_text(path: Path) -> str:
         raise InputError(Problem(f"{path} is a folder", "name the study file in it", str(path))) from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise InputError(
-            Problem("the file is not UTF-8 text", "save it as UTF-8", str(path), line, 1)
-        ) from None
+        raise InputError(Problem("the file is not UTF-8 text", "save it as UTF-8", str(path), line, 1)) from None
     except (OSError, ValueError) as error:
         raise InputError(
             Problem(f"cannot read {path}: {error}", "check the path and its permissions", str(path))
@@ -175,9 +171,7 @@ def _nearby(path: Path) -> str:
 
 
 def _too_deep(path: Path, mark: Mark = (1, 1)) -> Problem:
-    return Problem(
-        "the file is nested too deeply", f"a study needs at most {_DEEPEST} levels", str(path), *mark
-    )
+    return Problem("the file is nested too deeply", f"a study needs at most {_DEEPEST} levels", str(path), *mark)
 
 
 def _syntax(path: Path, error: yaml.MarkedYAMLError, text: str) -> Problem:
@@ -238,9 +232,7 @@ class _Reader:
             if not isinstance(key, yaml.ScalarNode):
                 self.refuse(at, "a key must be a word", "write `key: value`")
             elif key.value == "<<":
-                self.refuse(
-                    at, "merge keys (<<) are not used here", "write `like: NAME` to build on another building"
-                )
+                self.refuse(at, "merge keys (<<) are not used here", "write `like: NAME` to build on another building")
             elif key.value in children:
                 self.refuse(
                     at,
@@ -254,11 +246,7 @@ class _Reader:
     def _shown(self, composed: yaml.Node) -> str:
         begin, end = composed.start_mark, composed.end_mark
         # libyaml counts characters as we do; the pure Python loader too.
-        return (
-            self.text[begin.index : end.index]
-            if begin.line == end.line and end.index - begin.index < 200
-            else ""
-        )
+        return self.text[begin.index : end.index] if begin.line == end.line and end.index - begin.index < 200 else ""
 
     def _scalar(self, composed: yaml.ScalarNode, mark: Mark) -> Any:
         word = composed.value
@@ -280,8 +268,7 @@ class _Reader:
 
 
 _PLAIN_TAGS = {
-    f"tag:yaml.org,2002:{kind}"
-    for kind in ("str", "int", "float", "bool", "null", "timestamp", "value", "merge")
+    f"tag:yaml.org,2002:{kind}" for kind in ("str", "int", "float", "bool", "null", "timestamp", "value", "merge")
 }
 
 

@@ -59,18 +59,14 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
             good &= _key(name, holder, root, faults) & _values(name, holder, faults)
             mark = (holder.keys or {})[name]
             if name in seen:
-                faults.add(
-                    mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two"
-                )
+                faults.add(mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two")
                 good = False
             seen.setdefault(name, mark[0])
         if not good:
             continue
         columns = [holder.value[name].value for name in names]
         if len({len(column) for column in columns}) > 1:
-            lengths = ", ".join(
-                f"{name} has {len(column)}" for name, column in zip(names, columns, strict=True)
-            )
+            lengths = ", ".join(f"{name} has {len(column)}" for name, column in zip(names, columns, strict=True))
             faults.add(
                 holder.mark,
                 f"keys that move together need lists of one length: {lengths}",
@@ -98,9 +94,7 @@ def _key(name: str, holder: Node, root: Node, faults: Faults) -> bool:
         3 if path[0] in ("buildings", "cases") else 2
     )
     if path[0] in FIXED or path[:2] == ("records", "use") or path[-1] == "like":
-        faults.add(
-            mark, f"'{name}' cannot be an axis: it is one for the whole study", "run one study for each value"
-        )
+        faults.add(mark, f"'{name}' cannot be an axis: it is one for the whole study", "run one study for each value")
         return False
     for place, step in enumerate(path):
         known = keys_at(StudyModel, path[:place], root)

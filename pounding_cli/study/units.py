@@ -19,9 +19,7 @@ GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s2]: the `g` of an acceleration."""
 
 NUMBER = r"[-+]?(?:\.\d+|\d+(?:\.\d*)?)(?:[eE][-+]?\d+)?"
-_QUANTITY = re.compile(
-    rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*(?P<unit>[A-Za-zµ°%].*?)?\s*\Z"
-)
+_QUANTITY = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*(?P<unit>[A-Za-zµ°%].*?)?\s*\Z")
 _POWER = re.compile(r"(?<=[A-Za-z])([23])(?![0-9])")
 _UNIT = re.compile(r"[A-Za-zµ°%][A-Za-z0-9µ²³·*^/(). -]*\Z")
 
@@ -136,11 +134,7 @@ class Quantity:
 
     def _number(self, value: Any) -> float:
         if isinstance(value, bool) or value is None or not isinstance(value, int | float | str):
-            shown = (
-                {True: "true", False: "false", None: "nothing"}.get(value, "this")
-                if _plain(value)
-                else "this"
-            )
+            shown = {True: "true", False: "false", None: "nothing"}.get(value, "this") if _plain(value) else "this"
             raise refuse(f"{shown} is not a {self.name}", self.wanted)
         if not isinstance(value, str):
             return float(value)
@@ -165,9 +159,7 @@ class Quantity:
             raise refuse(f"'{value}' is no {self.name}: {expected}", self.wanted)
         return number * factor
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -201,9 +193,7 @@ class TextForm:
     form: str
     examples: tuple[Any, ...]
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:

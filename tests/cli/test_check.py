@@ -36,9 +36,7 @@ def test_refused_study(tmp_path):
     path = tmp_path / "bad.yaml"
     path.write_text("titel: x\nrecords: {use: [elcentroo]}\n", encoding="utf-8")
     code = "from pounding_cli.cli.main import main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", code, "check", str(path)], capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", code, "check", str(path)], capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert f"{path}:1:1: unknown key 'titel'" in done.stderr
     assert f"{path}:2:17: no motion 'elcentroo'" in done.stderr

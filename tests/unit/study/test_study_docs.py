@@ -39,9 +39,7 @@ def forms(annotation: object) -> str:
             for extra in extras:
                 if isinstance(extra, Quantity):
                     found.append(
-                        ", ".join(
-                            filter(None, [extra.si or "-", extra.range, *map("`{}`".format, extra.words)])
-                        )
+                        ", ".join(filter(None, [extra.si or "-", extra.range, *map("`{}`".format, extra.words)]))
                     )
                     return
                 if isinstance(extra, TextForm):

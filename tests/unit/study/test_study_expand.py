@@ -13,9 +13,7 @@ END = "analyses: [elastic]\n"
 
 def test_rows_and_shared_baselines(study):
     """2 cases x 2 analyses x 2 records; 2 buildings x 2 analyses x 2 records alone, whatever the cases."""
-    plan = expand(
-        study((GAP, GAP + "\n  touch: {link: pounding, gap: 0}"), ("[elastic]", "[elastic, inelastic]"))
-    )
+    plan = expand(study((GAP, GAP + "\n  touch: {link: pounding, gap: 0}"), ("[elastic]", "[elastic, inelastic]")))
     assert len(plan.rows) == 8
     baselines = {digest for row in plan.rows for digest in row.baselines}
     assert len(baselines) == 8
@@ -36,9 +34,7 @@ def test_twins_share_their_baseline(study):
 
 
 def test_cross_product(study):
-    plan = expand(
-        study((END, END + "sweep:\n  impact.restitution: [0.4, 0.5]\n  cases.gap.gap: [1 cm, 2 cm, 3 cm]\n"))
-    )
+    plan = expand(study((END, END + "sweep:\n  impact.restitution: [0.4, 0.5]\n  cases.gap.gap: [1 cm, 2 cm, 3 cm]\n")))
     assert [axis.names for axis in plan.axes] == [("impact.restitution",), ("cases.gap.gap",)]
     assert plan.axes[0].values == ((0.4,), (0.5,))
     assert plan.axes[1].values == ((pytest.approx(0.01),), (pytest.approx(0.02),), (pytest.approx(0.03),))
@@ -47,17 +43,14 @@ def test_cross_product(study):
         link = plan.scenes[row.scene].links[0]
         assert link.gap == pytest.approx(0.01 * (row.point[1] + 1))
     assert (
-        plan.scenes[plan.rows[0].scene].links[0].damping_ratio
-        > plan.scenes[plan.rows[-1].scene].links[0].damping_ratio
+        plan.scenes[plan.rows[0].scene].links[0].damping_ratio > plan.scenes[plan.rows[-1].scene].links[0].damping_ratio
     )
     assert len({row.baselines for row in plan.rows}) == 2
 
 
 def test_zipped_axis(study):
     plan = expand(
-        study(
-            (END, END + "sweep:\n  - {buildings.stiff.period: [0.3 s, 0.4 s], cases.gap.gap: [1 cm, 2 cm]}\n")
-        )
+        study((END, END + "sweep:\n  - {buildings.stiff.period: [0.3 s, 0.4 s], cases.gap.gap: [1 cm, 2 cm]}\n"))
     )
     assert len(plan.axes) == 1
     assert plan.axes[0].names == ("buildings.stiff.period", "cases.gap.gap")
@@ -78,8 +71,7 @@ def test_sweep_of_a_key_the_file_leaves_to_its_default(study):
         study(
             (
                 END,
-                END + "sweep: {impact.tension_cut: [false, true], buildings.soft.hardening: [0.02],"
-                " tail: [0, 1 s]}\n",
+                END + "sweep: {impact.tension_cut: [false, true], buildings.soft.hardening: [0.02], tail: [0, 1 s]}\n",
             )
         )
     )

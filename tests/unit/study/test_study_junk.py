@@ -23,11 +23,7 @@ WORDS = [
     "20 x stiffest storey of soft", "mean storey", "[3, 5]", "[soft, stiff, soft]", "[stiff]",
     "UBC-1985", "{K: 1}", "99",
 ]  # fmt: skip
-TOKENS = [
-    part
-    for part in dict.fromkeys(SWEPT.replace(",", " ").replace("{", " ").replace("}", " ").split())
-    if part
-]
+TOKENS = [part for part in dict.fromkeys(SWEPT.replace(",", " ").replace("{", " ").replace("}", " ").split()) if part]
 
 
 def attempt(path: Path, text: str) -> None:

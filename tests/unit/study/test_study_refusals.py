@@ -140,8 +140,7 @@ CASES = {
     ),
     "foundation mass without sway": (
         STIFF,
-        "stiff: {storeys: 3, period: 1 s,"
-        " foundation: {mass: §100 t, inertia: 1 t m2, rocking_stiffness: 1e9 N m}}",
+        "stiff: {storeys: 3, period: 1 s, foundation: {mass: §100 t, inertia: 1 t m2, rocking_stiffness: 1e9 N m}}",
         "'mass' has no effect without 'sway_stiffness'",
         "give 'sway_stiffness' too",
     ),

@@ -89,13 +89,11 @@ def test_nearer_wins(study):
         (STIFF, "stiff: {storeys: 3, stiffness: [3e8, 2e8, 1e8], yield: {zone: 0.3, Rw: 8}, damping: 2 %}"),
         (
             SOFT,
-            "soft: {like: stiff, period: 0.6 s, rayleigh: {alpha: 1, beta: 0},"
-            " yield: {code: UBC-1985, zone: 1, K: 1}}",
+            "soft: {like: stiff, period: 0.6 s, rayleigh: {alpha: 1, beta: 0}, yield: {code: UBC-1985, zone: 1, K: 1}}",
         ),
         (
             GROUP,
-            "  third: {like: soft, stiffness: [3e8, 2e8, 1e8], yield_shear: never}\n"
-            "group: [stiff, soft, third]",
+            "  third: {like: soft, stiffness: [3e8, 2e8, 1e8], yield_shear: never}\ngroup: [stiff, soft, third]",
         ),
     )
     stiff, soft, third = buildings(plan)
@@ -145,10 +143,7 @@ def test_connector_on_listed_floors_leaves_the_others_free(study):
 
 
 def test_elsewhere_inherits_the_gap_but_not_the_connector_s_stiffness(study):
-    case = (
-        "gap: {link: connector, gap: 5 cm, floors: [3], stiffness: 1 MN/m, restitution: 0.8,"
-        " elsewhere: pounding}"
-    )
+    case = "gap: {link: connector, gap: 5 cm, floors: [3], stiffness: 1 MN/m, restitution: 0.8, elsewhere: pounding}"
     first, second, third = links(study((GAP, case)))
     assert third.kind is Kind.CONNECTOR
     assert third.stiffness == 1e6
@@ -157,10 +152,7 @@ def test_elsewhere_inherits_the_gap_but_not_the_connector_s_stiffness(study):
     assert first.gap == third.gap == 0.05
     xi = -math.log(0.8) / math.hypot(math.pi, math.log(0.8))
     assert first.damping_ratio == third.damping_ratio == pytest.approx(xi)
-    own = (
-        "elsewhere: {link: infill, gap: 7 cm, stiffness: 2 MN/m, damping_ratio: 0.3, law: printed,"
-        " tension_cut: true}"
-    )
+    own = "elsewhere: {link: infill, gap: 7 cm, stiffness: 2 MN/m, damping_ratio: 0.3, law: printed, tension_cut: true}"
     first = links(study((GAP, case.replace("elsewhere: pounding", own))))[0]
     assert (first.kind, first.gap, first.stiffness, first.damping_ratio) == (Kind.INFILL, 0.07, 2e6, 0.3)
     assert first.infill_law is InfillLaw.PRINTED
