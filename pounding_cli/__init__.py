@@ -1,6 +1,6 @@
 """Batch studies of earthquake pounding between adjacent buildings.
 
-Nothing heavy is imported here: `from pounding_cli import load_study, run, open_results` loads what it needs on first use.
+Nothing heavy is imported here: `from pounding_cli import load_study, run, open_results` loads what it needs on use.
 """
 
 __version__ = "0.1.0"

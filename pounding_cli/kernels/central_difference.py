@@ -1,9 +1,9 @@
-"""Central difference with half-step velocities: explicit, second order, stable for dt below 2 / largest circular frequency.
+"""Central difference with half-step velocities: explicit, second order, stable for dt below 2 / largest circular
+frequency.
 
-u' at t + dt/2 comes from u'' at t; the damping forces at t use the velocity extrapolated from the two half steps before, so
-nothing is solved for. Contacts and yielding are seen only at the samples, where the method falls to first order.
-Source: Newmark (1959) with beta = 0; Bathe, Finite Element Procedures (1996), section 9.2.1.
-"""
+u' at t + dt/2 comes from u'' at t; the damping forces at t use the velocity extrapolated from the two half steps
+before, so nothing is solved for. Contacts and yielding are seen only at the samples, where the method falls to first
+order. Source: Newmark (1959) with beta = 0; Bathe, Finite Element Procedures (1996), section 9.2.1."""
 
 from __future__ import annotations
 

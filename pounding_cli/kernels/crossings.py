@@ -140,9 +140,7 @@ def first_link_event(links, state, work, ends, padded, order, end, scratch, kind
             last = ends.u[left] - ends.u[right] - thickness
             if max(closing, last) + ends.u_stray[left] + ends.u_stray[right] < 0.0:
                 continue
-            s = _open_link_crossing(
-                links, state, work, padded, order, e, closing, min(end, earliest), scratch
-            )
+            s = _open_link_crossing(links, state, work, padded, order, e, closing, min(end, earliest), scratch)
             event = CLOSES
         else:
             s, event = _closed_link_crossing(links, state, work, order, e, min(end, earliest), scratch, kinds)

@@ -1,8 +1,8 @@
 """Accelerations of a scene in a given state, evaluated directly from eqs (1)-(10): what fixed-step methods call.
 
-It shares nothing with the series of the Taylor integrator but the arrays, so that the two can check each other. Hysteresis is
-a return mapping: the elastic part of the drift, D - plastic, is cut back to the yield drift whenever a sample lies beyond it.
-"""
+It shares nothing with the series of the Taylor integrator but the arrays, so that the two can check each other.
+Hysteresis is a return mapping: the elastic part of the drift, D - plastic, is cut back to the yield drift whenever a
+sample lies beyond it."""
 
 from __future__ import annotations
 
@@ -23,18 +23,14 @@ def link_force(links, e, v, rate):
         force = links.stiffness[e] * v + links.dashpot[e] * rate
     elif v <= links.gap[e]:
         slope = links.stiffness[e] + 3.0 * links.cubic[e] * v * v
-        force = (
-            links.cubic[e] * v**3 + links.stiffness[e] * v + links.root_dashpot[e] * math.sqrt(slope) * rate
-        )
+        force = links.cubic[e] * v**3 + links.stiffness[e] * v + links.root_dashpot[e] * math.sqrt(slope) * rate
     else:
         force = links.beyond[e] * v + links.beyond_force[e] + links.beyond_dashpot[e] * rate
     return max(force, 0.0) if links.tension_cut[e] == 1 else force
 
 
 @njit(**INLINE)
-def accelerations(
-    slots, feet, links, plastic, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
-):
+def accelerations(slots, feet, links, plastic, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force):
     """Fill `out` with u'' [m/s2], `out_phi` with phi'' [rad/s2], `drift`, `shear` (restoring force) and link `force`.
 
     Moves `plastic` where a storey yields: call it once a step with the states of that step, in order.

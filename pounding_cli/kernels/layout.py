@@ -1,10 +1,10 @@
 """The flat arrays that every kernel works on, and their names.
 
-A *slot* is one translational degree of freedom with the spring below it. A building takes consecutive slots: its base
-first, if the foundation sways, then its floors from the ground up; buildings follow one another from left to right and
-zeros pad the row to a multiple of eight. `couple` is 1 where the spring's lower end is the slot before, 0 where it is the ground.
-Displacements are relative to the ground, so slot i carries D_i = u_i - couple_i u_(i-1) - rise_i phi.
-"""
+A *slot* is one translational degree of freedom with the spring below it. A building takes consecutive slots: its
+base first, if the foundation sways, then its floors from the ground up; buildings follow one another from left to
+right and zeros pad the row to a multiple of eight. `couple` is 1 where the spring's lower end is the slot before, 0
+where it is the ground. Displacements are relative to the ground, so slot i carries D_i = u_i - couple_i u_(i-1) -
+rise_i phi."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True,
 """How every kernel is compiled; only fused multiply-add is allowed beyond IEEE arithmetic."""
 
 INLINE: dict[str, Any] = {**OPTIONS, "cache": False, "forceinline": True}
-"""The same for a piece of a kernel that stands in a file of its own; it is kept as part of the kernel, not by itself."""
+"""The same for a piece of a kernel that stands in a file of its own; it is kept as part of the kernel, not by
+itself."""
 
 OPEN, LINEAR, CUBIC = 0, 1, 2
 """Link branches: no contact; F = s v + F0 + c v'; the infill's cubic with its square-root dashpot."""
@@ -38,24 +39,27 @@ LINKS_NONE, LINKS_LINEAR, LINKS_CUBIC = 0, 1, 2
 
 Slots = namedtuple(
     "Slots",
-    "size couple couple_right stiffness dashpot inverse_mass mass alpha real yield_drift hardening plateau rise elevation",
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha real yield_drift hardening plateau "
+    "rise elevation",
 )
-"""size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the foundation's), inverse_mass [1/kg], mass [kg],
-alpha [1/s] (0 over a foundation), real (1, padding 0), yield_drift [m] (inf: never), hardening [-], plateau
-(1 - a) Vy [N] (0 where it never yields), rise [m] (storey height
-where the building rocks, else 0), elevation [m]."""
+"""size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the
+foundation's), inverse_mass [1/kg], mass [kg], alpha [1/s] (0 over a foundation), real (1, padding 0), yield_drift
+[m] (inf: never), hardening [-], plateau (1 - a) Vy [N] (0 where it never yields), rise [m] (storey height where the
+building rocks, else 0), elevation [m]."""
 
 Feet = namedtuple("Feet", "number first stop base inertia stiffness dashpot alpha")
-"""number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway), inertia [kg m2] (inf: no rocking),
-rocking stiffness [N m/rad], rocking dashpot [N m s/rad], alpha [1/s]."""
+"""number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway),
+inertia [kg m2] (inf: no rocking), rocking stiffness [N m/rad], rocking dashpot [N m s/rad], alpha [1/s]."""
 
 Links = namedtuple(
     "Links",
-    "number size left right kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic root_dashpot tension_cut",
+    "number size left right kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic root_dashpot "
+    "tension_cut",
 )
-"""number of links and the same padded to a multiple of eight; per link, shape (size,): slots left and right, kind, gap d [m], stiffness s [N/m] (infill: s_mat), dashpot [N s/m]; for an infill beyond its
-thickness F = beyond v + beyond_force + beyond_dashpot v'; cubic p = (s_imp - s_mat) / (3 d^2) [N/m3];
-root_dashpot 2 xi sqrt(m') so that c_cur = root_dashpot sqrt(s_cur); tension_cut 0 or 1."""
+"""number of links and the same padded to a multiple of eight; per link, shape (size,): slots left and right, kind,
+gap d [m], stiffness s [N/m] (infill: s_mat), dashpot [N s/m]; for an infill beyond its thickness F = beyond v +
+beyond_force + beyond_dashpot v'; cubic p = (s_imp - s_mat) / (3 d^2) [N/m3]; root_dashpot 2 xi sqrt(m') so that
+c_cur = root_dashpot sqrt(s_cur); tension_cut 0 or 1."""
 
 State = namedtuple("State", "u v line plastic snapped_storey link_branch link_cut snapped_link phi phi_v")
 """What evolves: u [m], v [m/s]; per storey: line (0 between the yield lines, +1 or -1 on the upper or lower one),
@@ -64,7 +68,8 @@ link cut (1: pulling, so no force), what is exactly zero of a link, rocking angl
 
 Peaks = namedtuple(
     "Peaks",
-    "drift shear acceleration displacement_max displacement_min sway rocking closing force impulse contact_time impacts",
+    "drift shear acceleration displacement_max displacement_min sway rocking "
+    "closing force impulse contact_time impacts",
 )
 """Largest values so far, per slot, foundation and link (SI)."""
 

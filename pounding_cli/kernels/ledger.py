@@ -1,9 +1,8 @@
 """Where the energy of a step goes: what the ground puts in, what dashpots, yielding storeys and links take out.
 
-Powers are integrated over the step by Gauss-Legendre points on the step's own polynomials; with half as many points as the
-series has orders, all terms up to the series' own order are exact. Hysteresis needs no points: on a yield line the storey
-dissipates (1 - a) Vy per unit of drift.
-"""
+Powers are integrated over the step by Gauss-Legendre points on the step's own polynomials; with half as many points
+as the series has orders, all terms up to the series' own order are exact. Hysteresis needs no points: on a yield
+line the storey dissipates (1 - a) Vy per unit of drift."""
 
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
 One law serves all branches, its coefficients set lane by lane when a branch changes (`set_law`; a sixth row tells
 whether the force is applied):
     F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v'.
-The infill's cubic with its square-root dashpot (eq. 9) needs products of series; a scene without infill has none of that.
-"""
+The infill's cubic with its square-root dashpot (eq. 9) needs products of series; a scene without infill has none of
+that."""
 
 from __future__ import annotations
 
@@ -56,7 +56,8 @@ def closings(links, state, work):
 
 @njit(**INLINE)
 def add_forces(links, state, work, k, padded, h, kinds):
-    """Order k of every link's force, kept in `work.F` (times h^2) and added to `work.force` where the link pushes or holds."""
+    """Order k of every link's force, kept in `work.F` (times h^2) and added to `work.force` where the link pushes or
+    holds."""
     count = links.size
     row = k * padded
     here = k * count

@@ -49,7 +49,7 @@ def first_crossing(c, n, end):
         return NEVER
     if c[first] < 0.0:
         return 0.0
-    # Ends, and how far value and slope can stray from the straight line between theirs: one pass that settles most cases.
+    # Ends, and how far value and slope can stray from the straight line between theirs: this settles most cases.
     start = c[first]
     start_slope = c[first + 1] if first < n else 0.0
     size = start

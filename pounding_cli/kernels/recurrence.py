@@ -3,7 +3,8 @@
 Time runs as s = (t - t0) / h from 0 to 1. Coefficient k of the displacement stands in row k of `U`, that of its rate
 du/ds in row k of `W`; a row is one padded row of slots. Between two events every slot's acceleration is a fixed
 combination of its own displacement and rate and of its two neighbours', so with those six *stencils* (times h^2 and h)
-    h^2 u''_k = sum of stencil x (U_k, W_k) + links - h^2 a_g,k,    W_(k+1) = h^2 u''_k / (k + 1),    U_(k+1) = W_k / (k + 1).
+    h^2 u''_k = sum of stencil x (U_k, W_k) + links - h^2 a_g,k
+    W_(k+1) = h^2 u''_k / (k + 1),    U_(k+1) = W_k / (k + 1)
 Only W_(k+1) waits for W_k, through two shuffles and four multiply-adds: that chain is what an order costs.
 """
 
@@ -31,15 +32,16 @@ LARGEST_ORDER = 34
 
 Work = namedtuple(
     "Work",
-    "U W D V rates F square root half law phi_W phi_D tangent offset stencil scaled push force tilt reciprocal curve twist",
+    "U W D V rates F square root half law phi_W phi_D tangent offset stencil scaled push force tilt "
+    "reciprocal curve twist",
 )
-"""Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, rates, F: closing, its rate
-and force by order and link; square, root, half: the infill's v^2 and sqrt(s_cur) by order, and half its inverse; law: the
-link laws' coefficients (`link_series`). phi_W, phi_D: rocking rate and angle by order. tangent [N/m] and offset [N] of each
-storey's branch. stencil: six rows of acceleration per displacement (own, left, right) and per velocity (own, left, right);
-scaled: the same times h^2 and h. push: acceleration of the offsets [m/s2]. force: one order's link and foundation forces;
-tilt: storey height times rocking angle by order and slot. reciprocal[k] = 1/k; curve[k] = k (k - 1) / 8;
-twist[k] = k (k - 1) (k - 2) / 8."""
+"""Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, rates, F: closing,
+its rate and force by order and link; square, root, half: the infill's v^2 and sqrt(s_cur) by order, and half its
+inverse; law: the link laws' coefficients (`link_series`). phi_W, phi_D: rocking rate and angle by order. tangent
+[N/m] and offset [N] of each storey's branch. stencil: six rows of acceleration per displacement (own, left, right)
+and per velocity (own, left, right); scaled: the same times h^2 and h. push: acceleration of the offsets [m/s2].
+force: one order's link and foundation forces; tilt: storey height times rocking angle by order and slot.
+reciprocal[k] = 1/k; curve[k] = k (k - 1) / 8; twist[k] = k (k - 1) (k - 2) / 8."""
 
 
 @njit(**INLINE)

@@ -1,9 +1,10 @@
-"""Eight doubles at a time: a numba vector type with loads, stores and arithmetic, so that inner loops are written as mathematics.
+"""Eight doubles at a time: a numba vector type with loads, stores and arithmetic, so that inner loops are written as
+mathematics.
 
-LLVM maps one `Vec` to one AVX-512 register, two AVX2 registers or four NEON/SSE registers; nothing here depends on which.
-Kernels reach memory through plain pointers (`pointer`), not numpy arrays: an array drags its reference count through every
-call and every field of a tuple, and that costs more than the arithmetic of a small scene. Whoever calls a kernel keeps the arrays alive.
-"""
+LLVM maps one `Vec` to one AVX-512 register, two AVX2 registers or four NEON/SSE registers; nothing here depends on
+which. Kernels reach memory through plain pointers (`pointer`), not numpy arrays: an array drags its reference count
+through every call and every field of a tuple, and that costs more than the arithmetic of a small scene. Whoever
+calls a kernel keeps the arrays alive."""
 
 from __future__ import annotations
 
@@ -120,12 +121,8 @@ def _shuffle(offset, doc):
     return shuffle
 
 
-from_left = _shuffle(
-    LANES - 1, "Of two neighbouring blocks (left, this): each element's left neighbour in `this`."
-)
-from_right = _shuffle(
-    1, "Of two neighbouring blocks (this, right): each element's right neighbour in `this`."
-)
+from_left = _shuffle(LANES - 1, "Of two neighbouring blocks (left, this): each element's left neighbour in `this`.")
+from_right = _shuffle(1, "Of two neighbouring blocks (this, right): each element's right neighbour in `this`.")
 
 
 def _unary(name, doc):
@@ -195,9 +192,7 @@ def _binary(operation, emit):
     @intrinsic
     def apply(typingctx, first, second):
         def widen(context, builder, value, kind):
-            return (
-                value if kind == vec else _splat(builder, context.cast(builder, value, kind, types.float64))
-            )
+            return value if kind == vec else _splat(builder, context.cast(builder, value, kind, types.float64))
 
         def codegen(context, builder, signature, args):
             a, b = (widen(context, builder, v, t) for v, t in zip(args, signature.args, strict=True))

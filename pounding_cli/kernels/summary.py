@@ -1,9 +1,8 @@
 """What one step's series say about the whole step: its end, and bounds that exclude events and new peaks cheaply.
 
 A function on [0, 1] strays from the straight line between its ends by at most max |p''| / 8, and |p''| is at most
-sum k (k - 1) |c_k|: that sum, an eighth of it, is the *stray* of a quantity. A quantity whose rate has one sign at both ends, and
-there exceeds the rate's stray, is monotone: its largest value stands at an end.
-"""
+sum k (k - 1) |c_k|: that sum, an eighth of it, is the *stray* of a quantity. A quantity whose rate has one sign at
+both ends, and there exceeds the rate's stray, is monotone: its largest value stands at an end."""
 
 from __future__ import annotations
 
@@ -19,8 +18,8 @@ Ends = namedtuple(
     "u v drift rate0 rate acceleration0 acceleration jerk "
     "u_stray v_stray drift_stray rate_stray acceleration_stray jerk_stray",
 )
-"""Per slot, shape (padded,), in units of s: displacement, velocity, drift, drift rate, total acceleration and jerk at the step's
-end (with 0: at its start), and strays."""
+"""Per slot, shape (padded,), in units of s: displacement, velocity, drift, drift rate, total acceleration and jerk
+at the step's end (with 0: at its start), and strays."""
 
 
 @njit(**INLINE)
@@ -83,7 +82,8 @@ def summarise(slots, work, ends, padded, order, ground, ground_slope, founded):
 
 @njit(**INLINE)
 def _drift_rates(slots, work, ends, padded, order, founded):
-    """Drift rates at both ends; with a rocking foundation they are left unknown, so that nothing is excluded by them."""
+    """Drift rates at both ends; with a rocking foundation they are left unknown, so that nothing is excluded by
+    them."""
     v_left = splat(0.0)
     w_left = splat(0.0)
     for b in range(0, padded, 8):
@@ -100,7 +100,8 @@ def _drift_rates(slots, work, ends, padded, order, founded):
 
 @njit(**INLINE)
 def stop_at(slots, work, ends, padded, order, s, ground, ground_slope, founded):
-    """Replace what stands in `ends` for s = 1 by the values at s < 1, where an event was found; the strays stay bounds."""
+    """Replace what stands in `ends` for s = 1 by the values at s < 1, where an event was found; the strays stay
+    bounds."""
     for b in range(0, padded, 8):
         u = splat(0.0)
         v = splat(0.0)

@@ -1,9 +1,9 @@
 """The event-located Taylor integrator: steps end at a record sample or exactly at an event, whichever is first.
 
-Between two events the motion is analytic, so its Taylor series gives the step, its error and a polynomial in which events
-are located to rounding and peaks are found between samples (the recurrence: `recurrence.py`). After an event the branch
-changes and the series starts anew, so the order is never lost. Method: Jorba & Zou (2005), Experimental Mathematics 14(1).
-"""
+Between two events the motion is analytic, so its Taylor series gives the step, its error and a polynomial in which
+events are located to rounding and peaks are found between samples (the recurrence: `recurrence.py`). After an event
+the branch changes and the series starts anew, so the order is never lost. Method: Jorba & Zou (2005), Experimental
+Mathematics 14(1)."""
 
 from __future__ import annotations
 
@@ -210,9 +210,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
         orders = 0
         standing = 0  # events in a row without time going on
         guess = 8
-        snapped = (
-            True  # something may be exactly zero: touching floors at the start, or what an event just met
-        )
+        snapped = True  # something may be exactly zero: touching floors at the start, or what an event just met
         segment = 0
         offset = 0.0  # time since the segment's start
         while segment < starts.size:
@@ -254,9 +252,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
                 if storey >= 0:
                     end = s
             if kinds != LINKS_NONE:
-                s, link, event = first_link_event(
-                    links, state, work, ends, padded, order, end, scratch, kinds
-                )
+                s, link, event = first_link_event(links, state, work, ends, padded, order, end, scratch, kinds)
                 if link >= 0:
                     if storey >= 0 and s >= end:
                         link = -1

@@ -19,7 +19,8 @@ KINDS = {Kind.POUNDING: layout.POUNDING, Kind.INFILL: layout.INFILL, Kind.CONNEC
 
 @dataclass(frozen=True)
 class Arrays:
-    """A scene as the kernels see it; `floors[b]` is the slice of slots of building b's floors, `bases[b]` its base slot or -1."""
+    """A scene as the kernels see it; `floors[b]` is the slice of slots of building b's floors, `bases[b]` its base
+    slot or -1."""
 
     slots: Slots
     feet: Feet
@@ -70,9 +71,7 @@ def pack(scene: Scene) -> Arrays:
         slots.yield_drift[span] = building.yield_drift
         slots.hardening[span] = building.hardening
         finite = np.isfinite(building.yield_shear)
-        slots.plateau[span] = np.where(
-            finite, (1 - building.hardening) * np.where(finite, building.yield_shear, 0), 0
-        )
+        slots.plateau[span] = np.where(finite, (1 - building.hardening) * np.where(finite, building.yield_shear, 0), 0)
         slots.elevation[span] = building.elevation
         if foundation is None:
             slots.alpha[span] = building.alpha
@@ -117,9 +116,7 @@ def _pack_links(scene: Scene, floors: list[slice]) -> Links:
         links.gap[e] = link.gap
         links.stiffness[e] = link.stiffness
         links.dashpot[e] = link.dashpot(left_mass, right_mass)
-        links.tension_cut[e] = int(
-            link.tension_cut and link.damping_ratio > 0 and link.kind is not Kind.CONNECTOR
-        )
+        links.tension_cut[e] = int(link.tension_cut and link.damping_ratio > 0 and link.kind is not Kind.CONNECTOR)
         if link.kind is Kind.INFILL:
             links.cubic[e] = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
             links.root_dashpot[e] = 2 * link.damping_ratio * np.sqrt(mass)
@@ -163,8 +160,8 @@ def no_peaks(arrays: Arrays) -> Peaks:
 
 def empty_ledger(arrays: Arrays) -> Ledger:
     """Energies before the first step."""
-    by_slot = [aligned(arrays.padded) for _ in range(4)]
-    return Ledger(*by_slot, aligned(arrays.links.size), np.zeros(arrays.feet.number))
+    by_slot = {name: aligned(arrays.padded) for name in Ledger._fields[:4]}
+    return Ledger(**by_slot, links=aligned(arrays.links.size), feet=np.zeros(arrays.feet.number))
 
 
 def unpack(
@@ -186,9 +183,7 @@ def unpack(
                 displacement_max=peaks.displacement_max[span].copy(),
                 displacement_min=peaks.displacement_min[span].copy(),
                 residual_drift=drift_now[span].copy(),
-                sway=float(max(peaks.displacement_max[base], -peaks.displacement_min[base]))
-                if base >= 0
-                else 0.0,
+                sway=float(max(peaks.displacement_max[base], -peaks.displacement_min[base])) if base >= 0 else 0.0,
                 rocking=float(peaks.rocking[foot]) if foot >= 0 else 0.0,
             )
         )

@@ -22,6 +22,4 @@ def integrate(
     room = np.zeros((9, arrays.padded + arrays.links.size + arrays.feet.number))
     touching = np.zeros(arrays.links.size, np.int64)
     kernel = central_difference.build(scene.analysis == "inelastic")
-    return kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, starts, slopes, dt, parts
-    )
+    return kernel(arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, starts, slopes, dt, parts)

@@ -50,9 +50,7 @@ def potential(link: Link, closing: float) -> float:
     return energy
 
 
-def balance(
-    scene: Scene, arrays: Arrays, before: dict[str, float], state: State, ledger: Ledger
-) -> dict[str, float]:
+def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State, ledger: Ledger) -> dict[str, float]:
     """The ledger [J]; `residual` is what is missing over the largest entry [-].
 
     input : work of the ground, plus what the scene held at the start

@@ -8,7 +8,8 @@ from pounding_cli.model.scene import Scene
 
 
 def segments(scene: Scene) -> tuple[np.ndarray, np.ndarray, float]:
-    """(acceleration at each segment's start [m/s2], its slope [m/s3], length of a segment [s]); a tail is still ground."""
+    """(acceleration at each segment's start [m/s2], its slope [m/s3], length of a segment [s]); a tail is still
+    ground."""
     motion = scene.motion
     starts = motion.acceleration[:-1].copy()
     slopes = np.diff(motion.acceleration) / motion.dt

@@ -59,13 +59,9 @@ def solve(
 ) -> Response:
     """The response of a scene.
 
-    Parameters
-    ----------
-    scene : in SI units
-    accuracy : wanted relative error of the peaks [-]; for fixed-step methods the time step [s]
-    method : a key of METHODS
-    initial : floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; None is rest
-    bounds : most steps, most events
+    Parameters ---------- scene : in SI units accuracy : wanted relative error of the peaks [-]; for fixed-step
+    methods the time step [s] method : a key of METHODS initial : floor displacements [m] and velocities [m/s]
+    relative to the ground, one array (n,) a building; None is rest bounds : most steps, most events
 
     Raises
     ------

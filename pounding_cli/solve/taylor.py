@@ -15,20 +15,14 @@ from pounding_cli.solve.arrays import Arrays, aligned
 from pounding_cli.solve.ground import segments
 
 SAFETY = 10.0
-"""Local tolerance (relative, of acceleration) over the accuracy asked: errors come out two to three decades below the local tolerance
-(tests/verification/test_accuracy.py)."""
+"""Local tolerance (relative, of acceleration) over the accuracy asked: errors come out two to three decades below
+the local tolerance (tests/verification/test_accuracy.py)."""
 
 
 def variant(scene: Scene) -> tuple[bool, bool, int]:
     """Which effects the compiled kernel must contain: (storeys yield, foundations, link laws)."""
     effects = effects_of(scene)
-    laws = (
-        layout.LINKS_CUBIC
-        if effects.infill
-        else layout.LINKS_LINEAR
-        if effects.contact
-        else layout.LINKS_NONE
-    )
+    laws = layout.LINKS_CUBIC if effects.infill else layout.LINKS_LINEAR if effects.contact else layout.LINKS_NONE
     return effects.yielding, effects.foundations, laws
 
 
@@ -40,8 +34,8 @@ def gauss_rules(most: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def most_order(tolerance: float) -> int:
-    """Highest order worth computing before the step is cut: near the optimum of Jorba & Zou, -ln(tol) / 2 + 1, and above it,
-    because most steps end at a record sample."""
+    """Highest order worth computing before the step is cut: near the optimum of Jorba & Zou, -ln(tol) / 2 + 1, and
+    above it, because most steps end at a record sample."""
     return min(30, max(10, math.ceil(-0.75 * math.log(tolerance)) + 4))
 
 
@@ -56,6 +50,6 @@ def integrate(
     room = aligned(taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size))
     kernel = taylor.build(*variant(scene))
     return kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, ledger, *gauss_rules(MOST_POINTS), room, starts, slopes, dt,
-        tolerance, scene.motion.pga, most_order(tolerance), *bounds,
+        arrays.slots, arrays.feet, arrays.links, state, peaks, ledger, *gauss_rules(MOST_POINTS), room, starts, slopes,
+        dt, tolerance, scene.motion.pga, most_order(tolerance), *bounds,
     )  # fmt: skip
