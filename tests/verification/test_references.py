@@ -18,9 +18,7 @@ def test_ramp_response_solves_its_equation():
     args = (0.02, -0.3, 1.5, 4.0, 9.0, 0.07)
     assert closed_forms.oscillator_under_ramp(*args, 0.0) == pytest.approx((0.02, -0.3), rel=1e-14)
     t, h = 0.31, 1e-4
-    (before, _), (u, v), (after, _) = (
-        closed_forms.oscillator_under_ramp(*args, x) for x in (t - h, t, t + h)
-    )
+    (before, _), (u, v), (after, _) = (closed_forms.oscillator_under_ramp(*args, x) for x in (t - h, t, t + h))
     assert (after - before) / (2 * h) == pytest.approx(v, rel=1e-6)
     bend = (after - 2 * u + before) / h**2
     assert bend + 2 * 0.07 * 9 * v + 81 * u + 1.5 + 4 * t == pytest.approx(0.0, abs=1e-5)

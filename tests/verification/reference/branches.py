@@ -109,11 +109,7 @@ class Laws:
         for e, branch in enumerate(b.link):
             if branch != "open":
                 link = self.scene.links[e]
-                s = (
-                    max(link.stiffness, link.impact_stiffness)
-                    if str(link.kind) == "infill"
-                    else link.stiffness
-                )
+                s = max(link.stiffness, link.impact_stiffness) if str(link.kind) == "infill" else link.stiffness
                 k = k + s * np.outer(c.closing[e], c.closing[e])
         root = 1 / np.sqrt(c.mass)
         return float(np.sqrt(np.linalg.eigvalsh(k * np.outer(root, root))[-1]))

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 
 def oscillator_under_ramp(
     u0: float, v0: float, acceleration: float, slope: float, omega: float, xi: float, t: float
@@ -98,9 +96,7 @@ class Excursion:
     loop: float
 
 
-def bilinear_throw(
-    mass: float, stiffness: float, yield_shear: float, hardening: float, v0: float
-) -> Excursion:
+def bilinear_throw(mass: float, stiffness: float, yield_shear: float, hardening: float, v0: float) -> Excursion:
     """Energy balance over the skeleton Vy + a k (D - Dy) and the unloading branch of width 2 Vy."""
     dy, soft = yield_shear / stiffness, hardening * stiffness
     energy = mass * v0**2 / 2
@@ -123,13 +119,3 @@ def _recoverable(drift: float, stiffness: float, yield_shear: float, hardening: 
     """Energy stored at a reversal on the lower skeleton [J]: springs (1 - a) k and a k side by side."""
     dy = yield_shear / stiffness
     return (1 - hardening) * stiffness * dy**2 / 2 + hardening * stiffness * drift**2 / 2
-
-
-def loop_area(stiffness: float, yield_shear: float, hardening: float, amplitude: float) -> float:
-    """Energy of one symmetric loop [J]: 4 (1 - a) Vy (D - Dy)."""
-    return 4 * (1 - hardening) * yield_shear * (amplitude - yield_shear / stiffness)
-
-
-def sine(amplitude: float, omega: float, dt: float, steps: int) -> np.ndarray:
-    """Samples of a sine, for ground motions [m/s2]."""
-    return amplitude * np.sin(omega * dt * np.arange(steps + 1))

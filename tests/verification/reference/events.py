@@ -131,9 +131,7 @@ class _Run:
         for number, (change, g) in enumerate(self.laws.guards(y[: self.n], y[self.n : 2 * self.n], self.b)):
             if not g.max() > FINEST:
                 continue
-            if (
-                g[0] > 0
-            ):  # past zero by rounding: two changes at one instant, or one at the end of the last step
+            if g[0] > 0:  # past zero by rounding: two changes at one instant, or one at the end of the last step
                 if g[1] <= g[0]:
                     continue
                 crossing = t[0]

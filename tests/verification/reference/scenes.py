@@ -53,18 +53,14 @@ def shake(duration: float, peak: float = 4.0, seed: int = 1, dt: float = 0.02) -
     return Motion("noise", dt, smooth * peak / np.abs(smooth).max())
 
 
-def links(
-    kind: Kind | str, gap: float, floors=(1, 2, 3), left: int = 0, xi: float = XI, **law
-) -> tuple[Link, ...]:
+def links(kind: Kind | str, gap: float, floors=(1, 2, 3), left: int = 0, xi: float = XI, **law) -> tuple[Link, ...]:
     """Links of one law at several floors: 2e10 N/m for impacts, 1.5e8 N/m for infill and connector."""
     kind = Kind(kind)
     stiffness = law.pop("stiffness", 2e10 if kind is Kind.POUNDING else 1.5e8)
     return tuple(Link(left, j, j, kind, gap, stiffness, 2e10, xi, **law) for j in floors)
 
 
-def pair(
-    kind: Kind | str, gap: float, motion: Motion, analysis: Analysis = ELASTIC, foundation=None, **law
-) -> Scene:
+def pair(kind: Kind | str, gap: float, motion: Motion, analysis: Analysis = ELASTIC, foundation=None, **law) -> Scene:
     """The 0.36 s and 0.60 s buildings, three storeys each, linked at every floor."""
     two = shear_building(0.36, foundation=foundation), shear_building(0.60, foundation=foundation)
     return Scene(two, links(kind, gap, **law), motion, analysis)

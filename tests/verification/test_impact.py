@@ -1,0 +1,81 @@
+"""Kelvin-Voigt impact of two all but free masses: eqs (5) to (7) in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from reference.closed_forms import kelvin_voigt
+from reference.scenes import ELASTIC, oscillator, still
+
+from pounding_cli.model.links import DashpotLaw, Kind, Link, damping_ratio
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import solve
+
+M1, M2, S, V0, GAP = 2e5, 3e5, 2e9, 0.6, 0.01
+REDUCED = M1 * M2 / (M1 + M2)
+
+
+def collide(xi, tension_cut=False, **law):
+    link = Link(0, 1, 1, Kind.POUNDING, GAP, S, S, xi, tension_cut=tension_cut, **law)
+    scene = Scene((oscillator(M1, 1e-3), oscillator(M2, 1e-3)), (link,), still(0.12), ELASTIC)
+    return solve(scene, 1e-12, initial=([[0.0], [0.0]], [[V0], [0.0]]))
+
+
+def check(found, impact):
+    links, (left, right) = found.links, [v[0] for _, v in found.final]
+    assert right - left == pytest.approx(impact.rebound * V0, rel=1e-9)
+    assert M1 * left + M2 * right == pytest.approx(M1 * V0, rel=1e-9)
+    assert links.peak_force[0] == pytest.approx(impact.peak_force, rel=1e-9)
+    assert links.max_closing[0] - GAP == pytest.approx(impact.compression, rel=1e-9)
+    assert links.contact_time[0] == pytest.approx(impact.time, rel=1e-9)
+    assert links.impulse[0] == pytest.approx(REDUCED * V0 * (1 + impact.rebound), rel=1e-9)
+    assert links.impacts[0] == 1
+
+
+@pytest.mark.parametrize("e", [0.3, 0.5, 0.8])
+def test_printed_law(e):
+    """Rebound, force, compression, duration, impulse. Fails if the dashpot lacks its 2, or m' is m1."""
+    found, xi = collide(damping_ratio(e)), damping_ratio(e)
+    impact = kelvin_voigt(S, xi, REDUCED, V0)
+    assert impact.rebound == pytest.approx(e, rel=1e-12)
+    check(found, impact)
+
+
+def test_half_restitution_in_the_field_s_number():
+    """Peak force 0.816 v0 sqrt(s m') at e = 0.5. Fails if the peak leaves the dashpot out (0.70)."""
+    peak = collide(damping_ratio(0.5)).links.peak_force[0]
+    assert round(peak / (V0 * math.sqrt(S * REDUCED)), 3) == 0.816
+
+
+@pytest.mark.parametrize("e", [0.5, 0.8])
+def test_tension_cut(e):
+    """The force ends, not the compression: e = 0.5 rebounds at 0.55. Fails if the cut waits for v = 0."""
+    impact = kelvin_voigt(S, damping_ratio(e), REDUCED, V0, tension_cut=True)
+    check(collide(damping_ratio(e), tension_cut=True), impact)
+
+
+def test_undamped_impact_loses_nothing():
+    """e = 1: the peak is v0 sqrt(s m') and the masses part as they met. Fails if any damping is left."""
+    found = collide(0.0)
+    left, right = (v[0] for _, v in found.final)
+    assert right - left == pytest.approx(V0, rel=1e-10)
+    assert found.links.peak_force[0] == pytest.approx(V0 * math.sqrt(S * REDUCED), rel=1e-9)
+    assert found.links.contact_time[0] == pytest.approx(math.pi * math.sqrt(REDUCED / S), rel=1e-9)
+
+
+def test_dashpot_as_eq_7_is_printed():
+    """2 xi sqrt(s (m1 + m2) / (m1 m2)): damping ratio xi / m'. Fails if both laws are the same."""
+    xi = damping_ratio(0.5)
+    check(collide(xi, dashpot_law=DashpotLaw.PRINTED), kelvin_voigt(S, xi / REDUCED, REDUCED, V0))
+
+
+def test_a_gap_that_never_closes_never_presses():
+    """Fails if the gap is ignored."""
+    scene = Scene(
+        (oscillator(M1, M1 * 400.0), oscillator(M2, M2 * 400.0)),
+        (Link(0, 1, 1, Kind.POUNDING, 0.0301, S, S, 0.2),), still(1.0), ELASTIC,
+    )  # fmt: skip
+    found = solve(scene, 1e-12, initial=([[0.0], [0.0]], [[V0], [0.0]]))
+    assert found.links.max_closing[0] == pytest.approx(0.03, rel=1e-10)
+    assert (found.links.impacts[0], found.links.peak_force[0], found.links.contact_time[0]) == (0, 0.0, 0.0)
