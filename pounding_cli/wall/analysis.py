@@ -14,6 +14,8 @@ from pounding_cli.wall.model import Bond, WallModel
 from pounding_cli.wall.stress import stress_operators, von_mises
 from pounding_cli.wall.transient import Transient, integrate, natural_step
 
+MOST_STEPS = 200_000
+
 
 @dataclass(frozen=True, eq=False)
 class Fields:
@@ -121,13 +123,20 @@ def strike(model: WallModel) -> WallResponse:
 
     Raises
     ------
-    InputError : where the integration gave a number that is not finite, with what to change
+    InputError : where it would take too many steps or gave a number that is not finite, with what to change
     """
     began = time.process_time()
     wall = build_mesh(model)
     system = assemble(model, wall)
     operators = stress_operators(model, wall, system)
     wished = model.time.step or natural_step(system, model)
+    if model.time.end / wished > MOST_STEPS:
+        raise InputError(
+            Problem(
+                f"an impact this short needs {model.time.end / wished:.0f} time steps",
+                f"give an earlier `time.end`, e.g. {MOST_STEPS / 10 * wished:.1g} s, or a heavier striker",
+            )
+        )
     step = model.time.end / max(10, np.ceil(model.time.end / wished - 1e-9))
     recorder = _Recorder(model, operators, system, step)
     run = integrate(system, model.striker, model.contact.bond, model.time.end, step, model.time.rho, each=recorder)
@@ -156,7 +165,7 @@ def strike(model: WallModel) -> WallResponse:
         seconds=time.process_time() - began,
         peak_force=float(run.force[peak]),
         peak_time=float(run.time[peak]),
-        separation=_separation(run),
+        separation=separation(run.time, run.force),
         last_contact=float(run.time[np.flatnonzero(run.force > 0)[-1]]),
         impulse=impulse,
         momentum_residual=impulse / start - (1 - float(run.velocity[-1]) / model.striker.speed),
@@ -167,7 +176,7 @@ def strike(model: WallModel) -> WallResponse:
         column_stress=float(recorder.members[beams:].max()),
         beam_stress_then=float(then[:beams].max()),
         column_stress_then=float(then[beams:].max()),
-        reach=_reach(np.abs(operators.cell_height - contact), recorder.cells),
+        reach=reach(np.abs(operators.cell_height - contact), recorder.cells),
         stressed_share=float(operators.area[recorder.elements > 0.1 * averaged].sum() / operators.area.sum()),
         cell_height=operators.cell_height,
         cell_stress=recorder.cells,
@@ -187,7 +196,7 @@ def strike(model: WallModel) -> WallResponse:
     )
 
 
-def _reach(distance: np.ndarray, stress: np.ndarray) -> float:
+def reach(distance: np.ndarray, stress: np.ndarray) -> float:
     """Farthest distance at which the stress is half its largest [m], on straight lines between the cells."""
     half = 0.5 * stress.max()
     ends = [float(distance[stress >= half].max())]
@@ -197,21 +206,19 @@ def _reach(distance: np.ndarray, stress: np.ndarray) -> float:
     return max(ends)
 
 
-def _separation(run: Transient) -> float:
+def separation(time: np.ndarray, force: np.ndarray) -> float:
     """First time the force is positive no more [s], on a straight line between steps; NaN if it stays so."""
-    pushed = np.flatnonzero(run.force > 0)
+    pushed = np.flatnonzero(force > 0)
     if pushed.size == 0:
         return float("nan")
-    free = np.flatnonzero(run.force[pushed[0] :] <= 0)
+    free = np.flatnonzero(force[pushed[0] :] <= 0)
     if free.size == 0:
         return float("nan")
     n = pushed[0] + free[0]
-    before, after = run.force[n - 1], run.force[n]
-    if after < 0:
-        return float(run.time[n - 1] + (run.time[n] - run.time[n - 1]) * before / (before - after))
-    # The force fell to nothing within the step: it went on as in the step before, no longer than the step.
-    fall = max(run.force[n - 2] - before, before) if n >= 2 else before
-    return float(run.time[n - 1] + (run.time[n] - run.time[n - 1]) * before / fall)
+    before, after = force[n - 1], force[n]
+    # Cut off at zero, the force goes on falling as in the step before, but not beyond the step.
+    fall = before - after if after < 0 else max(force[n - 2] - before, before)
+    return float(time[n - 1] + (time[n] - time[n - 1]) * before / fall)
 
 
 def _flags(model: WallModel, run: Transient, energy: np.ndarray) -> tuple[str, ...]:

@@ -74,7 +74,6 @@ def assemble(model: WallModel, wall: WallMesh) -> System:
             return sp.csr_matrix((3, total))
         return sp.csr_matrix((np.ones(3), (np.arange(3), start + np.arange(3))), shape=(3, total))
 
-    stiffness = sp.lil_matrix((total, total)).tocsr()
     mass = np.zeros(total)
     mass[:wall_dofs] = np.repeat(model.concrete.density * wall.volume(), 2)
     stress_rows = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -120,6 +121,12 @@ class Mesh:
     growth: float = 0.0
     shape: Shape = Shape.QUADRATIC
 
+    def lines(self, distance: float) -> float:
+        """About how many elements it takes from the contact to a distance [m] from it [-]."""
+        if self.growth <= 0:
+            return distance / self.size
+        return math.log1p(self.growth * distance / self.size) / self.growth
+
 
 @dataclass(frozen=True)
 class Time:
@@ -205,7 +212,9 @@ class WallModel:
         ]
         if any(bad for bad, _, _ in rules):
             return rules
-        elements = self.length / m.size * f.height / m.size
+        elements = self.mesh.lines(self.length) * (
+            self.mesh.lines(s.height) + self.mesh.lines(f.height - s.height) if 0 <= s.height <= f.height else 0
+        )
         rules += [
             (f.storeys < 1, f"the frame has {f.storeys} storeys", "write at least 1"),
             (not f.bays, "the frame has no bay", "give at least one bay length, e.g. bays: [5 m]"),
@@ -241,8 +250,8 @@ class WallModel:
             ),
             (not 0 <= m.growth <= 1, f"the mesh growth is {m.growth:g}", "write 0 (even mesh) to 1"),
             (
-                elements > 250_000 and m.growth == 0,
-                f"an even mesh of {m.size:g} m has {elements:.0f} elements",
+                elements > 250_000,
+                f"a mesh of {m.size:g} m with growth {m.growth:g} has {elements:.0f} elements",
                 "write a larger mesh size, or `growth: 0.2` to let elements grow away from the contact",
             ),
             (not 0 <= t.rho <= 1, f"rho is {t.rho:g}", "write 0 (strong numerical damping) to 1 (none)"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
@@ -11,6 +12,7 @@ from click.testing import CliRunner
 from pounding_cli.cli.connector import command
 from pounding_cli.errors import InputError
 from pounding_cli.report.connector_figures import connector_claims
+from pounding_cli.study.connector_study import load_connector_study
 
 FIG5 = Path(__file__).parents[2] / "configs" / "fig5.yaml"
 
@@ -45,6 +47,7 @@ def test_no_sweep_general_masses_and_no_bands(tmp_path):
     )
     result = run(study, "-o", tmp_path / "a.h5", "--no-figures")
     assert "both ratios exceed 1 in: nowhere" in result.output
+    assert "(alone: 1, 0.4937)" in result.output  # (2 pi / 0.9) / sqrt(20e6 / 100e3)
     with xr.open_dataset(tmp_path / "a.h5", engine="h5netcdf") as data:
         assert float(data["peak1"]) == pytest.approx(1.0, abs=1e-12)
     assert not (tmp_path / "a.png").exists()
@@ -72,3 +75,20 @@ def test_refused(tmp_path, text, line, words):
     with pytest.raises(InputError) as refused:
         run(study)
     assert any(words in str(p) and p.line == line and p.hint for p in refused.value.problems), str(refused.value)
+
+
+def test_the_connector_in_newtons_and_with_a_dashpot_of_its_own(tmp_path):
+    study = tmp_path / "a.yaml"
+    study.write_text(
+        "title: t\nfirst: {mass: 1 kg, stiffness: 4 N/m}\nsecond: {mass: 2 kg, stiffness: 6 N/m}\n"
+        "sweep:\n  - {connector.stiffness: [3 N/m, 1/2 k1]}\n"
+    )
+    pairs = [point.pair for point in load_connector_study(study).points]
+    assert [pair.stiffness for pair in pairs] == [3.0, 2.0]
+    assert pairs[0].p == pytest.approx(np.sqrt(3.0 / 4.0))
+    study.write_text("title: t\nconnector: {dashpot: 5 kN s/m}\nfirst: {damping: 1 %}\nsecond: {frequency_ratio: 2}\n")
+    pair = load_connector_study(study).points[0].pair
+    assert (pair.dashpot, pair.zeta1, pair.zeta2) == (5000.0, 0.01, 0.05)
+    study.write_text("title: t\nconnector: {damping_ratio: 0.1}\nsecond: {frequency_ratio: 2}\n")
+    pair = load_connector_study(study).points[0].pair
+    assert pair.dashpot == pytest.approx(0.2 * np.sqrt(pair.stiffness * 100e3))

@@ -75,6 +75,6 @@ def test_bays_hardly_matter_for_the_peak():
 
 
 def test_half_a_metre_takes_under_two_seconds():
-    began = time.perf_counter()
+    began = time.process_time()
     strike(replace(model(0.5, Shape.QUADRATIC), time=Time()))
-    assert time.perf_counter() - began < 2.0
+    assert time.process_time() - began < 2.0

@@ -7,6 +7,7 @@ import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.wall.analysis import strike
+from pounding_cli.wall.mesh import build_mesh
 from pounding_cli.wall.model import Bond, Concrete, Contact, Frame, Mesh, Over, Striker, Time, WallModel
 
 MESH = Mesh(0.25, 0.2)
@@ -64,6 +65,7 @@ def test_patch_at_the_top_is_cut_and_said_so():
         (dict(thickness=0.0), "thickness"),
         (dict(striker=Striker(mass=float("nan"))), "striker mass"),
         (dict(mesh=Mesh(1e-4)), "elements"),
+        (dict(mesh=Mesh(1e-3, 1e-4)), "elements"),
         (dict(time=Time(0.06, 0.03)), "fewer than 10 steps"),
         (dict(averaging_length=3.0), "averaging length"),
         (dict(frame=Frame(bays=())), "no bay"),
@@ -74,3 +76,19 @@ def test_refused_with_a_reason(keys, words):
     with pytest.raises(InputError, match=words) as refused:
         WallModel(**keys)
     assert all(problem.hint for problem in refused.value.problems)
+
+
+def test_an_impact_too_short_for_its_time_is_refused():
+    with pytest.raises(InputError, match="time steps") as refused:
+        strike(WallModel(mesh=MESH, striker=Striker(mass=1e-6)))
+    assert "time.end" in refused.value.problems[0].hint
+
+
+def test_count_of_elements_is_about_that_of_the_mesh():
+    for mesh in (Mesh(0.3), Mesh(0.1, 0.2), Mesh(0.02, 0.5)):
+        model = WallModel(mesh=mesh)
+        lines = mesh.lines(model.length), mesh.lines(13.5) + mesh.lines(1.5)
+        built = build_mesh(model)
+        assert built.x_lines.size == pytest.approx(lines[0], abs=2.5)
+        # Floors and the edges of the patch are lines too, and the patch is finest throughout.
+        assert -1 < built.y_lines.size - lines[1] < 10 + 0.2 / mesh.size

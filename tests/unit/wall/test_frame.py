@@ -21,10 +21,12 @@ def test_cantilever():
 
 
 def test_edge_stress_of_a_cantilever():
+    """Pulled by N, pushed by Q and bent by M at its free end: the fixed end carries M + Q L."""
     rows = edge_stress_rows(E, SECTION, 4.0)
-    moved = np.concatenate([np.zeros(3), np.linalg.solve(local_stiffness(E, SECTION, 4.0)[3:, 3:], [3e4, 1e4, 0])])
-    axial, bending = 3e4 / 0.15, 1e4 * 4 / (0.25 * 0.36 / 6)
-    assert sorted(rows @ moved) == pytest.approx(sorted([axial + bending, axial - bending, axial, axial]))
+    tip = np.linalg.solve(local_stiffness(E, SECTION, 4.0)[3:, 3:], [3e4, 1e4, 7e3])
+    axial, fixed, free = 3e4 / 0.15, (7e3 + 1e4 * 4) / 0.015, 7e3 / 0.015
+    expected = [axial + fixed, axial - fixed, axial + free, axial - free]
+    assert sorted(rows @ np.concatenate([np.zeros(3), tip])) == pytest.approx(sorted(expected))
 
 
 @pytest.mark.parametrize("end", [(3.0, 4.0), (0.0, 5.0), (-2.0, 1.0)])
