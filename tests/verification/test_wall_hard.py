@@ -34,7 +34,7 @@ def test_finite_and_closed(case):
     numbers = (found.peak_force, found.wall_stress, found.averaged_stress, found.beam_stress, found.reach)
     assert np.isfinite(numbers).all()
     assert found.peak_force > 0
-    assert found.energy_residual < 2e-3
+    assert found.energy_residual < 1e-3
     assert abs(found.momentum_residual) < 1e-5
 
 

@@ -7,8 +7,8 @@ import pytest
 import scipy.sparse as sp
 
 from pounding_cli.wall.assembly import System
-from pounding_cli.wall.model import Bond, Striker
-from pounding_cli.wall.transient import integrate
+from pounding_cli.wall.model import Bond, Concrete, Mesh, Striker, WallModel
+from pounding_cli.wall.transient import integrate, natural_step
 
 K1, K2, M2 = 4e8, 1.5e8, 3e5
 STRIKER = Striker(mass=2e5, speed=0.5)
@@ -95,3 +95,13 @@ def test_unilateral_force_never_pulls_and_the_gap_never_closes_through():
 def test_impulse_is_the_change_of_momentum():
     run = before_a_mass(1e-4, 1.0)
     assert np.trapezoid(run.force, run.time) == pytest.approx(2e5 * (0.5 - run.velocity[-1]), rel=1e-10)
+
+
+def test_natural_step():
+    """A hundredth of the half period of a striker on a spring; half an element for the wave of a wall with mass."""
+    spring = system([[K1]], [0.0])
+    light = WallModel(striker=Striker(mass=100.0))
+    assert natural_step(spring, light) == pytest.approx(np.pi * np.sqrt(100.0 / K1) / 100)
+    assert natural_step(spring, WallModel()) == 1e-4
+    dense = WallModel(mesh=Mesh(0.25), concrete=Concrete(young=30e9, poisson=0.0, density=3000.0))
+    assert natural_step(spring, dense) == pytest.approx(0.5 * 0.25 / np.sqrt(1e7))
