@@ -1,0 +1,70 @@
+"""The report of `pound connector` and `pound wall` files: figures, numbers, claims on Figs 4, 5 and 8."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pandas as pd
+
+from pounding_cli.report.connector_figures import connector_claims, draw_connector
+from pounding_cli.report.style import FORMATS, unwritable
+from pounding_cli.report.wall_claims import wall_claims
+from pounding_cli.report.wall_figures import draw_wall
+from pounding_cli.store.swept import axes_of, coordinate, kind_of, open_swept
+
+_ANCHOR = {"connector": "peak1", "wall": "peak_force"}
+"""A variable that lies over the swept dimensions alone."""
+
+
+def numbers(path: Path) -> pd.DataFrame:
+    """Every number of the sweep, one row a point, swept keys first [SI]."""
+    kind = kind_of(path)
+    with open_swept(path, kind) as file:
+        axes = axes_of(file, _ANCHOR[kind])
+        names = [name for name, item in file.items() if _over_axes(item, axes, file[_ANCHOR[kind]].shape)]
+        rows: list[dict[str, Any]] = []
+        for point in product(*(range(n) for n in file[_ANCHOR[kind]].shape)):
+            row: dict[str, Any] = {axis: coordinate(file, axis)[place] for axis, place in zip(axes, point, strict=True)}
+            row |= {name: float(file[name][point]) for name in names}
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def write_system_report(path: Path, folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
+    """Write figures (none where `formats` is empty), numbers.csv and summary.md; returns the files.
+
+    Raises `InputError` for a file that neither `pound connector` nor `pound wall` wrote, or a folder that refuses.
+    """
+    kind = kind_of(path)
+    with open_swept(path, kind if kind in _ANCHOR else "wall") as file:
+        title = str(file.attrs["title"])
+    written: list[Path] = []
+    if formats:
+        draw = draw_connector if kind == "connector" else draw_wall
+        written += draw(path, folder, tuple(formats))
+    claims = connector_claims(path) if kind == "connector" else wall_claims(path)
+    lines = [f"# {title}", "", "| point | the paper says | found | holds |", "|---|---|---|---|"]
+    for claim in claims:
+        cells = [str(claim[key]).replace("|", "\\|") for key in ("point", "paper", "found")]
+        lines.append(f"| {' | '.join(cells)} | {'yes' if claim['holds'] else 'no'} |")
+    for figure in written:
+        if figure.suffix == ".png":
+            lines += ["", f"![{figure.stem}]({figure.name})"]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        numbers(path).to_csv(folder / "numbers.csv", index=False)
+        (folder / "summary.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    return [*written, folder / "numbers.csv", folder / "summary.md"]
+
+
+def _over_axes(item: Any, axes: tuple[str, ...], shape: tuple[int, ...]) -> bool:
+    """Whether a variable lies over the swept dimensions and no other."""
+    if not isinstance(item, h5py.Dataset) or item.is_scale or item.shape != shape or item.dtype.kind != "f":
+        return False
+    return tuple(dim[0].name.rsplit("/", 1)[-1] for dim in item.dims if len(dim)) == axes
