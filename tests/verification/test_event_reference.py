@@ -33,6 +33,11 @@ def agree(scene: Scene, tolerance: float = 1e-8) -> None:
     for name in LINK:
         assert getattr(found.links, name) == pytest.approx(getattr(expected, name), rel=tolerance, abs=1e-13), name
     assert found.links.impacts.tolist() == expected.impacts.tolist()
+    work, ledger = expected.energy, found.energy
+    for name in ("input", "kinetic", "damping"):
+        assert ledger[name] == pytest.approx(work[name], rel=tolerance, abs=tolerance * work["input"]), name
+    held = sum(ledger[name] for name in ("stored", "hysteresis", "links", "links_stored"))
+    assert held == pytest.approx(work["storeys"] + work["springs"] + work["links"], rel=tolerance)
     size = np.abs(expected.drift).max()
     assert gather(found, "residual_drift") == pytest.approx(expected.residual_drift, abs=tolerance * size)
     end = np.concatenate([u for u, _ in found.final])

@@ -20,7 +20,9 @@ def test_throw_of_an_undamped_storey():
     slid = (expected.first - VY / K) + (expected.first - 2 * VY / K - expected.second)
     assert expected.loop == pytest.approx((1 - A) * VY * slid, rel=1e-12)
     scene = Scene((oscillator(M, K, 0.0, VY, A),), (), still(0.8), INELASTIC)
-    found = solve(scene, 1e-12, initial=([[0.0]], [[V0]])).buildings[0]
+    response = solve(scene, 1e-12, initial=([[0.0]], [[V0]]))
+    found = response.buildings[0]
+    assert response.energy["hysteresis"] == pytest.approx(expected.loop, rel=1e-9)
     assert expected.second < -2 * VY / K / 2  # it yields the other way too
     assert found.displacement_max[0] == pytest.approx(expected.first, rel=1e-9)
     assert found.displacement_min[0] == pytest.approx(expected.second, rel=1e-9)
