@@ -53,9 +53,7 @@ class UbcDesign:
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"{word} is {value:g}: it must be finite and above zero")
         if self.zone > 1:
-            raise ValueError(
-                f"Z is {self.zone:g}: give the zone factor (0.4 in zone 4; 1.0 in 1985), not its number"
-            )
+            raise ValueError(f"Z is {self.zone:g}: give the zone factor (0.4 in zone 4; 1.0 in 1985), not its number")
 
     def base_shear_coefficient(self, period: float) -> float:
         """Base shear over weight V/W [-] at the fundamental period [s].

@@ -44,6 +44,4 @@ class Foundation:
                 if not math.isfinite(value) or value < 0:
                     raise ValueError(f"foundation: {name} is {value:g}; it must be finite and not negative")
                 if value == 0 and not name.endswith("damping"):
-                    raise ValueError(
-                        f"foundation: {name} is 0; give a value above zero, or set {switch} to False"
-                    )
+                    raise ValueError(f"foundation: {name} is 0; give a value above zero, or set {switch} to False")

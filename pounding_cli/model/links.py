@@ -85,18 +85,14 @@ class Link:
         if not (math.isfinite(self.gap) and self.gap >= 0):
             raise ValueError(f"link: gap is {self.gap:g} m; it must be finite and not negative")
         if self.kind is Kind.INFILL and self.gap == 0:
-            raise ValueError(
-                "link: an infill needs a gap above zero to fill; write pounding for a gap of zero"
-            )
+            raise ValueError("link: an infill needs a gap above zero to fill; write pounding for a gap of zero")
         names = ("stiffness", "impact_stiffness") if self.kind is Kind.INFILL else ("stiffness",)
         for name in names:
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"link: {name} is {value:g} N/m; it must be finite and above zero")
         if not 0 <= self.damping_ratio < 1:
-            raise ValueError(
-                f"link: damping_ratio is {self.damping_ratio:g}; it must be at least 0 and below 1"
-            )
+            raise ValueError(f"link: damping_ratio is {self.damping_ratio:g}; it must be at least 0 and below 1")
 
     def dashpot_mass(self, left_mass: float, right_mass: float) -> float:
         """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""

@@ -46,9 +46,7 @@ def test_storey_shears_below_the_top_force_s_period(edition):
     """With equal floors, F_j = V j / 15 on five floors. Fails if the sum runs from the ground up."""
     design = UbcDesign(edition, 0.4)
     base = design.base_shear_coefficient(0.6) * G * 1e6
-    assert design.yield_shears(MASS, HEIGHT, 0.6) == pytest.approx(
-        base * np.array([15, 14, 12, 9, 5]) / 15, rel=1e-12
-    )
+    assert design.yield_shears(MASS, HEIGHT, 0.6) == pytest.approx(base * np.array([15, 14, 12, 9, 5]) / 15, rel=1e-12)
 
 
 @pytest.mark.parametrize(("period", "share"), [(0.7, 0.0), (1.0, 0.07), (4.0, 0.25)])

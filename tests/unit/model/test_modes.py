@@ -35,9 +35,7 @@ def test_one_storey_on_sway_and_rocking_springs():
     light = Foundation(1e-3, 3e8, 0.0, 1e-3, 5e9, 0.0)
     h = building(light, 1).height[0]
     flexibility = 1 / 2e8 + 1 / 3e8 + h**2 / 5e9
-    assert modes(building(light, 1)).periods[0] == pytest.approx(
-        2 * math.pi * math.sqrt(2e5 * flexibility), rel=1e-8
-    )
+    assert modes(building(light, 1)).periods[0] == pytest.approx(2 * math.pi * math.sqrt(2e5 * flexibility), rel=1e-8)
 
 
 def test_energies_of_a_random_motion():
