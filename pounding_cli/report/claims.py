@@ -40,9 +40,7 @@ def judge(evidence: Evidence) -> list[Judgement]:
     return [claim.judge(evidence) for claim in claims(evidence)]
 
 
-def _quotient(
-    evidence: Evidence, case: str, base: str, ratio: str, analysis: str, building: str
-) -> pd.Series:
+def _quotient(evidence: Evidence, case: str, base: str, ratio: str, analysis: str, building: str) -> pd.Series:
     """One case's line in the figure over another's, per storey."""
     mine = evidence.means(evidence.case_of(case), analysis, building, ratio)
     return (mine / evidence.means(evidence.case_of(base), analysis, building, ratio)).dropna()
@@ -205,9 +203,7 @@ def scales(evidence: Evidence) -> list[Finding]:
             continue
         # Arias intensity goes with the square of the scale; `arias` is that of the motion as used.
         factor = row["scale"] / reference["scale"] * math.sqrt(reference["arias"] / row["arias"])
-        words = (
-            f"{record} ({row['source']}): scale for equal Arias intensity over Table 1's {TABLE1[record]:.2f}"
-        )
+        words = f"{record} ({row['source']}): scale for equal Arias intensity over Table 1's {TABLE1[record]:.2f}"
         number = factor / TABLE1[record]
         if row["source"] == "stand-in" and record in IMPLIED:
             findings.append(Finding(f"{words} (no test: this stand-in is built from that scale)", number))
@@ -237,8 +233,7 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "softer-infill",
-        "There is a small increase in the responses [...] if a 1/10 to 1/100 of this average value is used "
-        "instead.",
+        "There is a small increase in the responses [...] if a 1/10 to 1/100 of this average value is used instead.",
         ("fig6", "fig7"),
         "Holds where V/V0 and μ/μ0 of the stiffer building grow, by at most 15 %, mean over the storeys.",
         softer_infill,
@@ -267,8 +262,7 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim(
         "connection-stiffer",
-        "There is a substantial increase to the response of the stiffer building, especially for the "
-        "inelastic case.",
+        "There is a substantial increase to the response of the stiffer building, especially for the inelastic case.",
         ("fig6", "fig7"),
         "Holds where the mean ratio reaches 1.20 at some storey, in both analyses, and μ/μ0 (inelastic) lies "
         "above V/V0 (elastic) in the mean over the storeys.",
@@ -301,8 +295,7 @@ CLAIMS: tuple[Claim, ...] = (
         "The scale [of Table 1] was computed by equating the Arias intensities of these motions to the Arias "
         "intensity of the El Centro record.",
         ("fig6", "fig7"),
-        "Holds where the scales for equal Arias intensity, over the analysed durations, are Table 1's within "
-        "2 %.",
+        "Holds where the scales for equal Arias intensity, over the analysed durations, are Table 1's within 2 %.",
         scales,
     ),
 )

@@ -99,9 +99,7 @@ class Evidence:
             return role
         if role not in ROLES or self.link.empty:
             return None
-        kind = {"touching": "pounding", "gap": "pounding"}.get(
-            role, "connector" if role == "connected" else role
-        )
+        kind = {"touching": "pounding", "gap": "pounding"}.get(role, "connector" if role == "connected" else role)
         links = self.link[self.link["kind"] == kind]
         if role in ("touching", "gap"):
             links = links[(links["gap"] == 0) if role == "touching" else (links["gap"] > 0)]
@@ -114,9 +112,7 @@ class Evidence:
         ratio : "V_ratio", "mu_ratio" (index: storey) or "acceleration_ratio" (index: floor)
         """
         frame, level = (self.floor, "floor") if ratio == "acceleration_ratio" else (self.storey, "storey")
-        rows = frame[
-            (frame["case"] == case) & (frame["analysis"] == analysis) & (frame["building"] == building)
-        ]
+        rows = frame[(frame["case"] == case) & (frame["analysis"] == analysis) & (frame["building"] == building)]
         return rows.groupby(level)[ratio].mean().dropna()
 
     def against(self, case: str | None, base: str | None, analysis: str, building: str) -> pd.Series:
@@ -128,9 +124,7 @@ class Evidence:
 
     def _accelerations(self, case: str | None, analysis: str, building: str) -> pd.Series:
         rows = self.floor[
-            (self.floor["case"] == case)
-            & (self.floor["analysis"] == analysis)
-            & (self.floor["building"] == building)
+            (self.floor["case"] == case) & (self.floor["analysis"] == analysis) & (self.floor["building"] == building)
         ]
         return rows.set_index(["record", "floor"])["acceleration"]
 

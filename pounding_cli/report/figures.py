@@ -156,9 +156,7 @@ def _over_case(rows: pd.DataFrame, base: str) -> pd.DataFrame:
     """Accelerations of every case over those of one, motion by motion, in the column `relative`."""
     below = rows[rows["case"] == base][["record", "floor", "acceleration"]]
     both = rows.merge(below, on=["record", "floor"], suffixes=("", "_base"))
-    return both.assign(
-        relative=both["acceleration"] / both["acceleration_base"].where(both["acceleration_base"] > 0)
-    )
+    return both.assign(relative=both["acceleration"] / both["acceleration_base"].where(both["acceleration_base"] > 0))
 
 
 def headline(evidence: Evidence, building: str) -> str:

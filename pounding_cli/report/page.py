@@ -95,9 +95,7 @@ def _links(evidence: Evidence) -> list[str]:
         cells = [case]
         for analysis in evidence.analyses:
             here = evidence.link[(evidence.link["case"] == case) & (evidence.link["analysis"] == analysis)]
-            by_motion = here.groupby("record").agg(
-                {"peak_force": "max", "impacts": "sum", "max_closing": "max"}
-            )
+            by_motion = here.groupby("record").agg({"peak_force": "max", "impacts": "sum", "max_closing": "max"})
             mean = by_motion.mean()
             cells += [
                 f"{mean['peak_force'] / 1e6:.2f}",

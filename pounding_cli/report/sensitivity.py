@@ -68,15 +68,11 @@ def page(title: str, columns: Sequence[Column]) -> list[str]:
     return lines
 
 
-def _changes(
-    keys: Sequence[str], heads: Sequence[str], by_key: Sequence[Mapping[str, Judgement]]
-) -> list[str]:
+def _changes(keys: Sequence[str], heads: Sequence[str], by_key: Sequence[Mapping[str, Judgement]]) -> list[str]:
     """Which verdicts are not the same everywhere: the most frequent one, and where it is another."""
     lines = []
     for key in keys:
-        verdicts = {
-            head: _verdict(column[key]) for head, column in zip(heads, by_key, strict=True) if key in column
-        }
+        verdicts = {head: _verdict(column[key]) for head, column in zip(heads, by_key, strict=True) if key in column}
         most = max(verdicts.values(), key=list(verdicts.values()).count)
         others = [f"*{verdict}* at {head}" for head, verdict in verdicts.items() if verdict != most]
         if others:
@@ -99,9 +95,7 @@ def _verdict(judgement: Judgement | None) -> str:
 
 def _numbers(judged: Sequence[Judgement | None]) -> Mapping[str, list[str]]:
     """The numbers of one claim by finding, one cell a column; those that miss their threshold are bold."""
-    words = dict.fromkeys(
-        finding.words for judgement in judged if judgement for finding in judgement.findings
-    )
+    words = dict.fromkeys(finding.words for judgement in judged if judgement for finding in judgement.findings)
     rows: dict[str, list[str]] = {text: [] for text in words}
     for judgement in judged:
         here = {finding.words: finding for finding in judgement.findings} if judgement else {}

@@ -39,15 +39,10 @@ def _worded(evidences: Sequence[Evidence]) -> tuple[list[str], str]:
     words = [", ".join(str(value) for value in evidence.point.values()) for evidence in evidences]
     width = LINE // len(words)
     wrapped = [textwrap.fill(text, max(width, 1), break_long_words=False) for text in words]
-    if (
-        max(len(line) for text in wrapped for line in text.split("\n")) <= width
-        and len("".join(words)) < 3 * LINE
-    ):
+    if max(len(line) for text in wrapped for line in text.split("\n")) <= width and len("".join(words)) < 3 * LINE:
         return wrapped, ""
     numbers = [str(number) for number in range(1, len(words) + 1)]
-    return numbers, " Points: " + "; ".join(
-        f"({n}) {text}" for n, text in zip(numbers, words, strict=True)
-    ) + "."
+    return numbers, " Points: " + "; ".join(f"({n}) {text}" for n, text in zip(numbers, words, strict=True)) + "."
 
 
 @styled
@@ -62,9 +57,7 @@ def sweep_figure(evidences: Sequence[Evidence], building: str) -> Figure:
     order = np.argsort(across, kind="stable")
     for ax, (analysis, ratio, label) in zip(axes[0], panels, strict=False):
         for case, look in looks(plotted_cases(first)).items():
-            largest = np.array(
-                [evidence.means(case, analysis, building, ratio).max() for evidence in evidences]
-            )
+            largest = np.array([evidence.means(case, analysis, building, ratio).max() for evidence in evidences])
             ax.plot(
                 across[order],
                 largest[order],

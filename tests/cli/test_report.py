@@ -65,9 +65,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "two.yaml").write_text(STUDY)
     (tmp_path / "swept.yaml").write_text(STUDY + "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n")
     for name in ("two", "swept"):
-        run_plan(
-            expand(load_study(tmp_path / f"{name}.yaml")), tmp_path / f"{name}.h5", solve=known, workers=1
-        )
+        run_plan(expand(load_study(tmp_path / f"{name}.yaml")), tmp_path / f"{name}.h5", solve=known, workers=1)
     return tmp_path
 
 
@@ -143,14 +141,10 @@ def test_same_report_again_is_the_same_to_the_byte(folder, pound):
     for name in ("one", "again"):
         pound("report", "two.h5", "-o", name, "-q", "--format", "svg")
     for path in (folder / "one").rglob("*.*"):
-        assert path.read_bytes() == (folder / "again" / path.relative_to(folder / "one")).read_bytes(), (
-            path.name
-        )
+        assert path.read_bytes() == (folder / "again" / path.relative_to(folder / "one")).read_bytes(), path.name
 
 
-@pytest.mark.parametrize(
-    ("name", "content"), [("missing.h5", None), ("text.h5", b"not a results file"), (".", None)]
-)
+@pytest.mark.parametrize(("name", "content"), [("missing.h5", None), ("text.h5", b"not a results file"), (".", None)])
 def test_what_is_no_results_file_is_refused(folder, pound, name, content):
     if content is not None:
         (folder / name).write_bytes(content)

@@ -98,9 +98,7 @@ def test_softer_infill_is_not_tested_without_its_cases():
     assert all(finding.text == "–" for finding in judged.findings)
 
 
-@pytest.mark.parametrize(
-    ("gap", "expected"), [(1.08, Verdict.HOLDS), (1.095, Verdict.HOLDS), (1.15, Verdict.PARTLY)]
-)
+@pytest.mark.parametrize(("gap", "expected"), [(1.08, Verdict.HOLDS), (1.095, Verdict.HOLDS), (1.15, Verdict.PARTLY)])
 def test_code_gap_is_adequate_up_to_a_ratio_of_one_point_one(gap, expected):
     # The fixture raises inelastic mu of the stiff building by 1.2: undone here so that one level rules both.
     results = make(v_ratio=ratios(gap=gap), resolved={"claims": "fig7"})
@@ -180,17 +178,13 @@ def test_scales_are_compared_through_the_arias_intensity_as_used():
     assert taft.passed is False
     assert judged.verdict == Verdict.PARTLY
     used = [finding for finding in judged.findings if "as used" in finding.words]
-    assert [(finding.words.split(":")[0], finding.number, finding.passed) for finding in used] == [
-        ("taft", 1.0, None)
-    ]
+    assert [(finding.words.split(":")[0], finding.number, finding.passed) for finding in used] == [("taft", 1.0, None)]
 
 
 def test_stand_ins_built_from_table_1_do_not_test_it():
     standing = {f.words.split(" ")[0]: f.passed for f in verdict(make(), "scales").findings}
     assert standing == {"taft": True, "eureka": None, "olympia": None, "parkfield": True}
-    real = {
-        f.words.split(" ")[0]: f.passed for f in verdict(make(sources={"eureka": "real"}), "scales").findings
-    }
+    real = {f.words.split(" ")[0]: f.passed for f in verdict(make(sources={"eureka": "real"}), "scales").findings}
     assert real["eureka"] is True
 
 

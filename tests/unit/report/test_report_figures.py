@@ -86,9 +86,7 @@ def test_building_of_the_study_comes_first():
 
 
 def test_group_drawing_fills_the_plotted_building_only():
-    figure = figures.response(
-        points(make(group=("soft-1", "stiff", "soft-2"), storeys={"soft-2": 3}))[0], "stiff"
-    )
+    figure = figures.response(points(make(group=("soft-1", "stiff", "soft-2"), storeys={"soft-2": 3}))[0], "stiff")
     blocks = figure.axes[0].patches
     assert len(blocks) == 13
     filled = {round(block.get_x(), 2) for block in blocks if block.get_facecolor()[:3] == (0, 0, 0)}
@@ -189,9 +187,7 @@ def test_colours_of_the_four_cases_are_apart_in_grey():
 
 def test_saving_gives_all_formats_and_the_same_bytes_again(tmp_path):
     evidence = points(make())[0]
-    first, second = (
-        save({"a": figures.response(evidence, "stiff")}, tmp_path / name) for name in ("one", "two")
-    )
+    first, second = (save({"a": figures.response(evidence, "stiff")}, tmp_path / name) for name in ("one", "two"))
     assert [path.suffix for path in first] == [".png", ".svg", ".pdf"]
     for one, two in zip(first, second, strict=True):
         assert one.stat().st_size > 5000
