@@ -71,7 +71,7 @@ def run_plan(
     check_output(output)
     if is_current(output, plan):
         return Outcome(output, 0, 0, len(plan.scenes), (), "none", 0, 0.0, time.perf_counter() - begin)
-    key = solution_key(plan.accuracy, plan.method)
+    key = solution_key(plan.accuracy, plan.method, plan.estimate)
     parts = PartStore(output, key)
     found = stored_solutions(output, key, plan.scenes) | parts.load()
     responses = {digest: found[digest] for digest in plan.scenes if digest in found}
@@ -115,7 +115,7 @@ def _solve_missing(
     solve: Solve | None,
 ) -> Engine:
     """Solve two scenes of every sort here, one to compile, one to price the rest; then solve the rest."""
-    task = Task(solve or _default_solve(), plan.accuracy, plan.method)
+    task = Task(solve or _default_solve(), plan.accuracy, plan.method, plan.estimate)
 
     def keep(digest: str, response: Response) -> None:
         responses[digest] = response

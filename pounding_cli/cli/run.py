@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.batch import Outcome
     from pounding_cli.store import Overview
+    from pounding_cli.store.overview import Trust
 
 FEW_POINTS = 8
 """Points of a sweep that are printed one by one; of more, the range is."""
@@ -109,6 +110,7 @@ def _print(found: Overview, outcome: Outcome) -> None:
         click.echo(f"Line {number}, {point}")
     motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
     click.echo(f"Means over {found.records} motions{many}.\nMotions, {motions}")
+    _print_trust(found.trust)
     for flag, scenes in found.flags.items():
         click.echo(f"Note, {scenes} scenes: {flag}")
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
@@ -117,6 +119,20 @@ def _print(found: Overview, outcome: Outcome) -> None:
         f"solver {_time(outcome.solver_seconds)}, in all {_time(outcome.wall_seconds)}"
     )
     click.echo(f"Results: {outcome.path}")
+
+
+def _print_trust(trust: Trust) -> None:
+    """The error and the sensitivity of the numbers above, in words."""
+    if trust.residual == trust.residual:
+        click.echo(f"Energy closes to {trust.residual:.0e} of the input in every scene.")
+    if not trust.assessed:
+        click.echo("Errors and sensitivities were not estimated (estimate: none).")
+        return
+    of = "all" if trust.assessed == trust.scenes else f"{trust.assessed} of {trust.scenes}"
+    click.echo(
+        f"Peaks carry a numerical error of at most {trust.error:.0e} ({of} scenes assessed); a motion stronger by "
+        f"0.1 %\nmoves them by at most {trust.sensitivity * 0.1:.2g} % ({trust.where})."
+    )
 
 
 def _number(values: np.ndarray, at: np.ndarray | None = None) -> str:

@@ -62,6 +62,7 @@ class Response:
     flags : sentences about the scene, e.g. "infill compressed beyond its thickness: stiff|soft floor 5"
     effects, dropped : effects simulated; effects left out, each with its reason
     orders : Taylor orders computed in all (0 for other methods)
+    error_estimate, sensitivity : see `assess` [-]; nan where not assessed
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
     """
 
@@ -79,4 +80,6 @@ class Response:
     effects: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
     orders: int = 0
+    error_estimate: float = float("nan")
+    sensitivity: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()

@@ -37,6 +37,7 @@ def solver_version() -> str:
     return f"{package_version()}+{sha.hexdigest()[:12]}"
 
 
-def solution_key(accuracy: float, method: str) -> str:
+def solution_key(accuracy: float, method: str, estimate: str = "none") -> str:
     """The key two solutions of one scene share exactly when they are the same number for number."""
-    return f"format {FORMAT_VERSION} | solver {solver_version()} | method {method} | accuracy {accuracy!r}"
+    solver = f"format {FORMAT_VERSION} | solver {solver_version()}"
+    return f"{solver} | method {method} | accuracy {accuracy!r} | estimate {estimate}"

@@ -34,6 +34,24 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Trust:
+    """How far the numbers go: worst over the scenes that were assessed.
+
+    assessed, scenes : how many scenes were solved twice more, and how many there are
+    error : largest estimated numerical error [-]
+    sensitivity : largest sensitivity [-], `where`: the scene it belongs to
+    residual : largest energy residual [-]
+    """
+
+    assessed: int
+    scenes: int
+    error: float
+    sensitivity: float
+    where: str
+    residual: float
+
+
+@dataclass(frozen=True)
 class Overview:
     """What a run found.
 
@@ -52,6 +70,7 @@ class Overview:
     points: tuple[str, ...]
     records: int
     solver_seconds: float
+    trust: Trust
 
 
 def overview(path: Path) -> Overview:
@@ -90,7 +109,24 @@ def overview(path: Path) -> Overview:
             _points([{name: _values(file[name]) for name in names} for names in swept]),
             len(records),
             float(file.attrs["solver_seconds"]),
+            _trust(file, (cases, analyses, records)),
         )
+
+
+def _trust(file: h5py.File, names: tuple[list[str], list[str], list[str]]) -> Trust:
+    errors, sensitivities = file["error_estimate"][()], file["sensitivity"][()]
+    residuals = np.abs(file["energy_residual"][()])
+    known = np.isfinite(sensitivities)
+    where = ""
+    if known.any():
+        at = np.unravel_index(np.argmax(np.where(known, sensitivities, -np.inf)), sensitivities.shape)
+        where = ", ".join(words[int(i)] for words, i in zip(names, at[-3:], strict=True))
+    return Trust(int(known.sum()), int(known.size), _worst(errors), _worst(sensitivities), where, _worst(residuals))
+
+
+def _worst(values: np.ndarray) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if known.size else float("nan")
 
 
 def _points(axes: list[dict[str, list]]) -> tuple[str, ...]:

@@ -82,7 +82,7 @@ def content_digest(plan: Plan) -> str:
     """SHA-256 of all that a results file says, solver included, cost and machine left out."""
     sha = hashlib.sha256()
     for part in (
-        solution_key(plan.accuracy, plan.method),
+        solution_key(plan.accuracy, plan.method, plan.estimate),
         plan.study.title,
         plan.study.text,
         _json(plan.study.resolved()),
@@ -161,7 +161,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: Mapping[str, Respo
             "title": plan.study.title,
             "swept": json.dumps([list(axis.names) for axis in plan.axes]),
             "content": content_digest(plan),
-            "solution_key": solution_key(plan.accuracy, plan.method),
+            "solution_key": solution_key(plan.accuracy, plan.method, plan.estimate),
             "accuracy": plan.accuracy,
             "method": plan.method,
             "scenes": len(solutions),

@@ -65,6 +65,7 @@ def expand(study: Study) -> Plan:
         motions=tuple(used.use for used in shown.values()),
         accuracy=model.accuracy if fixed_step is None else fixed_step,
         method=model.method,
+        estimate=model.estimate,
     )
 
 

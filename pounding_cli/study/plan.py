@@ -57,6 +57,7 @@ class Plan:
     buildings : names by place, left to right (soft-1, soft-2 where a type stands twice)
     motions : one per record; where the sweep changes them, those of its first point
     accuracy : relative error wanted [-]; the time step [s] for a fixed-step method
+    estimate : which scenes are solved twice more for error and sensitivity: none, sample or all
     """
 
     study: Study
@@ -70,3 +71,4 @@ class Plan:
     motions: tuple[MotionUse, ...]
     accuracy: float
     method: str
+    estimate: str = "none"

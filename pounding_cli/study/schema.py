@@ -308,6 +308,9 @@ class StudyModel(Model):
     time_step: Annotated[float, limited(units.TIME, name="time step", example="1e-4 s")] | None = optional(
         None, description="time step of a fixed-step method [s]"
     )
+    estimate: Literal["none", "sample", "all"] = optional(
+        "all", description="scenes solved twice more, for their numerical error and their sensitivity"
+    )
     tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = optional(
         0.0, description="free vibration after the motion [s]"
     )

@@ -84,7 +84,9 @@ def test_filters(shown):
     assert len(rows(out)) == 4
 
 
-def test_units_stand_over_the_columns_and_missing_numbers_are_dashes(shown):
+def test_units_stand_over_the_columns_and_missing_numbers_are_dashes(folder, pound, shown):  # noqa: F811
+    (folder / "two.yaml").write_text(STUDY + "estimate: none\n")
+    pound("run", "two.yaml", "-o", "r.h5", "-q")
     _, out, _ = shown("storey")
     assert "V [N]" in out
     assert "drift [m]" in out

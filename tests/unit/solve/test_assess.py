@@ -1,0 +1,61 @@
+"""What `assess` says of a response: error against a finer run, amplification of a small change of the motion."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scenes import motion, pair, pounding
+
+from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.solve import assess, solve
+from pounding_cli.solve.assess import change
+
+ACCURACY = 1e-6
+
+
+def assessed(scene: Scene):
+    return assess(scene, solve(scene, ACCURACY), ACCURACY)
+
+
+def test_a_linear_scene_has_a_sensitivity_of_one():
+    alone = Scene((pair()[0],), (), motion(), Analysis.ELASTIC)
+    assert assessed(alone).sensitivity == pytest.approx(1.0, rel=1e-5)
+
+
+def test_touching_elastic_buildings_scale_with_the_motion():
+    """Without a gap the laws are homogeneous of degree one: twice the motion is twice the response."""
+    buildings = pair()
+    scene = Scene(buildings, pounding(buildings, gap=0.0), motion(), Analysis.ELASTIC)
+    assert assessed(scene).sensitivity == pytest.approx(1.0, rel=1e-3)
+
+
+def test_the_error_is_that_of_the_response_and_not_of_the_finer_run():
+    buildings = pair()
+    scene = Scene(buildings, pounding(buildings, gap=0.01), motion(), Analysis.INELASTIC)
+    coarse = solve(scene, 1e-2)
+    found = assess(scene, coarse, 1e-2).error_estimate
+    assert found == pytest.approx(change(coarse, solve(scene, 1e-12)), rel=0.1)
+    assert found > 10 * assess(scene, solve(scene, 1e-6), 1e-6).error_estimate
+
+
+def test_a_scene_that_hangs_on_a_hair_is_flagged():
+    """A gap that the buildings only just close: the contact comes and goes with the last digits of the motion."""
+    buildings = pair()
+    free = solve(Scene(buildings, pounding(buildings, gap=1.0), motion(), Analysis.ELASTIC))
+    gap = float(free.links.max_closing[-1]) * (1 - 2e-7)
+    response = assessed(Scene(buildings, pounding(buildings, gap=gap), motion(), Analysis.ELASTIC))
+    nudged = response.sensitivity
+    assert nudged > 1.0
+    assert (nudged > 100) == any("ill-conditioned" in flag for flag in response.flags)
+
+
+def test_change_takes_the_worst_storey_and_leaves_out_what_rests():
+    scene = Scene((pair()[0],), (), motion(), Analysis.ELASTIC)
+    first = solve(scene)
+    shear = first.buildings[0].shear * np.array([1.0, 1.02, 1.0, 1.0, 1.0])
+    second = dataclasses.replace(first, buildings=(dataclasses.replace(first.buildings[0], shear=shear),))
+    assert change(first, second) == pytest.approx(0.02 / 1.02)
+    still = Scene((pair()[0],), (), motion().scaled(0.0), Analysis.ELASTIC)
+    assert change(solve(still), solve(still)) == 0.0
