@@ -16,8 +16,9 @@ from pounding_cli.kernels.layout import (
     OPEN,
     POUNDING,
 )
+from pounding_cli.kernels.link_series import difference
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-from pounding_cli.kernels.simd import greater, load, lowest, magnitude, maximum, minimum, splat
+from pounding_cli.kernels.simd import greater, load, lowest, magnitude, maximum, minimum, splat, store
 
 STOREY, CLOSES, OPENS, STIFFENS, SOFTENS, PULLS, PUSHES = 0, 1, 2, 3, 4, 5, 6
 """Kinds of event."""
@@ -50,12 +51,14 @@ def _storey_crossing(slots, state, work, ends, padded, order, i, end, scratch):
 
 
 @njit(**INLINE)
-def first_storey_event(slots, state, work, ends, padded, order, end, scratch):
-    """(s, slot) of the first storey event in [0, end], or (NEVER, -1)."""
+def first_storey_event(slots, state, work, ends, padded, order, scratch):
+    """(s, slot) of the first storey event in [0, 1], or (NEVER, -1); `work.roots` tells every storey's own."""
     earliest = NEVER
     which = -1
     zero = splat(0.0)
+    never = splat(NEVER)
     for b in range(0, padded, 8):
+        store(work.roots, b, never)
         plastic = load(state.plastic, b)
         reach = maximum(magnitude(load(work.D, b) - plastic), magnitude(load(ends.drift, b) - plastic))
         suspects = greater(reach + load(ends.drift_stray, b), load(slots.yield_drift, b))
@@ -69,8 +72,9 @@ def first_storey_event(slots, state, work, ends, padded, order, end, scratch):
         while suspects != 0:
             i = b + lowest(suspects)
             suspects &= suspects - 1
-            s = _storey_crossing(slots, state, work, ends, padded, order, i, min(end, earliest), scratch)
-            if s < earliest and s <= end:
+            s = _storey_crossing(slots, state, work, ends, padded, order, i, 1.0, scratch)
+            work.roots[i] = s
+            if s < earliest and s <= 1.0:
                 earliest = s
                 which = i
     return earliest, which
@@ -83,7 +87,7 @@ def _open_link_crossing(links, state, work, padded, order, e, closing, end, scra
     right = links.right[e]
     scratch[0] = 0.0 if state.snapped_link[e] == AT_ZERO else -closing
     for k in range(1, order + 1):
-        scratch[k] = work.U[k * padded + right] - work.U[k * padded + left]
+        scratch[k] = difference(work.U[k * padded + right], work.U[k * padded + left])
     return first_crossing(scratch, order, end)
 
 
@@ -136,7 +140,7 @@ def first_link_event(links, state, work, ends, padded, order, end, scratch, kind
         right = links.right[e]
         if state.link_branch[e] == OPEN:
             thickness = links.gap[e] if links.kind[e] == POUNDING else 0.0
-            closing = state.u[left] - state.u[right] - thickness
+            closing = difference(state.u[left] - thickness, state.u[right])
             last = ends.u[left] - ends.u[right] - thickness
             if max(closing, last) + ends.u_stray[left] + ends.u_stray[right] < 0.0:
                 continue

@@ -33,7 +33,7 @@ LARGEST_ORDER = 34
 Work = namedtuple(
     "Work",
     "U W D V rates F square root half law phi_W phi_D tangent offset stencil scaled push force tilt "
-    "reciprocal curve twist",
+    "roots reciprocal curve twist",
 )
 """Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, rates, F: closing,
 its rate and force by order and link; square, root, half: the infill's v^2 and sqrt(s_cur) by order, and half its
@@ -41,7 +41,7 @@ inverse; law: the link laws' coefficients (`link_series`). phi_W, phi_D: rocking
 [N/m] and offset [N] of each storey's branch. stencil: six rows of acceleration per displacement (own, left, right)
 and per velocity (own, left, right); scaled: the same times h^2 and h. push: acceleration of the offsets [m/s2].
 force: one order's link and foundation forces; tilt: storey height times rocking angle by order and slot.
-reciprocal[k] = 1/k; curve[k] = k (k - 1) / 8; twist[k] = k (k - 1) (k - 2) / 8."""
+roots: where each storey leaves its branch. reciprocal[k] = 1/k; curve[k] = k (k - 1) / 8; twist[k] = k (k - 1) (k - 2) / 8."""
 
 
 @njit(**INLINE)
@@ -163,6 +163,11 @@ def expand(
             for b in range(0, padded, 8):
                 allowed = maximum(load(peaks.acceleration, b), splat(quiet)) * limit
                 large = large or greater(magnitude(load(work.W, row + padded + b)), allowed) != 0
+            if founded:
+                for f in range(feet.number):  # a turning base, measured where it moves most: at the top floor
+                    top = feet.stop[f] - 1
+                    turning = abs(work.phi_W[(k + 1) * feet.number + f]) * slots.elevation[top]
+                    large = large or turning > limit * max(peaks.acceleration[top], quiet)
             if not large and small_before:
                 return k + 1, True
             small_before = not large
@@ -172,13 +177,17 @@ def expand(
 
 
 @njit(**INLINE)
-def shrink(work, peaks, padded, h, tolerance, quiet, order):
+def shrink(slots, feet, work, peaks, padded, h, tolerance, quiet, order):
     """The fraction of a step that meets the tolerance at its highest order; rescales nothing."""
     worst = 0.0
     for k in (order - 1, order):
         size = 0.0
         for i in range(padded):
             size = max(size, abs(work.W[k * padded + i]) / max(peaks.acceleration[i], quiet))
+        for f in range(feet.number):
+            top = feet.stop[f] - 1
+            turning = abs(work.phi_W[k * feet.number + f]) * slots.elevation[top]
+            size = max(size, turning / max(peaks.acceleration[top], quiet))
         size *= k / (h * h)
         if size > 0.0:
             worst = max(worst, (size / tolerance) ** (1.0 / (k - 1)))

@@ -67,7 +67,7 @@ def _workspace(room, padded, feet_count, link_count):
     by_slot = rows * padded
     by_link = rows * link_count
     at = further(room, 4 * by_slot)
-    at_link = further(at, 30 * padded)
+    at_link = further(at, 31 * padded)
     at_rest = further(at_link, 5 * by_link + 7 * link_count)
     reciprocal = further(at_rest, 2 * rows * feet_count)
     curve = further(reciprocal, rows + 1)
@@ -86,7 +86,7 @@ def _workspace(room, padded, feet_count, link_count):
         further(at_link, 4 * by_link), further(at_link, 5 * by_link), further(at_link, 5 * by_link + link_count),
         at_rest, further(at_rest, rows * feet_count),
         at, further(at, padded), further(at, 2 * padded), further(at, 8 * padded),
-        further(at, 14 * padded), further(at, 15 * padded), further(room, 3 * by_slot),
+        further(at, 14 * padded), further(at, 15 * padded), further(room, 3 * by_slot), further(at, 30 * padded),
         reciprocal, curve, twist,
     )  # fmt: skip
     ends = Ends(
@@ -232,7 +232,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
                     guess = order - 2
             else:
                 guess = most_order - 2
-                ratio = shrink(work, peaks, padded, h, tolerance, quiet, order)
+                ratio = shrink(slots, feet, work, peaks, padded, h, tolerance, quiet, order)
                 if not ratio > 1e-14:
                     return NOT_FINITE, steps, events, orders, segment * dt + offset
                 if ratio < 1.0:
@@ -248,7 +248,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
             link = -1
             event = 0
             if inelastic:
-                s, storey = first_storey_event(slots, state, work, ends, padded, order, end, scratch)
+                s, storey = first_storey_event(slots, state, work, ends, padded, order, scratch)
                 if storey >= 0:
                     end = s
             if kinds != LINKS_NONE:
@@ -279,7 +279,11 @@ def build(inelastic: bool, founded: bool, kinds: int):
                         state.snapped_storey[i] = 0
                     snapped = False
             if storey >= 0:
-                _storey_event(slots, state, work, storey, ends.drift[storey] if end > 0.0 else work.D[storey])
+                for i in range(
+                    storey, padded
+                ):  # all that leave their branch at the same time, so that twins stay twins
+                    if work.roots[i] == end:
+                        _storey_event(slots, state, work, i, ends.drift[i] if end > 0.0 else work.D[i])
             if link >= 0:
                 _link_event(links, state, peaks, link, event)
                 set_law(links, state, work.law, link)
