@@ -3,26 +3,63 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import layout
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import central_difference, taylor
 from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
 from pounding_cli.solve.energy import balance, held
+from pounding_cli.solve.exponential import EXPONENTIAL
 from pounding_cli.solve.flags import flags_of
+from pounding_cli.solve.generalized_alpha import GENERALIZED_ALPHA, HHT_ALPHA
+from pounding_cli.solve.linear import central_difference_limit
+from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Method, step_taken
+from pounding_cli.solve.newmark import NEWMARK
 from pounding_cli.solve.response import Response
+from pounding_cli.solve.runge_kutta import RUNGE_KUTTA, RUNGE_KUTTA_EVENTS
 
-METHODS: dict[str, Callable] = {
-    "taylor": taylor.integrate,
-    "central-difference": central_difference.integrate,
+TAYLOR = Method(
+    "taylor",
+    "Taylor with events",
+    0,
+    "accuracy",
+    "chooses its steps itself",
+    "Jorba, A. & Zou, M. (2005). A software package for the numerical integration of ODEs by means of high-order "
+    "Taylor methods. Exp. Math. 14(1).",
+    taylor.integrate,
+    keeps_ledger=True,
+    located=True,
+)
+CENTRAL_DIFFERENCE = Method(
+    "central-difference",
+    "central difference",
+    2,
+    "time step",
+    "time step below 2 / the largest circular frequency, all links closed; less with damping",
+    "Newmark, N. M. (1959), with beta = 0; Bathe, K. J. (1996). Finite Element Procedures, section 9.2.1.",
+    central_difference.integrate,
+    largest_step=central_difference_limit,
+)
+
+METHODS: dict[str, Method] = {
+    method.name: method
+    for method in (
+        TAYLOR,
+        RUNGE_KUTTA_EVENTS,
+        RUNGE_KUTTA,
+        CENTRAL_DIFFERENCE,
+        NEWMARK,
+        HHT_ALPHA,
+        GENERALIZED_ALPHA,
+        EXPONENTIAL,
+    )
 }
-
-ACCOUNTING = {"taylor"}
-"""Methods that keep an energy ledger."""
+"""The family; what each states about itself: `method.Method`."""
 
 OUTCOMES = {
     layout.DONE: ("done", ""),
@@ -32,12 +69,27 @@ OUTCOMES = {
         "a part of the scene is far stiffer than the rest: check stiffnesses and masses",
     ),
     layout.NOT_FINITE: ("not finite", "the numbers left the range of doubles: check masses and stiffnesses"),
+    UNSTABLE: ("unstable step", ""),
+    NO_ROOT: (
+        "no root",
+        "a contact force that jumps left Newton's equation without a root however short the step: take a method with "
+        "events, such as taylor",
+    ),
     layout.STALLED: (
         "stalled",
         "events follow one another without time going on: check for links that jump in force",
     ),
 }
 """Kernel outcome to the words a user reads and what to do about it."""
+
+LEDGER_BOUND = 1e-8
+"""Energy residual over the input that is always allowed; a run asked for less accuracy may leave as much open as
+that."""
+
+OPEN_LEDGER = (
+    "energy does not close",
+    "the series lost more than the accuracy asked: ask for a finer accuracy, or soften what is extremely stiff",
+)
 
 MOST_STEPS = 20_000_000
 MOST_EVENTS = 5_000_000
@@ -59,14 +111,23 @@ def solve(
 ) -> Response:
     """The response of a scene.
 
-    Parameters ---------- scene : in SI units accuracy : wanted relative error of the peaks [-]; for fixed-step
-    methods the time step [s] method : a key of METHODS initial : floor displacements [m] and velocities [m/s]
-    relative to the ground, one array (n,) a building; None is rest bounds : most steps, most events
+    Parameters
+    ----------
+    scene : in SI units
+    accuracy : wanted relative error of the peaks [-]; for methods whose setting is a time step, that step [s]
+    method : a key of METHODS
+    initial : floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; None is
+        rest
+    bounds : most steps, most events
 
     Raises
     ------
-    KeyError : unknown method
+    InputError : unknown method, a setting that is not above zero, or a scene that the method does not run
     """
+    chosen = chosen_method(method, accuracy)
+    if reason := chosen.refusal(scene):
+        hint = "write `method: taylor`, which runs every scene"
+        raise InputError(Problem(f"method {method} does not run this scene: {reason}", hint))
     arrays = pack(scene)
     state, peaks = at_rest(arrays), no_peaks(arrays)
     if initial is not None:
@@ -74,18 +135,45 @@ def solve(
             state.u[span], state.v[span] = u, v
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
     ledger, before = empty_ledger(arrays), held(scene, arrays, state)
-    begin = time.perf_counter()
-    status, steps, events, orders, _ = METHODS[method](scene, arrays, state, peaks, ledger, accuracy, bounds)
-    seconds = time.perf_counter() - begin
-    _compiled.add(method)
+    limit = chosen.largest_step(arrays)
+    status, steps, events, orders, seconds = UNSTABLE, 0, 0, 0, 0.0
+    if not chosen.takes_step or step_taken(scene, accuracy) <= limit:
+        begin = time.perf_counter()
+        status, steps, events, orders, _ = chosen.integrate(scene, arrays, state, peaks, ledger, accuracy, bounds)
+        seconds = time.perf_counter() - begin
+        _compiled.add(method)
     if status == layout.DONE and not all(np.isfinite(p).all() for p in (*peaks[:7], *peaks[8:])):
         status = layout.NOT_FINITE
-    buildings, links = unpack(scene, arrays, state, peaks)
+    energy = balance(scene, arrays, before, state, ledger) if chosen.keeps_ledger else {}
     outcome, advice = OUTCOMES[status]
+    if status == layout.DONE and abs(energy.get("residual", 0.0)) > max(accuracy, LEDGER_BOUND):
+        outcome, advice = OPEN_LEDGER
+    if outcome != "done":  # no number of a run that failed is ever shown
+        for numbers in (*peaks[:-1], state.u, state.v, state.phi):
+            numbers.fill(np.nan)
+    buildings, links = unpack(scene, arrays, state, peaks)
+    if status == UNSTABLE:
+        advice = f"the motion would grow without bound: take a time step below {limit:.2g} s, or method: taylor"
+    note = chosen.note(steps, events)
     effects = effects_of(scene)
     return Response(
         buildings, links, outcome, advice, method, accuracy, steps, events, seconds, orders=orders,
-        energy=balance(scene, arrays, before, state, ledger) if method in ACCOUNTING else {},
-        flags=flags_of(scene, links), effects=effects.kept, dropped=effects.dropped,
+        energy=energy,
+        flags=flags_of(scene, links) + ((note,) if note else ()), effects=effects.kept, dropped=effects.dropped,
         final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
     )  # fmt: skip
+
+
+def chosen_method(name: str, setting: float) -> Method:
+    """The method of that name, its setting checked.
+
+    Raises
+    ------
+    InputError : no such method, or a setting that is not above zero
+    """
+    if name not in METHODS:
+        raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
+    if not (np.isfinite(setting) and setting > 0):
+        what = METHODS[name].setting
+        raise InputError(Problem(f"{what} is {setting:g}; it must be above zero", f"write e.g. `{what}: 1e-4`"))
+    return METHODS[name]

@@ -1,0 +1,104 @@
+"""Peaks between the ends of a smooth step, on the polynomials through both ends (`hermite`)."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from pounding_cli.kernels.branches import closing_of, held_force_rate
+from pounding_cli.kernels.hermite import cubic, quintic
+from pounding_cli.kernels.layout import CONNECTOR, CUBIC, INFILL, INLINE, LINEAR, OPEN, POUNDING
+from pounding_cli.kernels.polynomial import highest
+
+
+@njit(**INLINE)
+def restoring(slots, i, drift, line, plastic, located):
+    """Shear of storey i [N] at `drift`: on its branch where branches are located, else by return mapping."""
+    k = slots.stiffness[i]
+    a = slots.hardening[i]
+    limit = slots.yield_drift[i]
+    if located and line != 0.0:
+        return a * k * drift + line * slots.plateau[i]
+    elastic = drift - plastic
+    if not located:
+        elastic = min(max(elastic, -limit), limit)
+    return k * (a * drift + (1.0 - a) * elastic)
+
+
+@njit(**INLINE)
+def raise_displacements(slots, peaks, scratch, h, u0, v0, a0, u1, v1, a1):
+    """Displacements that turn inside the step."""
+    for i in range(slots.size):
+        if v0[i] * v1[i] < 0.0:
+            quintic(scratch, h, u0[i], v0[i], a0[i], u1[i], v1[i], a1[i])
+            if v0[i] > 0.0:
+                peaks.displacement_max[i] = highest(scratch, 5, 1.0, peaks.displacement_max[i], False)
+            else:
+                for k in range(6):
+                    scratch[k] = -scratch[k]
+                peaks.displacement_min[i] = -highest(scratch, 5, 1.0, -peaks.displacement_min[i], False)
+
+
+@njit(**INLINE)
+def raise_accelerations(slots, peaks, h, ground0, ground1, v0, a0, v1, a1):
+    """Total accelerations that turn inside the step: the parabola through both ends with the right mean, which is known
+    from the velocities; error O(h^3)."""
+    for i in range(slots.size):
+        ground = (ground1 - ground0) * slots.real[i]
+        change = a1[i] - a0[i]
+        bend = 3.0 * change - 6.0 * ((v1[i] - v0[i]) / h - a0[i])
+        first = a0[i] + ground0 * slots.real[i]
+        slope = change + ground - bend
+        if slope * (slope + 2.0 * bend) < 0.0:
+            top = first - 0.25 * slope * slope / bend
+            peaks.acceleration[i] = max(peaks.acceleration[i], abs(top))
+
+
+@njit(**INLINE)
+def raise_drift(slots, peaks, i, h, d0, r0, q0, d1, r1, q1, line, plastic, located, scratch):
+    """Drift and shear of storey i that turn inside the step."""
+    if r0 * r1 >= 0.0:
+        return
+    quintic(scratch, h, d0, r0, q0, d1, r1, q1)
+    side = 1.0 if r0 > 0.0 else -1.0
+    for k in range(6):
+        scratch[k] *= side
+    top = side * highest(scratch, 5, 1.0, max(side * d0, side * d1), False)
+    peaks.drift[i] = max(peaks.drift[i], abs(top))
+    peaks.shear[i] = max(peaks.shear[i], abs(restoring(slots, i, top, line, plastic, located)))
+
+
+@njit(**INLINE)
+def raise_links(links, state, peaks, scratch, h, u0, v0, a0, u1, v1, a1, force0, force1, located):
+    """Closings, forces, impulses and contact times of a step; forces are the links' at both ends."""
+    for e in range(links.number):
+        left = links.left[e]
+        right = links.right[e]
+        r0 = v0[left] - v0[right]
+        r1 = v1[left] - v1[right]
+        q0 = a0[left] - a0[right]
+        q1 = a1[left] - a1[right]
+        if r0 > 0.0 and r1 < 0.0:
+            quintic(scratch, h, u0[left] - u0[right], r0, q0, u1[left] - u1[right], r1, q1)
+            peaks.closing[e] = highest(scratch, 5, 1.0, peaks.closing[e], False)
+        c0 = closing_of(links, e, u0)
+        c1 = closing_of(links, e, u1)
+        if located or links.kind[e] == CONNECTOR:
+            branch = state.link_branch[e]
+            smooth = branch != OPEN and state.link_cut[e] == 0
+            acting = 1.0 if smooth else 0.0
+        else:
+            smooth = c0 > 0.0 and c1 > 0.0 and force0[e] != 0.0 and force1[e] != 0.0
+            acting = 0.5 * ((1.0 if force0[e] != 0.0 else 0.0) + (1.0 if force1[e] != 0.0 else 0.0))
+            branch = CUBIC if links.kind[e] == INFILL and c1 <= links.gap[e] else LINEAR
+            smooth = smooth and (links.kind[e] == POUNDING or (c0 <= links.gap[e]) == (c1 <= links.gap[e]))
+        peaks.contact_time[e] += acting * h
+        if not smooth:
+            if not located:
+                peaks.impulse[e] += 0.5 * h * (force0[e] + force1[e])
+            continue
+        g0 = held_force_rate(links, e, branch, c0, r0, q0)
+        g1 = held_force_rate(links, e, branch, c1, r1, q1)
+        peaks.impulse[e] += 0.5 * h * (force0[e] + force1[e]) + h * h / 12.0 * (g0 - g1)
+        if max(abs(force0[e]), abs(force1[e])) + h * (abs(g0) + abs(g1)) > peaks.force[e]:
+            cubic(scratch, h, force0[e], g0, force1[e], g1)
+            peaks.force[e] = highest(scratch, 3, 1.0, peaks.force[e], True)

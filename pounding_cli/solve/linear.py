@@ -1,0 +1,120 @@
+"""The matrices of a scene from its arrays: what implicit and exact stepping, and stability limits, are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+
+from pounding_cli.kernels import layout
+from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.method import real_slots
+
+
+@dataclass(frozen=True, eq=False)
+class Matrices:
+    """Linear scene in q = (u by slot, phi by foundation), N of them; links are left out.
+
+    mass : diagonal of M [kg, kg m2]; 1 for a foundation that does not rock, whose phi nothing moves; shape (N,)
+    damping, stiffness : C [N s/m, ...] and initial K [N/m, ...], symmetric, shape (N, N)
+    drift : rows that give the drifts of the slots from q [-], shape (n, N)
+    closing : rows that give the closings of the links from q, gap not subtracted [-], shape (links, N)
+    loaded : what the ground acceleration multiplies, M q'' + C q' + K q = -a_g loaded, shape (N,)
+    """
+
+    mass: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+    drift: np.ndarray
+    closing: np.ndarray
+    loaded: np.ndarray
+
+
+def matrices(arrays: Arrays) -> Matrices:
+    """M, C and K with every storey at its initial stiffness (paper, eqs 1-4)."""
+    slots, feet, links = arrays.slots, arrays.feet, arrays.links
+    n = real_slots(arrays)
+    rocks = np.isfinite(feet.inertia)
+    mass = np.concatenate((slots.mass[:n], np.where(rocks, feet.inertia, 1.0)))
+    drift = np.eye(n, mass.size)
+    for i in range(1, n):
+        drift[i, i - 1] = -slots.couple[i]
+    stiffness, damping = np.zeros((2, mass.size, mass.size))
+    damping[np.diag_indices(n)] = slots.alpha[:n] * slots.mass[:n]
+    for f in range(feet.number):
+        phi = n + f
+        span = slice(feet.first[f], feet.stop[f])
+        if rocks[f]:
+            drift[span, phi] = -slots.rise[span]
+            stiffness[phi, phi] = feet.stiffness[f]
+            damping[phi, phi] = feet.dashpot[f]
+        for i in range(span.start, span.stop):
+            deformation = np.zeros(mass.size)
+            deformation[i] = 1.0
+            if feet.base[f] >= 0:
+                deformation[feet.base[f]] = -1.0
+            if rocks[f]:
+                deformation[phi] = -slots.elevation[i]
+            damping += feet.alpha[f] * slots.mass[i] * np.outer(deformation, deformation)
+    stiffness += drift.T @ (slots.stiffness[:n, None] * drift)
+    damping += drift.T @ (slots.dashpot[:n, None] * drift)
+    closing = np.zeros((links.number, mass.size))
+    each = np.arange(links.number)
+    closing[each, links.left[: links.number]] += 1.0
+    closing[each, links.right[: links.number]] -= 1.0
+    loaded = np.concatenate((slots.mass[:n], np.zeros(feet.number)))
+    return Matrices(mass, damping, stiffness, drift, closing, loaded)
+
+
+def with_links(arrays: Arrays, system: Matrices) -> tuple[np.ndarray, np.ndarray]:
+    """(C, K) with every link closed, an infill as stiff as it gets: the stiffest the scene can be."""
+    links = arrays.links
+    infill = links.kind == layout.INFILL
+    count = links.number
+    slope = np.where(infill, links.beyond, links.stiffness)[:count]
+    dashpot = np.where(infill, links.beyond_dashpot, links.dashpot)[:count]
+    rows = system.closing
+    return (
+        system.damping + rows.T @ (dashpot[:, None] * rows),
+        system.stiffness + rows.T @ (slope[:, None] * rows),
+    )
+
+
+def modes_at_stiffest(arrays: Arrays) -> tuple[np.ndarray, np.ndarray]:
+    """(circular frequencies [rad/s], damping ratios [-]) of the undamped modes of the scene at its stiffest; modal
+    coupling by damping is left out."""
+    system = matrices(arrays)
+    damping, stiffness = with_links(arrays, system)
+    squares, shapes = eigh(stiffness, np.diag(system.mass))
+    omega = np.sqrt(np.maximum(squares, 0.0))
+    moving = omega > 1e-9
+    ratio = np.einsum("ij,ik,kj->j", shapes, damping, shapes)[moving] / (2 * omega[moving])
+    return omega[moving], ratio
+
+
+def runge_kutta_limit(arrays: Arrays) -> float:
+    """Largest time step [s] at which classical Runge-Kutta is stable: |R(h lambda)| <= 1 in every mode."""
+    omega, ratio = modes_at_stiffest(arrays)
+    eigenvalues = omega * (-ratio + np.sqrt(ratio.astype(complex) ** 2 - 1))
+    eigenvalues = np.concatenate((eigenvalues, omega * (-ratio - np.sqrt(ratio.astype(complex) ** 2 - 1))))
+
+    def stable(h: float) -> bool:
+        z = h * eigenvalues
+        return bool(np.all(np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))) <= 1 + 1e-12))
+
+    low, high = 0.0, 3.0 / float(omega.max())
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stable(middle) else (low, middle)
+    return low
+
+
+def central_difference_limit(arrays: Arrays) -> float:
+    """Largest stable time step [s] of central difference with extrapolated damping forces.
+
+    2 (sqrt(1 + 4 xi^2) - 2 xi) / omega in every mode; 2 / omega without damping. With u_n and the half-step velocity
+    alternating in sign (amplification -1) the scheme gives (h omega)^2 + 8 xi h omega = 4.
+    """
+    omega, ratio = modes_at_stiffest(arrays)
+    return float(np.min(2 * (np.sqrt(1 + 4 * ratio**2) - 2 * ratio) / omega))

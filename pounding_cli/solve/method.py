@@ -1,0 +1,101 @@
+"""What a method of the family states about itself; the table of all of them is in `methods`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding_cli.model.effects import effects_of
+from pounding_cli.model.links import Kind
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.arrays import Arrays
+
+UNSTABLE, NO_ROOT = 20, 21
+"""How a run ended, beyond the outcomes of `kernels.layout`: not begun because the time step is too long; an implicit
+step without a solution however short it was made."""
+
+
+def steps_a_sample(scene: Scene, time_step: float) -> int:
+    """The fewest equal parts of the motion's time step that are not longer than `time_step` [s]."""
+    return max(1, math.ceil(scene.motion.dt / time_step - 1e-9))
+
+
+def step_taken(scene: Scene, time_step: float) -> float:
+    """The largest time step [s] not above `time_step` that divides the motion's."""
+    return scene.motion.dt / steps_a_sample(scene, time_step)
+
+
+def any_step(arrays: Arrays) -> float:
+    """No stability limit."""
+    return float("inf")
+
+
+def any_scene(scene: Scene) -> str:
+    """Every scene is run."""
+    return ""
+
+
+def no_note(steps: int, events: int) -> str:
+    """Nothing to tell about a run."""
+    return ""
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to integrate the equations of motion.
+
+    Parameters
+    ----------
+    name : its key in METHODS and in a study file
+    title : what tables and figures call it
+    order : of convergence in the time step where the motion is smooth [-]; 0 where it follows the accuracy asked
+    setting : "accuracy" (relative error wanted [-]) or "time step" [s]
+    stability : in words
+    source : full citation
+    integrate : (scene, arrays, state, peaks, ledger, setting, bounds) -> (status, steps, events, orders, time [s]),
+        filling state, peaks and, if it keeps one, the ledger
+    largest_step : stability limit of the time step from the arrays [s]; inf where there is none
+    refusal : why it does not run a scene, or "" when it does
+    note : a sentence about a run from its counts of steps and events, or ""
+    keeps_ledger : whether it fills the energy ledger
+    located : whether the ends of a contact or a yield are steps of their own, so that the order holds there too
+    """
+
+    name: str
+    title: str
+    order: int
+    setting: str
+    stability: str
+    source: str
+    integrate: Callable[..., tuple[int, int, int, int, float]]
+    largest_step: Callable[[Arrays], float] = any_step
+    refusal: Callable[[Scene], str] = any_scene
+    note: Callable[[int, int], str] = no_note
+    keeps_ledger: bool = False
+    located: bool = False
+
+    @property
+    def takes_step(self) -> bool:
+        """Whether its setting is a time step."""
+        return self.setting == "time step"
+
+
+def is_linear(scene: Scene) -> bool:
+    """Whether nothing in the scene can change its stiffness: no storey can yield, connectors are the only links."""
+    return not effects_of(scene).yielding and all(link.kind is Kind.CONNECTOR for link in scene.links)
+
+
+def not_linear(scene: Scene) -> str:
+    """The refusal of a method that runs linear scenes only."""
+    if effects_of(scene).yielding:
+        return "its storeys can yield"
+    kinds = sorted({str(link.kind) for link in scene.links if link.kind is not Kind.CONNECTOR})
+    return f"it has {' and '.join(kinds)} links" if kinds else ""
+
+
+def real_slots(arrays: Arrays) -> int:
+    """Number of slots that are degrees of freedom; they stand before the padding."""
+    return int(np.count_nonzero(arrays.slots.real))
