@@ -86,8 +86,12 @@ def _open_link_crossing(links, state, work, padded, order, e, closing, end, scra
     left = links.left[e]
     right = links.right[e]
     scratch[0] = 0.0 if state.snapped_link[e] == AT_ZERO else -closing
+    size = max(abs(state.u[left]), abs(state.u[right]))
     for k in range(1, order + 1):
-        scratch[k] = difference(work.U[k * padded + right], work.U[k * padded + left])
+        a = work.U[k * padded + right]
+        b = work.U[k * padded + left]
+        scratch[k] = difference(a, b, size)
+        size = max(size, abs(a), abs(b))
     return first_crossing(scratch, order, end)
 
 
@@ -140,7 +144,7 @@ def first_link_event(links, state, work, ends, padded, order, end, scratch, kind
         right = links.right[e]
         if state.link_branch[e] == OPEN:
             thickness = links.gap[e] if links.kind[e] == POUNDING else 0.0
-            closing = difference(state.u[left] - thickness, state.u[right])
+            closing = difference(state.u[left] - thickness, state.u[right], 0.0)
             last = ends.u[left] - ends.u[right] - thickness
             if max(closing, last) + ends.u_stray[left] + ends.u_stray[right] < 0.0:
                 continue

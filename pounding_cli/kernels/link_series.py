@@ -17,12 +17,19 @@ ROUNDING = 1e-13
 """Two floors' displacements, or terms of their series, that differ by less than this part of them do not differ: the
 series themselves carry errors of this size where the storeys' shears cancel."""
 
+LAST_DIGITS = 1e-15
+"""Nor do they where they differ by less than this part of the largest term so far: what is exactly zero comes out as
+that."""
+
 
 @njit(**INLINE)
-def difference(a, b):
-    """a - b, or exactly 0 where what is left is rounding: floors that move alike do not touch by their last digits."""
+def difference(a, b, size):
+    """a - b, or exactly 0 where what is left is rounding: floors that move alike do not touch by their last digits.
+
+    `size` is the largest of the terms before them.
+    """
     left = a - b
-    return left if abs(left) > ROUNDING * (abs(a) + abs(b)) else 0.0
+    return left if abs(left) > ROUNDING * (abs(a) + abs(b)) + LAST_DIGITS * size else 0.0
 
 
 @njit(**INLINE)
@@ -59,8 +66,9 @@ def closings(links, state, work):
                 v = links.gap[e]
             elif snapped != AT_ZERO:
                 thickness = links.gap[e] if links.kind[e] == POUNDING else 0.0
-                v = difference(state.u[links.left[e]] - thickness, state.u[links.right[e]])
+                v = difference(state.u[links.left[e]] - thickness, state.u[links.right[e]], 0.0)
         work.V[e] = v
+        work.sizes[e] = max(abs(state.u[links.left[e]]), abs(state.u[links.right[e]]))
     return busy
 
 
@@ -74,7 +82,10 @@ def add_forces(links, state, work, k, padded, h, kinds):
     for e in range(links.number):
         rate = 0.0
         if state.link_branch[e] != OPEN:
-            rate = difference(work.W[row + links.left[e]], work.W[row + links.right[e]])
+            left = work.W[row + links.left[e]]
+            right = work.W[row + links.right[e]]
+            rate = difference(left, right, work.sizes[e])
+            work.sizes[e] = max(work.sizes[e], abs(left), abs(right))
         work.rates[here + e] = rate
     h2 = h * h
     law = work.law

@@ -32,16 +32,17 @@ LARGEST_ORDER = 34
 
 Work = namedtuple(
     "Work",
-    "U W D V rates F square root half law phi_W phi_D tangent offset stencil scaled push force tilt "
+    "U W D V rates F square root half sizes law phi_W phi_D tangent offset stencil scaled push force tilt "
     "roots reciprocal curve twist",
 )
 """Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, rates, F: closing,
 its rate and force by order and link; square, root, half: the infill's v^2 and sqrt(s_cur) by order, and half its
-inverse; law: the link laws' coefficients (`link_series`). phi_W, phi_D: rocking rate and angle by order. tangent
-[N/m] and offset [N] of each storey's branch. stencil: six rows of acceleration per displacement (own, left, right)
-and per velocity (own, left, right); scaled: the same times h^2 and h. push: acceleration of the offsets [m/s2].
-force: one order's link and foundation forces; tilt: storey height times rocking angle by order and slot.
-roots: where each storey leaves its branch. reciprocal[k] = 1/k; curve[k] = k (k - 1) / 8; twist[k] = k (k - 1) (k - 2) / 8."""
+inverse; sizes: the largest term so far of either floor; law: the link laws' coefficients (`link_series`). phi_W,
+phi_D: rocking rate and angle by order. tangent [N/m] and offset [N] of each storey's branch. stencil: six rows of
+acceleration per displacement (own, left, right) and per velocity (own, left, right); scaled: the same times h^2 and
+h. push: acceleration of the offsets [m/s2]. force: one order's link and foundation forces; tilt: storey height times
+rocking angle by order and slot. roots: where each storey leaves its branch. reciprocal[k] = 1/k; curve[k] = k (k -
+1) / 8; twist[k] = k (k - 1) (k - 2) / 8."""
 
 
 @njit(**INLINE)
