@@ -30,10 +30,13 @@ from pounding_cli.kernels.simd import (
 LARGEST_ORDER = 34
 """Rows in the coefficient arrays."""
 
+FORGET = 0.9
+"""What is left of an acceleration as a scale after one step."""
+
 Work = namedtuple(
     "Work",
     "U W D V rates F square root half sizes law phi_W phi_D tangent offset stencil scaled push force tilt "
-    "roots reciprocal curve twist",
+    "roots scale reciprocal curve twist",
 )
 """Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, rates, F: closing,
 its rate and force by order and link; square, root, half: the infill's v^2 and sqrt(s_cur) by order, and half its
@@ -41,7 +44,8 @@ inverse; sizes: the largest term so far of either floor; law: the link laws' coe
 phi_D: rocking rate and angle by order. tangent [N/m] and offset [N] of each storey's branch. stencil: six rows of
 acceleration per displacement (own, left, right) and per velocity (own, left, right); scaled: the same times h^2 and
 h. push: acceleration of the offsets [m/s2]. force: one order's link and foundation forces; tilt: storey height times
-rocking angle by order and slot. roots: where each storey leaves its branch. reciprocal[k] = 1/k; curve[k] = k (k -
+rocking angle by order and slot. roots: where each storey leaves its branch; scale: acceleration that
+an error is measured by [m/s2]. reciprocal[k] = 1/k; curve[k] = k (k -
 1) / 8; twist[k] = k (k - 1) (k - 2) / 8."""
 
 
@@ -108,11 +112,11 @@ def _foundations(slots, feet, work, k, padded, h):
 
 @njit(**INLINE)
 def expand(
-    slots, feet, links, state, work, peaks, busy, padded, h, ground, ground_slope, tolerance, quiet,
+    slots, feet, links, state, work, busy, padded, h, ground, ground_slope, tolerance, quiet,
     guess, most, founded, kinds,
 ):  # fmt: skip
     """Coefficients up to the order at which two acceleration terms in a row are below `tolerance` times the slot's
-    largest acceleration so far (at least `quiet`), or up to `most`; returns (highest order, whether that held)."""
+    acceleration of late (`renew_scale`; at least `quiet`), or up to `most`; returns (highest order, whether that held)."""
     h2 = h * h
     for b in range(0, 3 * padded, 8):
         store(work.scaled, b, load(work.stencil, b) * h2)
@@ -162,13 +166,13 @@ def expand(
             large = False
             limit = tolerance * h2 * reciprocal
             for b in range(0, padded, 8):
-                allowed = maximum(load(peaks.acceleration, b), splat(quiet)) * limit
+                allowed = maximum(load(work.scale, b), splat(quiet)) * limit
                 large = large or greater(magnitude(load(work.W, row + padded + b)), allowed) != 0
             if founded:
                 for f in range(feet.number):  # a turning base, measured where it moves most: at the top floor
                     top = feet.stop[f] - 1
                     turning = abs(work.phi_W[(k + 1) * feet.number + f]) * slots.elevation[top]
-                    large = large or turning > limit * max(peaks.acceleration[top], quiet)
+                    large = large or turning > limit * max(work.scale[top], quiet)
             if not large and small_before:
                 return k + 1, True
             small_before = not large
@@ -178,17 +182,26 @@ def expand(
 
 
 @njit(**INLINE)
-def shrink(slots, feet, work, peaks, padded, h, tolerance, quiet, order):
+def renew_scale(work, ends, padded, h):
+    """The largest acceleration of late: a blow is forgotten at a tenth a step, so that what follows it is not sloppy."""
+    rate = 1.0 / (h * h)
+    for b in range(0, padded, 8):
+        now = maximum(magnitude(load(ends.acceleration0, b)), magnitude(load(ends.acceleration, b))) * rate
+        store(work.scale, b, maximum(load(work.scale, b) * FORGET, now))
+
+
+@njit(**INLINE)
+def shrink(slots, feet, work, padded, h, tolerance, quiet, order):
     """The fraction of a step that meets the tolerance at its highest order; rescales nothing."""
     worst = 0.0
     for k in (order - 1, order):
         size = 0.0
         for i in range(padded):
-            size = max(size, abs(work.W[k * padded + i]) / max(peaks.acceleration[i], quiet))
+            size = max(size, abs(work.W[k * padded + i]) / max(work.scale[i], quiet))
         for f in range(feet.number):
             top = feet.stop[f] - 1
             turning = abs(work.phi_W[k * feet.number + f]) * slots.elevation[top]
-            size = max(size, turning / max(peaks.acceleration[top], quiet))
+            size = max(size, turning / max(work.scale[top], quiet))
         size *= k / (h * h)
         if size > 0.0:
             worst = max(worst, (size / tolerance) ** (1.0 / (k - 1)))

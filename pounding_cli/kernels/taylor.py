@@ -48,7 +48,7 @@ from pounding_cli.kernels.layout import (
 from pounding_cli.kernels.ledger import account, ledger_pointers
 from pounding_cli.kernels.link_series import closings, set_law
 from pounding_cli.kernels.peaks import track
-from pounding_cli.kernels.recurrence import LARGEST_ORDER, Work, expand, rescale, restencil, shrink
+from pounding_cli.kernels.recurrence import LARGEST_ORDER, Work, expand, renew_scale, rescale, restencil, shrink
 from pounding_cli.kernels.simd import further, load, pointer, store
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.summary import Ends, stop_at, summarise
@@ -67,7 +67,7 @@ def _workspace(room, padded, feet_count, link_count):
     by_slot = rows * padded
     by_link = rows * link_count
     at = further(room, 4 * by_slot)
-    at_link = further(at, 31 * padded)
+    at_link = further(at, 32 * padded)
     at_rest = further(at_link, 5 * by_link + 8 * link_count)
     reciprocal = further(at_rest, 2 * rows * feet_count)
     curve = further(reciprocal, rows + 1)
@@ -87,6 +87,7 @@ def _workspace(room, padded, feet_count, link_count):
         further(at_link, 5 * by_link + 2 * link_count), at_rest, further(at_rest, rows * feet_count),
         at, further(at, padded), further(at, 2 * padded), further(at, 8 * padded),
         further(at, 14 * padded), further(at, 15 * padded), further(room, 3 * by_slot), further(at, 30 * padded),
+        further(at, 31 * padded),
         reciprocal, curve, twist,
     )  # fmt: skip
     ends = Ends(
@@ -221,7 +222,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
             _start(slots, feet, state, work, padded, h, founded)
             busy = closings(links, state, work) if kinds != LINKS_NONE else 0
             order, close = expand(
-                slots, feet, links, state, work, peaks, busy, padded, h, ag, slopes[segment], tolerance,
+                slots, feet, links, state, work, busy, padded, h, ag, slopes[segment], tolerance,
                 quiet, max(2, int(guess * (0.4 + 0.6 * fraction))), most_order, founded, kinds,
             )  # fmt: skip
             steps += 1
@@ -232,7 +233,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
                     guess = order - 2
             else:
                 guess = most_order - 2
-                ratio = shrink(slots, feet, work, peaks, padded, h, tolerance, quiet, order)
+                ratio = shrink(slots, feet, work, padded, h, tolerance, quiet, order)
                 if not ratio > 1e-14:
                     return NOT_FINITE, steps, events, orders, segment * dt + offset
                 if ratio < 1.0:
@@ -269,6 +270,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
                 feet, links, state, work, ends, peaks, padded, order, end, scratch, h, ground,
                 ground_slope, inelastic, founded, kinds,
             )  # fmt: skip
+            renew_scale(work, ends, padded, h)
             happened = storey >= 0 or link >= 0
             if end > 0.0:
                 standing = 0
