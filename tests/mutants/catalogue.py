@@ -1,0 +1,449 @@
+"""The faults: what is wrong in words, the text that makes it so, and the test that has to see it.
+
+Texts are short and stand once in their file; a fault whose text is gone is an error, to be rewritten with the code."""
+
+from __future__ import annotations
+
+from tests.mutants.runner import Mutant
+
+KERNELS, MODEL, RECORDS = "pounding_cli/kernels", "pounding_cli/model", "pounding_cli/records"
+SOLVE, WALL, STORE = "pounding_cli/solve", "pounding_cli/wall", "pounding_cli/store"
+VERIFICATION, UNIT = "tests/verification", "tests/unit"
+
+IMPACT = f"{VERIFICATION}/test_impact.py::test_printed_law"
+TENSION = f"{VERIFICATION}/test_impact.py::test_tension_cut"
+INFILL = f"{VERIFICATION}/test_infill.py::test_peak_compression_of_an_undamped_infill"
+INFILL_DAMPED = f"{VERIFICATION}/test_infill.py::test_damped_infill_against_the_reference"
+CONNECTED = f"{VERIFICATION}/test_connector.py::test_two_free_masses_on_a_connector"
+THROW = f"{VERIFICATION}/test_hysteresis.py::test_throw_of_an_undamped_storey"
+YIELDING = f"{VERIFICATION}/test_event_reference.py::test_yielding_connected_pair_with_a_tail"
+LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
+FOUNDED = f"{VERIFICATION}/test_foundation.py::test_shaken_building_against_exact_stepping"
+LEDGER = "tests/peers/test_ledger.py::test_every_entry[connector-0.05-None]"
+ARIAS = f"{UNIT}/records/test_intensity.py::test_arias_of_a_triangle_is_exact"
+SCALING = f"{UNIT}/records/test_scaling.py::test_arias_factor_reaches_the_target_motion"
+CODE = f"{UNIT}/model/test_code_design.py"
+STIFFNESS = f"{UNIT}/model/test_stiffness.py"
+
+LINKS = [
+    Mutant(
+        "eq. (7) with m' upside-down, as printed",
+        f"{MODEL}/links.py",
+        "return reduced if self.dashpot_law is DashpotLaw.REDUCED_MASS else 1.0 / reduced",
+        "return 1.0 / reduced if self.dashpot_law is DashpotLaw.REDUCED_MASS else reduced",
+        IMPACT,
+    ),
+    Mutant(
+        "m' is the sum of the masses' half",
+        f"{MODEL}/links.py",
+        "reduced = left_mass * right_mass / (left_mass + right_mass)",
+        "reduced = 0.25 * (left_mass + right_mass)",
+        IMPACT,
+    ),
+    Mutant(
+        "dashpot without its factor 2",
+        f"{MODEL}/links.py",
+        "return 2 * self.damping_ratio * math.sqrt(self.stiffness",
+        "return self.damping_ratio * math.sqrt(self.stiffness",
+        IMPACT,
+    ),
+    Mutant(
+        "xi = -ln e / pi, without ln e under the root",
+        f"{MODEL}/links.py",
+        "return -log / math.hypot(math.pi, log)",
+        "return -log / math.pi",
+        IMPACT,
+    ),
+    Mutant(
+        "tension dropped where the law as printed keeps it",
+        f"{SOLVE}/arrays.py",
+        "int(link.tension_cut and link.damping_ratio > 0",
+        "int(link.damping_ratio > 0",
+        IMPACT,
+    ),
+    Mutant(
+        "tension kept where it should be cut",
+        f"{KERNELS}/crossings.py",
+        "if links.tension_cut[e] == 1:",
+        "if links.tension_cut[e] == 2:",
+        TENSION,
+    ),
+    Mutant(
+        "gap added instead of subtracted when looking for contact",
+        f"{KERNELS}/crossings.py",
+        "thickness = links.gap[e] if",
+        "thickness = -links.gap[e] if",
+        IMPACT,
+    ),
+    Mutant(
+        "contact begins at the end of the step",
+        f"{KERNELS}/crossings.py",
+        "return first_crossing(scratch, order, end)",
+        "return 1.0 if first_crossing(scratch, order, end) <= end else NEVER",
+        IMPACT,
+    ),
+    Mutant(
+        "contact pushes the right floor with half the force",
+        f"{KERNELS}/link_series.py",
+        "work.force[links.right[e]] += force",
+        "work.force[links.right[e]] += 0.5 * force",
+        IMPACT,
+    ),
+    Mutant(
+        "contact does not push the left floor",
+        f"{KERNELS}/link_series.py",
+        "work.force[links.left[e]] -= force",
+        "work.force[links.left[e]] -= 0.0",
+        IMPACT,
+    ),
+    Mutant(
+        "impulse without the length of the step",
+        f"{KERNELS}/peaks.py",
+        "peaks.impulse[e] += impulse * h",
+        "peaks.impulse[e] += impulse",
+        IMPACT,
+    ),
+    Mutant(
+        "infill's cubic without the 3 in 3 d^2",
+        f"{SOLVE}/arrays.py",
+        "(link.impact_stiffness - link.stiffness) / (3 * link.gap**2)",
+        "(link.impact_stiffness - link.stiffness) / link.gap**2",
+        INFILL,
+    ),
+    Mutant(
+        "infill jumps at v = d, as eq. (9) is printed",
+        f"{SOLVE}/arrays.py",
+        "if link.infill_law is InfillLaw.CONTINUOUS:",
+        "if link.infill_law is InfillLaw.PRINTED:",
+        INFILL,
+    ),
+    Mutant(
+        "infill's dashpot with the left mass instead of m'",
+        f"{SOLVE}/arrays.py",
+        "2 * link.damping_ratio * np.sqrt(mass)",
+        "2 * link.damping_ratio * np.sqrt(left_mass)",
+        INFILL_DAMPED,
+    ),
+    Mutant(
+        "infill's dashpot keeps the slope at v = 0",
+        f"{KERNELS}/link_series.py",
+        "root = (3.0 * cubic * square - roots) * load(work.half, b)",
+        "root = 0.0 * roots",
+        INFILL_DAMPED,
+    ),
+    Mutant(
+        "infill never stiffens at v = d",
+        f"{KERNELS}/crossings.py",
+        "event = STIFFENS if cubic else SOFTENS",
+        "event = SOFTENS",
+        INFILL,
+    ),
+    Mutant(
+        "connectors left out of the scene",
+        f"{MODEL}/effects.py",
+        "contact = Kind.POUNDING in kinds or Kind.CONNECTOR in kinds",
+        "contact = Kind.POUNDING in kinds",
+        CONNECTED,
+    ),
+    Mutant(
+        "connector holds in compression only",
+        f"{SOLVE}/arrays.py",
+        "kind == layout.CONNECTOR, layout.LINEAR, layout.OPEN",
+        "kind == layout.CONNECTOR, layout.OPEN, layout.OPEN",
+        CONNECTED,
+    ),
+]
+
+STOREYS = [
+    Mutant(
+        "unloading with the hardened stiffness",
+        f"{KERNELS}/taylor.py",
+        "work.tangent[i] = k0\n",
+        "work.tangent[i] = a * k0\n",
+        THROW,
+    ),
+    Mutant(
+        "isotropic instead of kinematic hardening",
+        f"{KERNELS}/taylor.py",
+        "state.plastic[i] = drift - line * limit\n",
+        "state.plastic[i] = drift - line * limit\n"
+        "        slots.yield_drift[i] *= 1.0 + a\n        slots.plateau[i] *= 1.0 + a\n",
+        THROW,
+    ),
+    Mutant(
+        "post-yield line starts at Vy instead of (1 - a) Vy",
+        f"{SOLVE}/arrays.py",
+        "np.where(finite, (1 - building.hardening) * ",
+        "np.where(finite, ",
+        THROW,
+    ),
+    Mutant(
+        "no yielding on the lower line",
+        f"{KERNELS}/crossings.py",
+        "for line in (1.0, -1.0):",
+        "for line in (1.0, 1.0):",
+        THROW,
+    ),
+    Mutant(
+        "yielding and unloading at the end of the step",
+        f"{KERNELS}/crossings.py",
+        "            work.roots[i] = s\n",
+        "            s = 1.0 if s <= 1.0 else s\n            work.roots[i] = s\n",
+        THROW,
+    ),
+    Mutant(
+        "inelastic runs stay elastic",
+        f"{MODEL}/effects.py",
+        "        inelastic and can_yield,\n",
+        "        inelastic and not can_yield,\n",
+        THROW,
+    ),
+    Mutant(
+        "Rayleigh's beta on the tangent stiffness",
+        f"{KERNELS}/recurrence.py",
+        "-(slots.dashpot[i] + above_dashpot)",
+        "-(slots.dashpot[i] * below / max(slots.stiffness[i], 1.0) + above_dashpot)",
+        YIELDING,
+    ),
+]
+
+MOTION = [
+    Mutant(
+        "ground input missing on one floor",
+        f"{SOLVE}/arrays.py",
+        "slots.real[:place] = 1.0",
+        "slots.real[1:place] = 1.0",
+        f"{LINEAR}::test_five_storeys_against_exact_stepping",
+    ),
+    Mutant(
+        "storey above pulls the floor the wrong way",
+        f"{KERNELS}/recurrence.py",
+        "work.stencil[2 * padded + i] = above * inverse",
+        "work.stencil[2 * padded + i] = -above * inverse",
+        f"{LINEAR}::test_five_storeys_against_exact_stepping",
+    ),
+    Mutant(
+        "ground acceleration held between samples",
+        f"{KERNELS}/recurrence.py",
+        "else h2 * h * ground_slope",
+        "else 0.0 * h * ground_slope",
+        f"{LINEAR}::test_forced_vibration_under_straight_lines",
+    ),
+    Mutant(
+        "the motion's last slope goes on in the tail",
+        f"{SOLVE}/ground.py",
+        "np.concatenate((slopes, still))",
+        "np.concatenate((slopes, still + slopes[-1]))",
+        f"{LINEAR}::test_a_tail_is_free_vibration",
+    ),
+    Mutant(
+        "mass-proportional damping left out",
+        f"{SOLVE}/arrays.py",
+        "slots.alpha[span] = building.alpha",
+        "slots.alpha[span] = 0.0",
+        f"{LINEAR}::test_free_vibration",
+    ),
+    Mutant(
+        "stiffness-proportional damping doubled",
+        f"{SOLVE}/arrays.py",
+        "slots.dashpot[span] = building.beta * building.stiffness",
+        "slots.dashpot[span] = 2 * building.beta * building.stiffness",
+        f"{LINEAR}::test_free_vibration",
+    ),
+    Mutant(
+        "peaks at the ends of steps only",
+        f"{KERNELS}/polynomial.py",
+        "if n < 2 or end <= 0.0:",
+        "if n < 200 or end <= 0.0:",
+        f"{LINEAR}::test_free_vibration",
+    ),
+    Mutant(
+        "series cut off seven digits too early",
+        f"{KERNELS}/recurrence.py",
+        "limit = tolerance * h2 * reciprocal",
+        "limit = 1e7 * tolerance * h2 * reciprocal",
+        f"{LINEAR}::test_free_vibration",
+    ),
+    Mutant(
+        "floor acceleration relative to the ground",
+        f"{KERNELS}/summary.py",
+        "acceleration = splat(ground + ground_slope)",
+        "acceleration = splat(0.0 * ground)",
+        f"{LINEAR}::test_peaks_under_a_single_ramp",
+    ),
+    Mutant(
+        "storey shears turn the foundation the wrong way",
+        f"{KERNELS}/recurrence.py",
+        "moment += drag * arm + shear * rise",
+        "moment += drag * arm - shear * rise",
+        FOUNDED,
+    ),
+    Mutant(
+        "structural damping has no reaction on the base",
+        f"{KERNELS}/recurrence.py",
+        "work.force[base] += drag",
+        "work.force[base] += 0.0",
+        FOUNDED,
+    ),
+]
+
+ENERGY = [
+    Mutant(
+        "input of the ground with the wrong sign",
+        f"{KERNELS}/ledger.py",
+        "load(ledger.input, b) - mass * v * ground",
+        "load(ledger.input, b) + mass * v * ground",
+        LEDGER,
+    ),
+    Mutant(
+        "hysteresis of the whole plateau Vy",
+        f"{KERNELS}/ledger.py",
+        "load(slots.plateau, b) * moved",
+        "(load(slots.stiffness, b) * load(slots.yield_drift, b)) * moved",
+        LEDGER,
+    ),
+    Mutant(
+        "energy stored in links counted twice",
+        f"{SOLVE}/energy.py",
+        'work_on_links - now["links_stored"]',
+        'work_on_links + now["links_stored"]',
+        LEDGER,
+    ),
+]
+
+DESIGN = [
+    Mutant(
+        "UBC 1991: C = 1.2 S / T^(2/3)",
+        f"{MODEL}/code_design.py",
+        "1.25 * self.soil",
+        "1.2 * self.soil",
+        f"{CODE}::test_base_shear_coefficient",
+    ),
+    Mutant(
+        "UBC 1985: C S not bounded",
+        f"{MODEL}/code_design.py",
+        "min(c * self.soil, 0.14)",
+        "c * self.soil",
+        f"{CODE}::test_base_shear_coefficient",
+    ),
+    Mutant(
+        "F_t at the roof omitted",
+        f"{MODEL}/code_design.py",
+        "if period > 0.7",
+        "if period > 70",
+        f"{CODE}::test_top_force",
+    ),
+    Mutant(
+        "separation with 3 Rw / 4",
+        f"{MODEL}/code_design.py",
+        "3 * self.rw / 8",
+        "3 * self.rw / 4",
+        f"{CODE}::test_separation_of_the_paper_s_pair",
+    ),
+    Mutant(
+        "storey shears summed from the ground up",
+        f"{MODEL}/code_design.py",
+        "np.cumsum(self.floor_forces(mass, height, period)[::-1])[::-1]",
+        "np.cumsum(self.floor_forces(mass, height, period))",
+        f"{CODE}::test_storey_shears_below_the_top_force_s_period",
+    ),
+    Mutant(
+        "taper reversed: stiff at the top",
+        f"{MODEL}/stiffness.py",
+        "np.linspace(1.0, ratio, m.size)",
+        "np.linspace(ratio, 1.0, m.size)",
+        f"{STIFFNESS}::test_the_period_asked_for_is_the_period_found",
+    ),
+    Mutant(
+        "Rayleigh factors of the first mode alone",
+        f"{MODEL}/stiffness.py",
+        "w[0], w[min(1, w.size - 1)]",
+        "w[0], w[0]",
+        f"{STIFFNESS}::test_rayleigh_damping_of_the_first_two_modes",
+    ),
+]
+
+GROUND = [
+    Mutant(
+        "Arias intensity with g squared",
+        f"{RECORDS}/intensity.py",
+        "np.pi / (2.0 * GRAVITY) * np.cumsum(steps)",
+        "np.pi / (2.0 * GRAVITY**2) * np.cumsum(steps)",
+        ARIAS,
+    ),
+    Mutant(
+        "Arias intensity by the trapezoid of squares",
+        f"{RECORDS}/intensity.py",
+        "a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2",
+        "1.5 * a[:-1] ** 2 + 1.5 * a[1:] ** 2",
+        ARIAS,
+    ),
+    Mutant(
+        "scaling by the peak instead of the Arias intensity",
+        f"{RECORDS}/scaling.py",
+        "wanted = arias(target) if isinstance(target, Motion)",
+        "wanted = arias(motion) * (target.pga / motion.pga) ** 2 if isinstance(target, Motion)",
+        SCALING,
+    ),
+    Mutant(
+        "scale factor without the square root",
+        f"{RECORDS}/scaling.py",
+        'return math.sqrt(_positive(wanted, "Arias intensity to reach", "m/s")',
+        'return (_positive(wanted, "Arias intensity to reach", "m/s")',
+        SCALING,
+    ),
+]
+
+OTHERS = [
+    Mutant(
+        "Fig. 5: determinant with the wrong sign",
+        "pounding_cli/connector/oscillators.py",
+        "d1 * d2 + z * (d1 + d2)",
+        "d1 * d2 - z * (d1 + d2)",
+        f"{UNIT}/connector/test_oscillators.py::test_ratios_against_a_linear_solver",
+    ),
+    Mutant(
+        "wall: von Mises without the 3 before the shear",
+        f"{WALL}/stress.py",
+        "sy**2 + 3 * t**2",
+        "sy**2 + t**2",
+        f"{UNIT}/wall/test_stress.py::test_von_mises",
+    ),
+    Mutant(
+        "wall: (1 - nu) instead of (1 - nu^2)",
+        f"{WALL}/assembly.py",
+        "concrete.young / (1 - nu**2)",
+        "concrete.young / (1 - nu)",
+        f"{UNIT}/wall/test_assembly.py::test_wall_stiffness_against_the_librarys_elasticity",
+    ),
+    Mutant(
+        "wall: the striker is glued to the wall",
+        f"{WALL}/transient.py",
+        "new_force = max(new_force, 0.0)",
+        "new_force = new_force + 0.0",
+        f"{UNIT}/wall/test_transient.py::test_unilateral_force_never_pulls_and_the_gap_never_closes_through",
+    ),
+    Mutant(
+        "frame: bending stiffness 6 EI / L^3",
+        f"{WALL}/frame.py",
+        "(3, 12)",
+        "(3, 6)",
+        f"{UNIT}/wall/test_frame.py::test_cantilever",
+    ),
+    Mutant(
+        "tables: deviation over n instead of n - 1",
+        f"{STORE}/statistics.py",
+        "sum(axis=axis), count - 1)",
+        "sum(axis=axis), count)",
+        f"{UNIT}/store/test_store_results.py::test_summary_agrees_with_pandas_over_the_storey_table",
+    ),
+    Mutant(
+        "tables: V0 / V instead of V / V0",
+        f"{STORE}/statistics.py",
+        "np.divide(value, alone,",
+        "np.divide(alone, value,",
+        f"{UNIT}/store/test_store_results.py::test_storey_table_has_one_row_per_storey_that_exists",
+    ),
+]
+
+MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + DESIGN + GROUND + OTHERS

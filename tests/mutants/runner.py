@@ -1,0 +1,119 @@
+"""Apply each fault of the catalogue to a copy of the project and see that the test named for it fails."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+COPIED = ("pounding_cli", "tests", "configs", "records", "pyproject.toml", "README.md")
+
+NOTICED = re.compile(r"^FAILED \S.* - (assert |AssertionError|Failed: DID NOT RAISE)", re.MULTILINE)
+"""A test that saw the fault, as opposed to one that broke on it."""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One fault: `old` stands once in `file` and becomes `new`; then `test` (a pytest id) has to fail."""
+
+    fault: str
+    file: str
+    old: str
+    new: str
+    test: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a mutant: `problem` is empty when the test noticed it."""
+
+    mutant: Mutant
+    problem: str
+    seconds: float
+
+
+class Copy:
+    """The project in a folder of its own, with numba's cache inside; built once, mutated and healed again and again."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.healthy_cache = folder / ".numba"
+        for name in COPIED:
+            source = ROOT / name
+            if source.is_dir():
+                shutil.copytree(source, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+            elif source.exists():
+                shutil.copy2(source, folder / name)
+
+    def run(self, tests: Iterable[str], cache: Path) -> subprocess.CompletedProcess[str]:
+        """Run some tests in the copy, on the copy; stops at the first failure."""
+        environment = os.environ | {
+            "PYTHONPATH": str(self.folder),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "NUMBA_CACHE_DIR": str(cache),
+            "NUMBA_OPT": "0",  # half the compile time; the tests are short
+            "COLUMNS": "400",
+        }
+        options = ["-x", "-rf", "--tb=no", "-p", "no:cacheprovider", "-p", "no:xdist"]
+        command = [sys.executable, "-m", "pytest", *options, *tests]
+        return subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True)
+
+    def is_what_runs(self) -> bool:
+        """Whether `import pounding_cli` in the copy finds the copy."""
+        command = [sys.executable, "-c", "import pounding_cli; print(pounding_cli.__file__)"]
+        environment = os.environ | {"PYTHONPATH": str(self.folder)}
+        found = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True).stdout
+        return Path(found.strip()).is_relative_to(self.folder.resolve())
+
+    def try_mutant(self, mutant: Mutant) -> Outcome:
+        """Apply, run the test, heal."""
+        begin = time.perf_counter()
+        path, healthy = self.folder / mutant.file, ROOT / mutant.file
+        text = path.read_text() if path.exists() else ""
+        count = text.count(mutant.old)
+        if count != 1:
+            return Outcome(mutant, f"the text to replace stands {count} times in {mutant.file}", 0.0)
+        # A changed kernel compiles anew, into a cache of its own, so that the healthy one stays whole.
+        in_kernel = "/kernels/" in mutant.file
+        cache = self.folder / ".numba-mutant" if in_kernel else self.healthy_cache
+        try:
+            path.write_text(text.replace(mutant.old, mutant.new))
+            run = self.run([mutant.test], cache)
+        finally:
+            shutil.copy2(healthy, path)
+            shutil.rmtree(self.folder / ".numba-mutant", ignore_errors=True)
+        return Outcome(mutant, verdict(run), time.perf_counter() - begin)
+
+
+def verdict(run: subprocess.CompletedProcess[str]) -> str:
+    """Empty if a test failed by an assertion; else what happened instead."""
+    if run.returncode == 0:
+        return "the test passes: nothing noticed the fault"
+    tail = " | ".join(run.stdout.strip().splitlines()[-3:])
+    if run.returncode != 1:
+        return f"pytest ended with {run.returncode}: {tail}"
+    return "" if NOTICED.search(run.stdout) else f"the test broke instead of noticing the fault: {tail}"
+
+
+def try_all(mutants: list[Mutant], folder: Path) -> Iterator[Outcome]:
+    """Run the tests on the healthy copy, then every mutant.
+
+    Raises
+    ------
+    RuntimeError : a test fails without any fault, or another package than the copy would be tested
+    """
+    copy = Copy(folder)
+    if not copy.is_what_runs():
+        raise RuntimeError("the copy is not what Python imports; run from the repository root")
+    healthy = copy.run(sorted({m.test for m in mutants}), copy.healthy_cache)
+    if healthy.returncode:
+        raise RuntimeError("tests fail without any fault:\n" + healthy.stdout[-3000:] + healthy.stderr[-3000:])
+    for mutant in mutants:
+        yield copy.try_mutant(mutant)
