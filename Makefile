@@ -3,10 +3,14 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.stamp
+POUND := $(BIN)/pound
+STUDIES := fig6 fig7
+SYSTEMS := fig5 fig8
+PAGES := $(patsubst %,results/%/summary.md,$(STUDIES) $(SYSTEMS))
 
-.PHONY: all setup run test lint lock clean
+.PHONY: all setup figures studies pages test lint lock clean
 
-all: run
+all: figures
 
 setup: $(STAMP)
 
@@ -16,11 +20,25 @@ $(STAMP): requirements/dev.txt pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	touch $(STAMP)
 
-run: setup
-	$(BIN)/pound run configs/fig6.yaml -o results/fig6.h5
-	$(BIN)/pound run configs/fig7.yaml -o results/fig7.h5
-	$(BIN)/pound report results/fig6.h5 -o results/fig6
-	$(BIN)/pound report results/fig7.h5 -o results/fig7
+# `pound run` finds out by itself what is missing and leaves a finished file alone, so pages are drawn only when needed.
+figures: studies
+	@$(MAKE) --no-print-directory pages
+	@echo "Figures and claims: $(PAGES)"
+
+studies: setup
+	@mkdir -p results
+	@for study in $(STUDIES); do $(POUND) run configs/$$study.yaml -o results/$$study.h5 || exit $$?; done
+
+pages: $(PAGES)
+
+results/fig5.h5: configs/fig5.yaml $(wildcard pounding_cli/connector/*.py)
+	$(POUND) connector $< -o $@
+
+results/fig8.h5: configs/fig8.yaml $(wildcard pounding_cli/wall/*.py)
+	$(POUND) wall $< -o $@
+
+results/%/summary.md: results/%.h5
+	$(POUND) report $< -o results/$*
 
 test: setup lint
 	$(BIN)/python -m pytest -n auto

@@ -24,6 +24,8 @@ def command(
 ) -> None:
     """Draw the figures of results files, write their tables as CSV, and judge the paper's claims.
 
+    Files of `pound run`, `pound connector` and `pound wall` alike.
+
     The report goes to DIR, or to a folder beside the results file, named like it: summary.md, the figures,
     tables/. Of several files each gets its own folder in DIR; comparison.md sets their claims side by side.
 
@@ -36,10 +38,18 @@ def command(
     from pounding_cli.report.claims import judge
     from pounding_cli.report.evidence import points
     from pounding_cli.store import open_results
+    from pounding_cli.store.swept import kind_of
 
     chosen = () if no_figures else formats or FORMATS
-    opened = {path: open_results(path) for path in files}
+    systems = [path for path in files if kind_of(path)]
+    opened = {path: open_results(path) for path in files if path not in systems}
     folders = _folders(files, output)
+    for path in systems:
+        from pounding_cli.report.systems import write_system_report
+
+        written = write_system_report(path, folders[path], chosen)
+        if not quiet:
+            click.echo(f"{folders[path] / 'summary.md'}: {len(written)} files")
     for path, results in opened.items():
         written = write_report(results, folders[path], chosen)
         if quiet:
@@ -49,7 +59,7 @@ def command(
         if len(evidences) == 1:
             for judgement in judge(evidences[0]):
                 click.echo(f"  {judgement.claim.key:22} {judgement.verdict}")
-    if len(files) > 1:
+    if len(opened) > 1:
         folder = output or Path("comparison")
         page, _ = write_comparison({folders[path].name: results for path, results in opened.items()}, folder)
         if not quiet:
