@@ -3,7 +3,7 @@
 In every step (1 - am) a1 + am a0 = (1 - af) f1 + af f0 with Newmark's u1 and v1, f the accelerations that the forces
 cause. A dashpot makes the contact force jump when a link closes, so this equation need not have a root: Newton then
 goes back and forth between open and closed. Such a step is cut in half, again and again; each cut is counted, and
-after `MOST_CUTS` in a row the run ends. Source: Newmark (1959), J. Eng. Mech. Div. 85(3); Hilber, Hughes & Taylor
+after too many in a row the run ends. Source: Newmark (1959), J. Eng. Mech. Div. 85(3); Hilber, Hughes & Taylor
 (1977), Earthquake Eng. Struct. Dyn. 5; Chung & Hulbert (1993), J. Appl. Mech. 60."""
 
 from __future__ import annotations
@@ -36,7 +36,6 @@ from pounding_cli.kernels.source import source_digest
 NO_ROOT = 10
 """Outcome: a step had no root however short it was made."""
 
-MOST_CUTS = 14
 MOST_ITERATIONS = 25
 CONVERGED = 1e-12
 """Largest change of a displacement in the last iteration, over the largest displacement."""
@@ -118,7 +117,7 @@ def build(inelastic: bool):
     @njit(**OPTIONS)
     def integrate(
         slot_arrays, foot_arrays, link_arrays, state_arrays, peak_arrays, room, touching, mass, damping, starts, slopes,
-        dt, parts, beta, gamma, alpha_m, alpha_f,
+        dt, parts, beta, gamma, alpha_m, alpha_f, most_cuts,
     ):  # fmt: skip
         """March through all segments, each cut into `parts` steps.
 
@@ -240,7 +239,7 @@ def build(inelastic: bool):
                             return NOT_FINITE, steps, cuts, iterations, segment * dt
                         cuts += 1
                         level += 1
-                        if level > MOST_CUTS:
+                        if level > most_cuts:
                             return NO_ROOT, steps, cuts, iterations, segment * dt + part * whole
                         continue
                     steps += 1

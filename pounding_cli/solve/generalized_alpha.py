@@ -19,6 +19,9 @@ ALPHA = 0.1
 RADIUS = 0.9
 """Spectral radius of generalized-alpha at infinite frequency [-]; 1 dissipates nothing."""
 
+MOST_CUTS = 14
+"""Times in a row that a step without a root is cut in half before the run ends."""
+
 STABILITY = "any time step where the scene is linear; a contact may leave a step without a root"
 
 
@@ -43,7 +46,7 @@ def march(parameters, scene: Scene, arrays: Arrays, state, peaks, ledger, time_s
     kernel = kernels.build(scene.analysis == "inelastic")
     status, *counts = kernel(
         arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, system.mass, system.damping.ravel(),
-        starts, slopes, dt, parts, *parameters,
+        starts, slopes, dt, parts, *parameters, MOST_CUTS,
     )  # fmt: skip
     return (NO_ROOT if status == kernels.NO_ROOT else status, *counts)
 
