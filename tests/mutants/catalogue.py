@@ -19,7 +19,8 @@ THROW = f"{VERIFICATION}/test_hysteresis.py::test_throw_of_an_undamped_storey"
 YIELDING = f"{VERIFICATION}/test_event_reference.py::test_yielding_connected_pair_with_a_tail"
 LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
 FOUNDED = f"{VERIFICATION}/test_foundation.py::test_shaken_building_against_exact_stepping"
-LEDGER = "tests/peers/test_ledger.py::test_every_entry[connector-0.05-None]"
+ENERGIES = f"{VERIFICATION}/test_energy.py"
+ORDERS = f"{VERIFICATION}/test_methods.py::test_declared_order_where_nothing_jumps"
 ARIAS = f"{UNIT}/records/test_intensity.py::test_arias_of_a_triangle_is_exact"
 SCALING = f"{UNIT}/records/test_scaling.py::test_arias_factor_reaches_the_target_motion"
 CODE = f"{UNIT}/model/test_code_design.py"
@@ -293,21 +294,52 @@ ENERGY = [
         f"{KERNELS}/ledger.py",
         "load(ledger.input, b) - mass * v * ground",
         "load(ledger.input, b) + mass * v * ground",
-        LEDGER,
+        f"{ENERGIES}::test_work_of_the_ground",
     ),
     Mutant(
         "hysteresis of the whole plateau Vy",
         f"{KERNELS}/ledger.py",
         "load(slots.plateau, b) * moved",
         "(load(slots.stiffness, b) * load(slots.yield_drift, b)) * moved",
-        LEDGER,
+        THROW,
     ),
     Mutant(
         "energy stored in links counted twice",
         f"{SOLVE}/energy.py",
         'work_on_links - now["links_stored"]',
         'work_on_links + now["links_stored"]',
-        LEDGER,
+        f"{ENERGIES}::test_connector_dashpot_and_spring",
+    ),
+]
+
+METHODS = [
+    Mutant(
+        "RK4: a stage counted with 1.9 instead of 2",
+        f"{KERNELS}/runge_kutta.py",
+        "h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])",
+        "h / 6.0 * (p.a[i] + 1.9 * q2.a[i] + 2.0 * q3.a[i] + q4.a[i])",
+        f"{ORDERS}[rk4]",
+    ),
+    Mutant(
+        "central difference: velocity of the half step taken for the step's",
+        f"{KERNELS}/central_difference.py",
+        "state.v[i] = 1.5 * half[i] - 0.5 * before[i]",
+        "state.v[i] = half[i]",
+        f"{ORDERS}[central-difference]",
+    ),
+    Mutant(
+        "Newmark with gamma = 0.52",
+        f"{SOLVE}/generalized_alpha.py",
+        "gamma = 0.5 - alpha_m + alpha_f",
+        "gamma = 0.52 - alpha_m + alpha_f",
+        f"{ORDERS}[newmark]",
+    ),
+    Mutant(
+        "estimated error of the finer run instead of the response's",
+        f"{SOLVE}/assess.py",
+        "change(response, finer)",
+        "change(finer, finer)",
+        f"{UNIT}/solve/test_assess.py::test_the_error_is_that_of_the_response_and_not_of_the_finer_run",
     ),
 ]
 
@@ -446,4 +478,4 @@ OTHERS = [
     ),
 ]
 
-MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + DESIGN + GROUND + OTHERS
+MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + METHODS + DESIGN + GROUND + OTHERS
