@@ -1,0 +1,1 @@
+"""Hard scenes: study files that say what they must show, random studies in bulk, and those that once failed."""

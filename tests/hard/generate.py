@@ -1,0 +1,120 @@
+"""Random studies over the whole range of the schema, as hypothesis strategies that give the text of a study file."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import yaml
+from hypothesis import strategies as st
+
+from .make_motions import FOLDER
+
+MOTIONS = ("shake", "fine", "coarse", "spikes", "push")
+
+
+def decades(low: float, high: float, *corners: float | str, far: bool = True) -> st.SearchStrategy:
+    """A positive number, even in its logarithm; now and then a corner of the range, or (`far`) one absurdly far."""
+    usual = st.floats(math.log10(low), math.log10(high)).map(lambda x: float(f"{10**x:.4g}"))
+    rare = [st.sampled_from(corners)] * (2 if corners else 0)
+    if far:
+        rare.append(st.integers(-12, 14).map(lambda x: 10.0**x))
+    return st.integers(0, 40).flatmap(lambda i: rare[i] if i < len(rare) else usual)
+
+
+def some(draw: Any, into: dict, key: str, values: st.SearchStrategy, chance: int = 3) -> None:
+    """Put `key` into a mapping once in `chance` times."""
+    if draw(st.integers(1, chance)) == 1:
+        into[key] = draw(values)
+
+
+RESTITUTION = st.one_of(st.floats(0.01, 1.0).map(lambda x: round(x, 3)), st.sampled_from([1, 0.5, 0.01, 1e-9]))
+SHARE = st.sampled_from([0, 1e-6, 0.01, 0.02, 0.05, 0.4, 0.9, 0.999])
+HARDENING = st.sampled_from([0, 1e-9, 0.02, 0.05, 0.5, 0.999])
+MULTIPLE = st.floats(-6, 7).map(lambda x: f"{10**x:.4g} x stiffest storey")
+GAP = decades(1e-6, 0.3, 0, "0 cm", 10, 1e-12, far=False)
+
+
+@st.composite
+def foundation(draw: Any, storey: float) -> Any:
+    """A foundation whose springs are 1e-3 to 1e9 times `storey` [N/m]."""
+    base: dict[str, Any] = {}
+    if draw(st.booleans()):
+        base |= {"sway_stiffness": storey * draw(decades(1e-3, 1e9)), "mass": draw(decades(1e-1, 1e7))}
+        some(draw, base, "sway_damping", decades(1.0, 1e9, 0), 2)
+    if not base or draw(st.booleans()):
+        base |= {"rocking_stiffness": storey * draw(decades(1e-2, 1e10)), "inertia": draw(decades(1.0, 1e9))}
+        some(draw, base, "rocking_damping", decades(1.0, 1e10, 0), 2)
+    return base
+
+
+@st.composite
+def building(draw: Any) -> dict[str, Any]:
+    """One building type."""
+    n = draw(st.sampled_from([1, 1, 2, 2, 3, 3, 4, 5, 8, 13]))
+    mass = draw(decades(2e3, 2e7, 20.0, 2e9))
+    spec: dict[str, Any] = {"storeys": n, "mass": mass}
+    period = draw(decades(0.05, 3.0, 0.01, 0.36, 60, far=False))
+    storey = mass * (2 * math.pi / period) ** 2 * max(1.0, 0.4 * n * n)
+    if draw(st.integers(1, 4)) == 1:
+        spec["stiffness"] = [storey * draw(decades(0.1, 10, far=False)) for _ in range(n)]
+    else:
+        spec["period"] = period
+        some(draw, spec, "taper", decades(1e-2, 10, 1, far=False))
+    some(draw, spec, "damping", SHARE, 2)
+    if draw(st.integers(1, 8)) == 1:
+        spec.pop("damping", None)
+        spec["rayleigh"] = {"alpha": draw(decades(1e-2, 10, 0)), "beta": draw(decades(1e-5, 1e-2, 0))}
+    some(draw, spec, "hardening", HARDENING, 2)
+    if draw(st.integers(1, 3)) == 1:
+        strength = draw(decades(1e-4, 1.0, far=False))
+        spec["yield_shear"] = draw(st.sampled_from(["never", [strength * mass * 10 * (n - j) for j in range(n)]]))
+    if draw(st.integers(1, 4)) == 1:
+        spec["foundation"] = draw(foundation(storey))
+    return spec
+
+
+@st.composite
+def case(draw: Any, storeys: int) -> dict[str, Any]:
+    """What stands between the buildings."""
+    kind = draw(st.sampled_from(["pounding", "pounding", "infill", "infill", "connector", "none"]))
+    spec: dict[str, Any] = {"link": kind, "gap": draw(GAP)}
+    if kind == "none":
+        return {"link": "none"}
+    some(draw, spec, "stiffness", MULTIPLE if draw(st.booleans()) else decades(1e3, 1e13), 2)
+    some(draw, spec, "restitution", RESTITUTION)
+    some(draw, spec, "tension_cut", st.booleans())
+    if kind == "infill":
+        some(draw, spec, "law", st.sampled_from(["continuous", "printed"]), 2)
+    some(draw, spec, "floors", st.sampled_from([[1], [storeys]]))
+    if "floors" in spec:
+        some(draw, spec, "elsewhere", st.sampled_from(["none", "pounding", "infill", "connector"]), 2)
+    return spec
+
+
+@st.composite
+def studies(draw: Any) -> str:
+    """The text of a study file: a few scenes each."""
+    types = {name: draw(building()) for name in ("a", "b", "c")[: draw(st.integers(1, 3))]}
+    group = draw(st.lists(st.sampled_from(list(types)), min_size=2, max_size=draw(st.sampled_from([2, 2, 2, 3, 5]))))
+    study: dict[str, Any] = {
+        "records": {
+            "use": [{"file": str(FOLDER / f"{draw(st.sampled_from(MOTIONS))}.txt")}],
+            "duration": draw(decades(0.2, 1.0, "whole", far=False)),
+        },
+        "buildings": {name: types[name] for name in dict.fromkeys(group)},
+        "group": group,
+        "cases": {f"case {i}": draw(case(1)) for i in range(draw(st.integers(1, 3)))},
+        "accuracy": draw(st.sampled_from([1e-6, 1e-6, 1e-6, 1e-3, 1e-9, 1e-12, 0.1, 1e-14])),
+    }
+    scale = st.one_of(decades(0.01, 10, 1e-6, 1e6, far=False), st.sampled_from([{"pga": "5 g"}, {"pga": "0.3 g"}]))
+    some(draw, study["records"], "scale", scale, 2)
+    impact: dict[str, Any] = {}
+    some(draw, impact, "stiffness", MULTIPLE, 2)
+    some(draw, impact, "restitution", RESTITUTION, 2)
+    some(draw, impact, "tension_cut", st.booleans())
+    some(draw, impact, "dashpot", st.sampled_from(["reduced-mass", "printed"]), 6)
+    if impact:
+        study["impact"] = impact
+    some(draw, study, "tail", decades(0.01, 0.5, 0, far=False), 6)
+    return yaml.safe_dump(study, sort_keys=False, width=120)

@@ -1,0 +1,107 @@
+"""What every scene owes its user: finite numbers and a closed ledger, or a named outcome with advice."""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from pounding_cli.errors import InputError
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import Response, solve
+from pounding_cli.solve.taylor import variant
+from pounding_cli.study import expand, load_study
+
+BOUNDS = (6_000, 4_000)
+"""Most steps and events of a fuzzed scene: it may end at a bound, but has to end."""
+
+PATIENCE = 5.0
+"""Longest time for one scene within these bounds, compiling apart [s]."""
+
+PEAKS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
+LINK_PEAKS = ("peak_force", "max_closing", "impulse", "contact_time")
+
+
+@dataclass
+class Tally:
+    """What came of the scenes so far: outcomes by name, refusals, the worst ledger."""
+
+    scenes: int = 0
+    studies: int = 0
+    refused: int = 0
+    outcomes: Counter[str] = field(default_factory=Counter)
+    worst_residual: float = 0.0
+    over: int = 0
+    slowest: float = 0.0
+    compiled: set = field(default_factory=set)
+
+
+def closes_to(accuracy: float) -> float:
+    """The energy residual a run of this accuracy may leave, relative to the input [-]."""
+    return max(1e-8, accuracy)
+
+
+def fault_of(response: Response) -> str:
+    """What is wrong with a response, in a word or two; empty where nothing is."""
+    if response.status != "done":
+        return "" if response.advice else "an outcome without advice"
+    for building in response.buildings:
+        for name in PEAKS:
+            if not np.isfinite(getattr(building, name)).all():
+                return f"{name} is not finite"
+    for name in LINK_PEAKS:
+        if not np.isfinite(getattr(response.links, name)).all():
+            return f"{name} is not finite"
+    residual = response.energy["residual"]
+    if not abs(residual) <= closes_to(response.tolerance):
+        return f"energy residual {residual:.1e}"
+    return ""
+
+
+def scenes_of(path: Path) -> Iterator[tuple[str, Scene, float]]:
+    """(where it stands, scene, accuracy) of every scene of a study, each once.  Raises `InputError`."""
+    plan = expand(load_study(path))
+    seen = set()
+    for row in plan.rows:
+        for key, where in ((row.scene, row.case), *((b, f"{row.case}, alone") for b in row.baselines)):
+            if key not in seen:
+                seen.add(key)
+                yield f"{row.point or ''}{where}, {row.analysis}", plan.scenes[key], plan.accuracy
+
+
+def faults_in(path: Path, tally: Tally) -> list[str]:
+    """Run a study; what is wrong with its scenes, one line each."""
+    found: list[str] = []
+    tally.studies += 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        try:
+            for where, scene, accuracy in scenes_of(path):
+                tally.scenes += 1
+                response = solve(scene, accuracy, bounds=BOUNDS)
+                tally.outcomes[response.status] += 1
+                kernel = variant(scene)
+                if kernel in tally.compiled:
+                    tally.slowest = max(tally.slowest, response.seconds)
+                    if response.seconds > PATIENCE:
+                        found.append(f"{where}: slow, {response.seconds:.1f} s")
+                tally.compiled.add(kernel)
+                if response.status == "done":
+                    tally.worst_residual = max(tally.worst_residual, abs(response.energy["residual"]))
+                    tally.over += abs(response.energy["residual"]) > 1e-8
+                fault = fault_of(response)
+                if response.status in ("stalled", "not finite"):
+                    fault = response.status
+                if fault:
+                    found.append(f"{where}: {fault}")
+        except InputError as refused:
+            tally.refused += 1
+            if not all(problem.message for problem in refused.problems):
+                found.append("refused without a word")
+        except Exception as error:  # a traceback is what is looked for
+            found.append(f"{type(error).__name__}: {error}")
+    return found
