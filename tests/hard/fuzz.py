@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 import time
@@ -12,6 +13,7 @@ from pathlib import Path
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from .generate import studies
+from .make_motions import FOLDER
 from .verdict import Tally, faults_in
 
 FOUND = Path(__file__).parent / "found"
@@ -47,7 +49,8 @@ class Hunt:
             self.kept.update(new)
             head = "".join(f"# {fault}\n" for fault in faults)
             word = re.sub(r"[^a-z]+", "-", new[0].lower()).strip("-")[:40]
-            (self.keep / f"{word}-{self.tally.studies}.yaml").write_text(head + text, encoding="utf-8")
+            moved = text.replace(str(FOLDER), os.path.relpath(FOLDER, self.keep))
+            (self.keep / f"{word}-{self.tally.studies}.yaml").write_text(head + moved, encoding="utf-8")
 
     def summary(self) -> str:
         t = self.tally

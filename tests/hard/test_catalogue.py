@@ -32,6 +32,16 @@ def distance(one, other) -> float:
     return float(np.max(np.abs(a - b) / np.where(b != 0, np.abs(b), 1.0)))
 
 
+def nudged(scene: Scene, part: float = 1e-6) -> Scene:
+    """The scene under a motion that grows by `part` from first sample to last.
+
+    A plain factor would not do: touching elastic buildings answer it by the same factor, however chaotic they are.
+    """
+    samples = scene.motion.acceleration
+    growing = samples * (1.0 + part * np.linspace(0.0, 1.0, samples.size))
+    return replace(scene, motion=replace(scene.motion, acceleration=growing))
+
+
 def linked(study: HardStudy) -> list[tuple[str, Scene, float]]:
     return [(where, scene, accuracy) for where, scene, accuracy in scenes_of(study.path) if scene.links]
 
@@ -66,9 +76,6 @@ def test_independent_reference(study):
 
 @pytest.mark.parametrize("study", [s for s in STUDIES if s.expect.sensitive], ids=lambda s: s.name)
 def test_what_is_called_sensitive_is(study):
-    """A motion stronger by 1e-6 moves a peak by at least a tenth of the figure. Fails if the figure is an excuse."""
-    moved = 0.0
-    for _, scene, _ in linked(study):
-        nudged = replace(scene, motion=scene.motion.scaled(1.0 + 1e-6))
-        moved = max(moved, distance(solve(nudged, 1e-12), solve(scene, 1e-12)))
+    """A motion that grows by 1e-6 moves a peak by a tenth of the figure or more. Fails if the figure is an excuse."""
+    moved = max(distance(solve(nudged(scene), 1e-12), solve(scene, 1e-12)) for _, scene, _ in linked(study))
     assert moved >= 0.1 * study.expect.sensitive
