@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 
+import numpy as np
 from numba import njit
 
 from pounding_cli.kernels.layout import OPTIONS
@@ -45,28 +46,35 @@ def build():
                     there[i] += column[i] * x
 
     @njit(**OPTIONS)
-    def refine(values, z, places, powers, high, low):
-        """Raise `high` and lower `low`, the extremes of the columns of `values`, by what lies between its rows.
+    def refine(values, z, places, powers):
+        """Largest and smallest value over time of every column of `values`, also between its rows.
 
         values : shape (steps parts + 1, M), the tracked quantities at every place of the grid
         z, places, powers : as in `solve.exponential.Propagator`
         """
         _ = source
         rows, tracked = values.shape
+        high = values[0].copy()
+        low = values[0].copy()
+        bends = np.zeros(tracked)
+        for r in range(1, rows):
+            for m in range(tracked):
+                high[m] = max(high[m], values[r, m])
+                low[m] = min(low[m], values[r, m])
+                if r < rows - 1:
+                    bend = abs(values[r + 1, m] - 2.0 * values[r, m] + values[r - 1, m])
+                    bends[m] = max(bends[m], bend)
         parts = places.shape[0]
         orders = powers.shape[1]
         total = z.shape[1]
         c = powers[0, :, 0].copy()
         here = z[0].copy()
         for m in range(tracked):
-            bend = 0.0
-            for r in range(1, rows - 1):
-                bend = max(bend, abs(values[r + 1, m] - 2.0 * values[r, m] + values[r - 1, m]))
             for side in (1.0, -1.0):
                 best = high[m] if side > 0.0 else -low[m]
                 for r in range(rows):
                     top = side * values[r, m]
-                    if top < best - MARGIN * bend:
+                    if top < best - MARGIN * bends[m]:
                         continue
                     if (r > 0 and side * values[r - 1, m] > top) or (r < rows - 1 and side * values[r + 1, m] > top):
                         continue
@@ -88,5 +96,6 @@ def build():
                     high[m] = best
                 else:
                     low[m] = -best
+        return high, low
 
     return march, refine

@@ -25,6 +25,10 @@ RADIANS = 1.0
 """Largest phase of the highest mode between two places of the grid [rad]."""
 
 
+SERIAL_PRODUCT = 250_000
+"""Multiplications in one matrix product: above 2^18 OpenBLAS wakes other threads, which costs more than such a run."""
+
+
 @dataclass(frozen=True, eq=False)
 class Propagator:
     """Exact motion of a linear scene over one record sample of length dt [s].
@@ -134,10 +138,13 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
 
     tracked = found.powers.shape[0]
     values = np.empty((starts.size * len(found.places) + 1, tracked))
-    np.matmul(z[:-1], found.grid, out=values[:-1].reshape(starts.size, -1))
+    by_sample = values[:-1].reshape(starts.size, -1)
+    rows = max(1, SERIAL_PRODUCT // found.grid.size)
+    for begin in range(0, starts.size, rows):
+        piece = slice(begin, min(begin + rows, starts.size))
+        np.matmul(z[piece], found.grid, out=by_sample[piece])
     values[-1] = found.powers[:, 0] @ z[-1]
-    highest, lowest = values.max(axis=0), values.min(axis=0)
-    refine(values, z, found.places, found.powers, highest, lowest)
+    highest, lowest = refine(values, z, found.places, found.powers)
 
     largest = np.maximum(highest, -lowest)
     ends = np.cumsum([n, n, feet, links, links])

@@ -1,0 +1,221 @@
+"""What accuracy costs: error and time of every method at every setting on given scenes.
+
+Errors are against Taylor with events at `REFERENCE`, which a second located method confirms; the difference of the two
+is measured and kept, because no error below it means anything."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.methods import METHODS, solve
+from pounding_cli.solve.response import Response
+
+QUANTITIES = ("V", "mu", "acceleration", "force")
+"""Peak storey shear, peak ductility, peak floor acceleration, peak link force."""
+
+REFERENCE = ("taylor", 1e-12)
+SECOND = ("rk4-events", 2e-5)
+"""Methods and settings of the reference and of what confirms it."""
+
+STEPS = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)
+ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
+"""Settings tried: time steps [s], accuracies [-]."""
+
+WARM_UP = 3
+"""Samples of the motion that a method sees before it is timed, so that compiling is not."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A scene and its place in the study."""
+
+    case: str
+    analysis: str
+    record: str
+    scene: Scene
+
+    @property
+    def place(self) -> str:
+        """Where it stands, in words."""
+        return f"{self.case}, {self.analysis}, {self.record}"
+
+
+@dataclass(frozen=True)
+class Run:
+    """One method at one setting on one scene.
+
+    seconds : inside the solver, least of the repeats [s]
+    errors : by QUANTITIES, largest over storeys, floors or links, relative [-]; nan when the run did not end
+    impacts, expected : impacts counted in all, and those of the reference
+    residual : energy missing over the largest entry of the ledger [-]; nan where the method keeps none
+    """
+
+    case: str
+    analysis: str
+    record: str
+    method: str
+    setting: float
+    status: str
+    advice: str
+    seconds: float
+    steps: int
+    events: int
+    errors: dict[str, float]
+    impacts: int
+    expected: int
+    residual: float
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """A scene's reference: difference of two methods by QUANTITIES [-], and of their counts of impacts."""
+
+    case: str
+    analysis: str
+    record: str
+    differences: dict[str, float]
+    impacts: int
+
+
+@dataclass(frozen=True)
+class WorkPrecision:
+    """All runs on all scenes; `left_out` says what the budget did not allow."""
+
+    runs: tuple[Run, ...]
+    references: tuple[Confirmed, ...]
+    left_out: tuple[str, ...]
+
+
+def errors_of(found: Response, reference: Response) -> dict[str, float]:
+    """Largest relative errors by QUANTITIES [-]; forces are relative to the scene's largest."""
+    worst = dict.fromkeys(QUANTITIES, 0.0)
+    fields = {"V": "shear", "mu": "ductility", "acceleration": "acceleration"}
+    for mine, theirs in zip(found.buildings, reference.buildings, strict=True):
+        for quantity, field in fields.items():
+            x, y = getattr(mine, field), getattr(theirs, field)
+            moving = y != 0
+            if moving.any():
+                worst[quantity] = max(worst[quantity], float(np.max(np.abs(x[moving] / y[moving] - 1))))
+    force = reference.links.peak_force
+    if force.size and force.max() > 0:
+        worst["force"] = float(np.max(np.abs(found.links.peak_force - force)) / force.max())
+    return worst
+
+
+def chosen(names: Sequence[str]) -> tuple[str, ...]:
+    """Methods by name, all of them when none is named.
+
+    Raises
+    ------
+    InputError : a name that is no method
+    """
+    unknown = [name for name in names if name not in METHODS]
+    if unknown:
+        hint = f"write one of {', '.join(METHODS)}"
+        raise InputError([Problem(f"there is no method {name}", hint) for name in unknown])
+    return tuple(dict.fromkeys(names)) or tuple(METHODS)
+
+
+def settings_of(name: str) -> tuple[float, ...]:
+    """Settings tried of a method, coarse to fine."""
+    return STEPS if METHODS[name].takes_step else ACCURACIES
+
+
+def measure(
+    subjects: Sequence[Subject],
+    methods: Sequence[str],
+    budget: float,
+    tell: Callable[[str], None] = lambda text: None,
+) -> WorkPrecision:
+    """Run every method at every setting on as many scenes as the budget [s] allows.
+
+    Every case and analysis gets one motion first, then the next motion. Of each method the settings are tried from
+    coarse to fine as long as its share of the budget lasts; compiling is outside the budget.
+    """
+    runs: list[Run] = []
+    references: list[Confirmed] = []
+    left_out: list[str] = []
+    rounds = _rounds(subjects)
+    share = budget / max(1, len(rounds[0]) if rounds else 1)
+    spent = 0.0
+    dropped: dict[tuple[str, float], int] = {}
+    for number, together in enumerate(rounds):
+        if number and spent * (number + 1) / number > budget:
+            left = sum(len(rest) for rest in rounds[number:])
+            left_out.append(f"{left} of {len(subjects)} scenes: the budget allows {number} of {len(rounds)} motions")
+            break
+        for subject in together:
+            tell(subject.place)
+            _warm_up(subject.scene, {*methods, REFERENCE[0], SECOND[0]})
+            begin = time.perf_counter()
+            reference = solve(subject.scene, REFERENCE[1], REFERENCE[0])
+            second = solve(subject.scene, SECOND[1], SECOND[0])
+            if reference.status != "done" or second.status != "done":
+                left_out.append(f"{subject.place}: no reference, {reference.status} and {second.status}")
+                continue
+            impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
+            place = (subject.case, subject.analysis, subject.record)
+            references.append(Confirmed(*place, errors_of(second, reference), impacts))
+            share_left = (share - (time.perf_counter() - begin)) / len(methods)
+            for name in methods:
+                if METHODS[name].refusal(subject.scene):
+                    continue
+                for setting, run in _settings(subject, name, reference, share_left):
+                    if run is None:
+                        dropped[name, setting] = dropped.get((name, setting), 0) + 1
+                    else:
+                        runs.append(run)
+            spent += time.perf_counter() - begin
+    left_out += [f"{name} at {setting:g} on {count} scenes" for (name, setting), count in dropped.items()]
+    return WorkPrecision(tuple(runs), tuple(references), tuple(left_out))
+
+
+def _rounds(subjects: Sequence[Subject]) -> list[list[Subject]]:
+    """The scenes motion by motion."""
+    records = dict.fromkeys(subject.record for subject in subjects)
+    return [[s for s in subjects if s.record == record] for record in records]
+
+
+def _warm_up(scene: Scene, methods: set[str]) -> None:
+    short = dataclasses.replace(scene, motion=scene.motion.windowed(WARM_UP * scene.motion.dt))
+    for name in methods:
+        if not METHODS[name].refusal(scene):
+            solve(short, 1e-4, name)
+
+
+def _settings(subject: Subject, name: str, reference: Response, allowed: float) -> Iterator[tuple[float, Run | None]]:
+    """Runs of one method from coarse to fine; None for settings that the time allowed [s] does not reach."""
+    spent, last, scale = 0.0, 0.0, 1.0
+    settings = settings_of(name)
+    for number, setting in enumerate(settings):
+        if number and METHODS[name].takes_step:
+            scale = settings[number - 1] / setting
+        if number and spent + last * scale > allowed:
+            yield setting, None
+            continue
+        begin = time.perf_counter()
+        response = solve(subject.scene, setting, name)
+        last = response.seconds
+        seconds = [last]
+        while response.status == "done" and len(seconds) < (5 if last < 0.01 else 3 if last < 0.1 else 1):
+            seconds.append(solve(subject.scene, setting, name).seconds)
+        spent += time.perf_counter() - begin
+        yield setting, _run(subject, response, reference, min(seconds))
+
+
+def _run(subject: Subject, response: Response, reference: Response, seconds: float) -> Run:
+    done = response.status == "done"
+    nothing = dict.fromkeys(QUANTITIES, float("nan"))
+    return Run(
+        subject.case, subject.analysis, subject.record, response.method, response.tolerance, response.status,
+        response.advice, seconds, response.steps, response.events,
+        errors_of(response, reference) if done else nothing, int(response.links.impacts.sum()),
+        int(reference.links.impacts.sum()), response.energy.get("residual", float("nan")),
+    )  # fmt: skip
