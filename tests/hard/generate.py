@@ -104,7 +104,7 @@ def studies(draw: Any) -> str:
         },
         "buildings": {name: types[name] for name in dict.fromkeys(group)},
         "group": group,
-        "cases": {f"case {i}": draw(case(1)) for i in range(draw(st.integers(1, 3)))},
+        "cases": {f"case {i}": draw(case(1)) for i in range(draw(st.integers(1, 4)))},
         "accuracy": draw(st.sampled_from([1e-6, 1e-6, 1e-6, 1e-3, 1e-9, 1e-12, 0.1, 1e-14])),
     }
     scale = st.one_of(decades(0.01, 10, 1e-6, 1e6, far=False), st.sampled_from([{"pga": "5 g"}, {"pga": "0.3 g"}]))

@@ -101,6 +101,21 @@ def test_rigid_springs_come_to_a_fixed_base(tmp_path):
     assert peaks(solve(stiffest)) == pytest.approx(peaks(solve(scene)), rel=1e-6)
 
 
+def test_out_of_reach_is_a_named_outcome(tmp_path):
+    """Springs 1e9 times the storeys' over a millionth of a floor: told so at the bound asked for.
+
+    Fails if such a scene hangs, or shows the numbers of an unfinished run.
+    """
+    foundation = {"mass": 0.2, "sway_stiffness": 2e17, "inertia": 2.0, "rocking_stiffness": 1e19}
+    stiff = {"storeys": 2, "stiffness": [2e8, 1.5e8], "foundation": foundation}
+    path = written(tmp_path, "foundation-tiny", buildings={"stiff": stiff, "soft": {"like": "stiff", "period": 0.6}})
+    for where, scene, accuracy in scenes_of(path):
+        response = solve(scene, accuracy, bounds=(2000, 2000))
+        assert response.status in ("step bound reached", "stalled"), where
+        assert response.advice, where
+        assert np.isnan(peaks(response)).all(), where
+
+
 def test_zero_record_is_refused_with_its_reason(tmp_path):
     """Fails if a motion of zeros is taken as if it were one."""
     path = written(tmp_path, "one-storey", records={"use": [{"file": str(FOLDER / "zero.txt")}], "duration": "whole"})

@@ -16,7 +16,7 @@ from pounding_cli.solve import Response, solve
 from pounding_cli.solve.taylor import variant
 from pounding_cli.study import expand, load_study
 
-BOUNDS = (6_000, 4_000)
+BOUNDS = (2_000, 2_000)
 """Most steps and events of a fuzzed scene: it may end at a bound, but has to end."""
 
 PATIENCE = 5.0
