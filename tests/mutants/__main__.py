@@ -7,9 +7,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.mutants.catalogue import MUTANTS
-from tests.mutants.page import write
-from tests.mutants.runner import try_all
+from .catalogue import MUTANTS
+from .page import write
+from .runner import try_all
 
 
 def main() -> int:

@@ -4,7 +4,7 @@ Texts are short and stand once in their file; a fault whose text is gone is an e
 
 from __future__ import annotations
 
-from tests.mutants.runner import Mutant
+from .runner import Mutant
 
 KERNELS, MODEL, RECORDS = "pounding_cli/kernels", "pounding_cli/model", "pounding_cli/records"
 SOLVE, WALL, STORE = "pounding_cli/solve", "pounding_cli/wall", "pounding_cli/store"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from tests.mutants.runner import ROOT, Mutant
+from .runner import ROOT, Mutant
 
 PAGE = ROOT / "docs" / "verification.md"
 BEGIN, END = "<!-- mutants: begin (python -m tests.mutants --write) -->", "<!-- mutants: end -->"
