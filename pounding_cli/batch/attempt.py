@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.assess import assess
 from pounding_cli.solve.response import Response
@@ -28,6 +29,9 @@ class Task:
         try:
             response = self.solve(scene, accuracy=self.accuracy, method=self.method)
             return assess(scene, response, self.accuracy, self.solve) if self._is_assessed(scene) else response
+        except InputError as refused:  # the method does not run this scene
+            problem = refused.problems[0]
+            return self.without(scene, f"refused: {problem.message}", problem.hint)
         except Exception as error:  # one scene must not take the others with it
             advice = "this is a fault of the program: please report it with the study file"
             return self.without(scene, f"error: {type(error).__name__}: {error}", advice)

@@ -11,7 +11,7 @@ from pounding_cli.study import buildings as building_room
 from pounding_cli.study.plan import Axis
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
-from pounding_cli.study.schema import StudyModel
+from pounding_cli.study.schema import ADAPTIVE, StudyModel
 from pounding_cli.study.source import Node, read_source
 from pounding_cli.study.sweep import SweepAxis, read_axes
 
@@ -152,14 +152,14 @@ def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], no
 
 def _whole_study(model: StudyModel, root: Node, faults: Faults) -> None:
     """What concerns no section alone."""
-    fixed_step = model.method != "taylor"
+    fixed_step = model.method not in ADAPTIVE
     if fixed_step and model.time_step is None:
         faults.at(root, ("method",), f"method: {model.method} needs 'time_step'", "write e.g. `time_step: 1e-4 s`")
     if not fixed_step and model.time_step is not None:
         faults.at(
             root,
             ("time_step",),
-            "'time_step' means nothing to method: taylor",
+            f"'time_step' means nothing to method: {model.method}",
             "remove it; `accuracy:` sets the cost",
             key=True,
         )

@@ -10,7 +10,12 @@ from pounding_cli.study import units
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, limited
 
-Method = Literal["taylor", "central-difference"]
+Method = Literal[
+    "taylor", "rk4-events", "rk4", "central-difference", "newmark", "hht-alpha", "generalized-alpha", "exponential"
+]
+ADAPTIVE = ("taylor", "exponential")
+"""Methods that take an accuracy; the others take a time step."""
+
 Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
 LinkKind = Literal["pounding", "infill", "connector", "none"]
 AnalysisKind = Literal["elastic", "inelastic"]

@@ -40,15 +40,22 @@ def test_the_error_is_that_of_the_response_and_not_of_the_finer_run():
     assert found > 10 * assess(scene, solve(scene, 1e-6), 1e-6).error_estimate
 
 
-def test_a_scene_that_hangs_on_a_hair_is_flagged():
-    """A gap that the buildings only just close: the contact comes and goes with the last digits of the motion."""
-    buildings = pair()
-    free = solve(Scene(buildings, pounding(buildings, gap=1.0), motion(), Analysis.ELASTIC))
-    gap = float(free.links.max_closing[-1]) * (1 - 2e-7)
-    response = assessed(Scene(buildings, pounding(buildings, gap=gap), motion(), Analysis.ELASTIC))
-    nudged = response.sensitivity
-    assert nudged > 1.0
-    assert (nudged > 100) == any("ill-conditioned" in flag for flag in response.flags)
+@pytest.mark.parametrize(("amplification", "flagged"), [(90.0, False), (110.0, True)])
+def test_a_scene_that_hangs_on_a_hair_is_flagged(amplification, flagged):
+    """A solver whose shears follow the motion's amplitude more than one to one; the number is found and judged."""
+    scene = Scene((pair()[0],), (), motion(), Analysis.ELASTIC)
+    first = solve(scene)
+
+    def touchy(nudged: Scene, accuracy: float, method: str):
+        stronger = nudged.motion.pga / scene.motion.pga - 1
+        building = first.buildings[0]
+        shear = building.shear * (1 + amplification * stronger)
+        return dataclasses.replace(first, buildings=(dataclasses.replace(building, shear=shear),))
+
+    found = assess(scene, first, ACCURACY, touchy)
+    assert found.sensitivity == pytest.approx(amplification, rel=1e-3)
+    assert found.error_estimate == 0.0
+    assert flagged == any("ill-conditioned" in flag for flag in found.flags)
 
 
 def test_change_takes_the_worst_storey_and_leaves_out_what_rests():
