@@ -91,7 +91,7 @@ def _panel(ax: Axes, runs: list[Run], quantity: str, methods: list[str]) -> None
             points.append((1e3 * float(np.mean([run.seconds for run in mine])), worst))
         if any(error > 0 for _, error in points):  # a quantity that no run has, such as a force without contact
             look = LOOKS[name]
-            times, errors = zip(*points, strict=True)
+            times, errors = np.array(points).T
             errors = np.maximum(errors, LOWEST)
             ax.plot(times, errors, color=look.color, linestyle=look.line, marker=look.marker, ms=3.5, lw=1.2)
     ax.set(xscale="log", yscale="log", ylim=(LOWEST / 3, 3.0))
