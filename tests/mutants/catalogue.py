@@ -467,7 +467,7 @@ OTHERS = [
         f"{STORE}/statistics.py",
         "sum(axis=axis), count - 1)",
         "sum(axis=axis), count)",
-        f"{UNIT}/store/test_store_results.py::test_summary_agrees_with_pandas_over_the_storey_table",
+        "tests/peers/test_record_statistics.py::test_against_pandas",
     ),
     Mutant(
         "tables: V0 / V instead of V / V0",
