@@ -65,8 +65,8 @@ LINKS = [
     Mutant(
         "tension kept where it should be cut",
         f"{KERNELS}/crossings.py",
-        "if links.tension_cut[e] == 1:",
-        "if links.tension_cut[e] == 2:",
+        "if links.tension_cut[e] == 1",
+        "if links.tension_cut[e] == 2",
         TENSION,
     ),
     Mutant(
