@@ -19,7 +19,7 @@ COMMANDS = {
     "schema": ("pounding_cli.cli.schema", "Print the JSON Schema of study files, for editors."),
     "records": ("pounding_cli.cli.records", "List, show, import and synthesize ground motions."),
     "connector": ("pounding_cli.cli.connector", "Two connected oscillators in closed form (Figs 4 and 5)."),
-    "accuracy": ("pounding_cli.cli.accuracy", "Error against time of every method, and the cheapest for a wanted error."),
+    "accuracy": ("pounding_cli.cli.accuracy", "Error against time of every method; the cheapest for a wanted error."),
     "wall": ("pounding_cli.cli.wall", "The bumper wall of Fig. 8."),
 }
 

@@ -9,6 +9,10 @@ from pounding_cli.kernels.hermite import cubic, quintic
 from pounding_cli.kernels.layout import CONNECTOR, CUBIC, INFILL, INLINE, LINEAR, OPEN, POUNDING
 from pounding_cli.kernels.polynomial import highest
 
+SHORTEST = 1e-7
+"""Steps shorter than this [s], between events that coincide, have no mean acceleration: it is a difference of
+velocities over nothing. Their ends say it all."""
+
 
 @njit(**INLINE)
 def restoring(slots, i, drift, line, plastic, located):
@@ -42,6 +46,8 @@ def raise_displacements(slots, peaks, scratch, h, u0, v0, a0, u1, v1, a1):
 def raise_accelerations(slots, peaks, h, ground0, ground1, v0, a0, v1, a1):
     """Total accelerations that turn inside the step: the parabola through both ends with the right mean, which is known
     from the velocities; error O(h^3)."""
+    if h < SHORTEST:
+        return
     for i in range(slots.size):
         ground = (ground1 - ground0) * slots.real[i]
         change = a1[i] - a0[i]

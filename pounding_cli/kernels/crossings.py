@@ -23,6 +23,10 @@ from pounding_cli.kernels.simd import greater, load, lowest, magnitude, maximum,
 STOREY, CLOSES, OPENS, STIFFENS, SOFTENS, PULLS, PUSHES = 0, 1, 2, 3, 4, 5, 6
 """Kinds of event."""
 
+MOST_TURNS = 2
+"""Events of a link at one instant after which it stays open, or its force as it is, until time goes on: one that undoes
+itself at once is rounding (floors that part from rest at a high order of their motion, say)."""
+
 
 @njit(**INLINE)
 def _storey_crossing(slots, state, work, ends, padded, order, i, end, scratch):
@@ -117,7 +121,7 @@ def _closed_link_crossing(links, state, work, order, e, end, scratch, kinds):
         if s < earliest:
             earliest = s
             event = STIFFENS if cubic else SOFTENS
-    if links.tension_cut[e] == 1:  # the force changes sign
+    if links.tension_cut[e] == 1 and work.turns[e] < MOST_TURNS:  # the force changes sign
         cut = state.link_cut[e] == 1
         sign = -1.0 if cut else 1.0
         for k in range(order):
@@ -147,6 +151,8 @@ def first_link_event(links, state, work, ends, padded, order, end, scratch, kind
             closing = difference(state.u[left] - thickness, state.u[right], 0.0)
             last = ends.u[left] - ends.u[right] - thickness
             if max(closing, last) + ends.u_stray[left] + ends.u_stray[right] < 0.0:
+                continue
+            if work.turns[e] >= MOST_TURNS:
                 continue
             s = _open_link_crossing(links, state, work, padded, order, e, closing, min(end, earliest), scratch)
             event = CLOSES

@@ -35,12 +35,13 @@ FORGET = 0.9
 
 Work = namedtuple(
     "Work",
-    "U W D V rates F square root half sizes law phi_W phi_D tangent offset stencil scaled push force tilt "
+    "U W D V rates F square root half sizes turns law phi_W phi_D tangent offset stencil scaled push force tilt "
     "roots scale reciprocal curve twist",
 )
 """Scratch of a run. U, W, D: coefficients of displacement, rate and drift by order and slot. V, rates, F: closing,
 its rate and force by order and link; square, root, half: the infill's v^2 and sqrt(s_cur) by order, and half its
-inverse; sizes: the largest term so far of either floor; law: the link laws' coefficients (`link_series`). phi_W,
+inverse; sizes: the largest term so far of either floor; turns: events of a link since
+time last went on; law: the link laws' coefficients (`link_series`). phi_W,
 phi_D: rocking rate and angle by order. tangent [N/m] and offset [N] of each storey's branch. stencil: six rows of
 acceleration per displacement (own, left, right) and per velocity (own, left, right); scaled: the same times h^2 and
 h. push: acceleration of the offsets [m/s2]. force: one order's link and foundation forces; tilt: storey height times
@@ -116,7 +117,8 @@ def expand(
     guess, most, founded, kinds,
 ):  # fmt: skip
     """Coefficients up to the order at which two acceleration terms in a row are below `tolerance` times the slot's
-    acceleration of late (`renew_scale`; at least `quiet`), or up to `most`; returns (highest order, whether that held)."""
+    acceleration of late (`renew_scale`; at least `quiet`), or up to `most`; returns (highest order, whether that
+    held)."""
     h2 = h * h
     for b in range(0, 3 * padded, 8):
         store(work.scaled, b, load(work.stencil, b) * h2)
@@ -183,7 +185,8 @@ def expand(
 
 @njit(**INLINE)
 def renew_scale(work, ends, padded, h):
-    """The largest acceleration of late: a blow is forgotten at a tenth a step, so that what follows it is not sloppy."""
+    """The largest acceleration of late: a blow is forgotten at a tenth a step, so that what follows it is not
+    sloppy."""
     rate = 1.0 / (h * h)
     for b in range(0, padded, 8):
         now = maximum(magnitude(load(ends.acceleration0, b)), magnitude(load(ends.acceleration, b))) * rate

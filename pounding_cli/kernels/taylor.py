@@ -57,7 +57,7 @@ from pounding_cli.kernels.summary import Ends, stop_at, summarise
 def room_needed(padded: int, feet: int, links: int) -> int:
     """Doubles of scratch that `integrate` needs."""
     rows = LARGEST_ORDER + 1
-    return rows * (4 * padded + 2 * feet + 5 * links + 4) + 40 * padded + 9 * links + 64
+    return rows * (4 * padded + 2 * feet + 5 * links + 4) + 40 * padded + 11 * links + 64
 
 
 @njit(**INLINE)
@@ -68,7 +68,7 @@ def _workspace(room, padded, feet_count, link_count):
     by_link = rows * link_count
     at = further(room, 4 * by_slot)
     at_link = further(at, 32 * padded)
-    at_rest = further(at_link, 5 * by_link + 8 * link_count)
+    at_rest = further(at_link, 5 * by_link + 10 * link_count)
     reciprocal = further(at_rest, 2 * rows * feet_count)
     curve = further(reciprocal, rows + 1)
     twist = further(curve, rows + 1)
@@ -84,7 +84,8 @@ def _workspace(room, padded, feet_count, link_count):
         room, further(room, by_slot), further(room, 2 * by_slot),
         at_link, further(at_link, by_link), further(at_link, 2 * by_link), further(at_link, 3 * by_link),
         further(at_link, 4 * by_link), further(at_link, 5 * by_link), further(at_link, 5 * by_link + link_count),
-        further(at_link, 5 * by_link + 2 * link_count), at_rest, further(at_rest, rows * feet_count),
+        further(at_link, 5 * by_link + 2 * link_count), further(at_link, 5 * by_link + 3 * link_count),
+        at_rest, further(at_rest, rows * feet_count),
         at, further(at, padded), further(at, 2 * padded), further(at, 8 * padded),
         further(at, 14 * padded), further(at, 15 * padded), further(room, 3 * by_slot), further(at, 30 * padded),
         further(at, 31 * padded),
@@ -277,6 +278,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
                 if snapped:
                     for e in range(links.number):
                         state.snapped_link[e] = NOTHING
+                        work.turns[e] = 0.0
                     for i in range(padded):
                         state.snapped_storey[i] = 0
                     snapped = False
@@ -289,6 +291,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
             if link >= 0:
                 _link_event(links, state, peaks, link, event)
                 set_law(links, state, work.law, link)
+                work.turns[link] += 1.0
             if end > 0.0:
                 rate = 1.0 / h
                 for b in range(0, padded, 8):

@@ -99,6 +99,8 @@ def in_words(found: WorkPrecision, wishes: Sequence[float] = (1e-2, 1e-3, 1e-4))
         finer = cheapest(lines, wanted / 10, scenes)
         if finer is None:
             text += " The next digit was not reached."
+        elif finer == best:
+            text += " That gives the next digit too."
         else:
             text += (
                 f" The next digit ({_use(finer)}) costs {max(finer.milliseconds - best.milliseconds, 0):.2g} ms more."

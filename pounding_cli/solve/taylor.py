@@ -15,8 +15,8 @@ from pounding_cli.solve.arrays import Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
 
 SAFETY = 1.0
-"""Local tolerance (relative, of acceleration) over the accuracy asked. Ordinary scenes come out hundreds of times better than
-asked; this is for the hard ones, where thousands of contacts hand errors on (tests/hard)."""
+"""Local tolerance (relative, of acceleration) over the accuracy asked. Ordinary scenes come out hundreds of times
+better than asked; this is for the hard ones, where thousands of contacts hand errors on (tests/hard)."""
 
 
 QUIET = 1e-3
@@ -44,7 +44,8 @@ def most_order(tolerance: float) -> int:
 
 
 def quiet_acceleration(scene: Scene, arrays: Arrays, state) -> float:
-    """Acceleration [m/s2] below which nothing is resolved: a part of the ground's peak, or on still ground that of the start.
+    """Acceleration [m/s2] below which nothing is resolved: a part of the ground's peak, or on still ground that of
+    the start.
 
     The start's is the largest spring force per mass, or what would turn its largest velocity within a second.
     """
