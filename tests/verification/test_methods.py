@@ -146,6 +146,16 @@ def test_all_methods_agree_on_the_scenes_of_the_paper(kind, gap, analysis):
         assert gather(solve(scene, 1e-6, "exponential"), "shear") == pytest.approx(exact, rel=1e-9)
 
 
+def test_coinciding_events_leave_no_false_peaks():
+    """Two equal buildings around a third yield at the same instant, or all but: steps of 1e-17 s lie between. Fails if
+    the mean acceleration of such a step is asked for."""
+    buildings = shear_building(0.60), shear_building(0.36), shear_building(0.60)
+    scene = Scene(buildings, links("pounding", 0.07) + links("pounding", 0.07, left=1), shake(4.0), INELASTIC)
+    found = solve(scene, 2e-4, "rk4-events")
+    assert found.events > 50
+    assert gather(found, "acceleration") == pytest.approx(gather(solve(scene, 1e-10), "acceleration"), rel=1e-5)
+
+
 def test_exact_stepping_finds_peaks_between_samples():
     """Against exact states on a grid 40 times finer. Fails if only record samples are looked at."""
     scene = pair("connector", 0.05, shake(1.0), foundation=FOUNDATION)
