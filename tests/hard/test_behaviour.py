@@ -111,8 +111,8 @@ def test_out_of_reach_is_a_named_outcome(tmp_path):
     path = written(tmp_path, "foundation-tiny", buildings={"stiff": stiff, "soft": {"like": "stiff", "period": 0.6}})
     for where, scene, accuracy in scenes_of(path):
         response = solve(scene, accuracy, bounds=(2000, 2000))
-        assert response.status in ("step bound reached", "stalled"), where
-        assert response.advice, where
+        assert response.status == "step bound reached", where
+        assert "stiff" in response.advice, where
         assert np.isnan(peaks(response)).all(), where
 
 
