@@ -8,7 +8,7 @@ STUDIES := fig6 fig7
 SYSTEMS := fig5 fig8
 PAGES := $(patsubst %,results/%/summary.md,$(STUDIES) $(SYSTEMS))
 
-.PHONY: all setup figures studies pages test lint lock clean
+.PHONY: all setup figures studies pages test lint lock peers mutants fuzz clean
 
 all: figures
 
@@ -52,6 +52,21 @@ lint: setup
 # Rewrites the locked versions from pyproject.toml (needs uv: pip install uv).
 lock:
 	uv pip compile --universal --generate-hashes --python-version 3.11 --extra test --extra dev -o requirements/dev.txt pyproject.toml
+	uv pip compile --generate-hashes --python-version 3.11 --python-platform x86_64-manylinux_2_28 --extra test --extra dev --extra peers -c requirements/dev.txt -o requirements/peers.txt pyproject.toml
+
+# The strangers that the solver is checked against (OpenSeesPy needs Debian's libblas3).
+peers: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
+	$(BIN)/python -m pytest tests/peers
+
+# Deliberate faults, each of which a named test must see (about 15 minutes).
+mutants: setup
+	nice -n 5 $(BIN)/python -m tests.mutants
+
+# Random studies over the whole schema; SCENES=100000 for the long run.
+SCENES ?= 2000
+fuzz: setup
+	nice -n 5 $(BIN)/python -m tests.hard.fuzz --scenes $(SCENES)
 
 clean:
 	rm -rf results .venv
