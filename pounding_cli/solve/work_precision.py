@@ -28,6 +28,9 @@ STEPS = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)
 ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
 """Settings tried: time steps [s], accuracies [-]."""
 
+MOST_REPEATS, REPEATED = 20, 0.1
+"""A run is repeated up to so often, or until its repeats took so long [s] together; the least counts."""
+
 WARM_UP = 3
 """Samples of the motion that a method sees before it is timed, so that compiling is not."""
 
@@ -204,7 +207,7 @@ def _settings(subject: Subject, name: str, reference: Response, allowed: float) 
         response = solve(subject.scene, setting, name)
         last = response.seconds
         seconds = [last]
-        while response.status == "done" and len(seconds) < (5 if last < 0.01 else 3 if last < 0.1 else 1):
+        while response.status == "done" and len(seconds) < MOST_REPEATS and sum(seconds) < REPEATED:
             seconds.append(solve(subject.scene, setting, name).seconds)
         spent += time.perf_counter() - begin
         yield setting, _run(subject, response, reference, min(seconds))
