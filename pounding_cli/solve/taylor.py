@@ -24,7 +24,7 @@ QUIET = 1e-3
 
 
 COARSEST = 1e-4
-"""No series is cut shorter than this, whatever is asked: events would be found where there are none, to save nothing."""
+"""No series is cut shorter than this, whatever is asked: events would be found where there are none, to save little."""
 
 
 def variant(scene: Scene) -> tuple[bool, bool, int]:
