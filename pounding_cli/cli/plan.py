@@ -31,10 +31,12 @@ def command(study: Path) -> None:
 
 
 def _lines(plan: Plan) -> list[str]:
+    from pounding_cli.study.schema import ADAPTIVE
+
     baselines = {digest for row in plan.rows for digest in row.baselines}
     linked = {row.scene for row in plan.rows} - baselines
     wanted = sum(len(row.baselines) for row in plan.rows)
-    setting = "accuracy" if plan.method == "taylor" else "time step [s]"
+    setting = "accuracy" if plan.method in ADAPTIVE else "time step [s]"
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
