@@ -183,9 +183,7 @@ def _failures(plan: Plan, responses: dict[str, Response]) -> Iterator[Failure]:
             for name, value in zip(axis.names, axis.values[number], strict=True)
         ]
         places = [(row.scene, row.case)]
-        places += [
-            (key, f"{building} alone") for building, key in zip(plan.buildings, row.baselines, strict=True)
-        ]
+        places += [(key, f"{building} alone") for building, key in zip(plan.buildings, row.baselines, strict=True)]
         for digest, what in places:
             response = responses[digest]
             if response.status != "done" and digest not in named:

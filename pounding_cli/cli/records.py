@@ -31,13 +31,9 @@ def command() -> None:
 def _reading(function):
     """The options that say how a file is to be read."""
     for option in (
-        click.option(
-            "--format", "format_", type=click.Choice(FORMAT_NAMES), help="File format, if not found."
-        ),
+        click.option("--format", "format_", type=click.Choice(FORMAT_NAMES), help="File format, if not found."),
         click.option("--dt", type=float, metavar="S", help="Time step in s, for a file of one column."),
-        click.option(
-            "--unit", type=click.Choice(UNIT_NAMES), help="Unit of the acceleration; g if left out."
-        ),
+        click.option("--unit", type=click.Choice(UNIT_NAMES), help="Unit of the acceleration; g if left out."),
     ):
         function = option(function)
     return function
@@ -82,9 +78,7 @@ def list_() -> None:
 
 @command.command()
 @click.argument("motion")
-@click.option(
-    "--window", type=float, metavar="S", help="Only the first so many seconds [Table 1's for a name]."
-)
+@click.option("--window", type=float, metavar="S", help="Only the first so many seconds [Table 1's for a name].")
 @click.option("--whole", is_flag=True, help="The whole motion, also for a catalogue name.")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw it: FILE.png, .svg or .pdf."
@@ -137,9 +131,7 @@ def show(
 @click.option("--as", "name", required=True, metavar="NAME", help="Catalogue name the motion stands for.")
 @click.option("--force", is_flag=True, help="Replace a motion imported before under this name.")
 @_reading
-def import_(
-    file: Path, name: str, force: bool, unit: str | None, dt: float | None, format_: str | None
-) -> None:
+def import_(file: Path, name: str, force: bool, unit: str | None, dt: float | None, format_: str | None) -> None:
     """Copy a real motion into your own folder, so that every study uses it in place of the stand-in.
 
     It is compared with what the catalogue knows of the motion; what differs is said in words, and imported
@@ -162,9 +154,7 @@ def import_(
     target = user_folder() / f"{name}.txt"
     if target.exists() and not force:
         raise InputError(
-            Problem(
-                f"'{name}' was imported before", "say --force to replace it, or delete that file", str(target)
-            )
+            Problem(f"'{name}' was imported before", "say --force to replace it, or delete that file", str(target))
         )
     write_text(target, imported_text(known, motion, file))
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")

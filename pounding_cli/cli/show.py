@@ -88,9 +88,7 @@ def _filtered(frame: pd.DataFrame, wanted: dict[str, tuple[str, ...]], table: st
 
 def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
     """Cells of several sentences on one line each, so that one row is one line."""
-    changed = {
-        name: frame[name].str.replace("\n", "; ") for name in (*_SENTENCES, "advice") if name in frame.columns
-    }
+    changed = {name: frame[name].str.replace("\n", "; ") for name in (*_SENTENCES, "advice") if name in frame.columns}
     return frame.assign(**changed)
 
 
@@ -107,13 +105,9 @@ def _columns(frame: pd.DataFrame) -> str:
     from pounding_cli.store.layout import COORDINATES, VARIABLES
 
     units = {name: variable.unit for name, variable in VARIABLES.items()}
-    units |= {
-        name.removeprefix("record_"): unit for name, (unit, _) in COORDINATES.items() if "record_" in name
-    }
+    units |= {name.removeprefix("record_"): unit for name, (unit, _) in COORDINATES.items() if "record_" in name}
     names = [str(name) for name in frame]
     headings = {name: f"{name} [{units[name]}]" for name in names if units.get(name, "1") not in ("", "1")}
     if frame.empty:
         return "no rows"
-    return frame.rename(columns=headings).to_string(
-        index=False, float_format=lambda value: f"{value:.4g}", na_rep="-"
-    )
+    return frame.rename(columns=headings).to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")

@@ -49,9 +49,7 @@ def effects_of(scene: Scene) -> Effects:
         "yielding storeys",
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )
-    foundations = decide(
-        any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed"
-    )
+    foundations = decide(any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed")
     decide(any(b.alpha > 0 for b in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(b.beta > 0 for b in buildings), "stiffness-proportional damping", "beta is 0")
     contact = Kind.POUNDING in kinds or Kind.CONNECTOR in kinds

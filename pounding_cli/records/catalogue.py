@@ -201,9 +201,7 @@ def find(name: str) -> Motion:
     """
     place = locate(name)
     hint = place.hint
-    return read_motion(
-        place.path, name=name, unit=hint.unit, dt=hint.dt, format=hint.format, source=place.source
-    )
+    return read_motion(place.path, name=name, unit=hint.unit, dt=hint.dt, format=hint.format, source=place.source)
 
 
 def _entry(name: str, told: dict[str, Any]) -> Entry:

@@ -21,9 +21,7 @@ def draw(motion: Motion, title: str, path: Path) -> None:
     """
     if path.suffix.lower() not in FORMATS:
         raise InputError(
-            Problem(
-                f"cannot draw a '{path.suffix}' file", f"end the name with {', '.join(FORMATS)}", str(path)
-            )
+            Problem(f"cannot draw a '{path.suffix}' file", f"end the name with {', '.join(FORMATS)}", str(path))
         )
     from matplotlib.figure import Figure
 

@@ -31,9 +31,7 @@ def differences(entry: Entry, motion: Motion) -> list[str]:
     told = []
     facts, window = entry.facts, motion.windowed(entry.duration)
     if motion.duration < entry.duration - 0.5 * motion.dt:
-        told.append(
-            f"length: {motion.duration:g} s, shorter than Table 1's {entry.duration:g} s: all is used"
-        )
+        told.append(f"length: {motion.duration:g} s, shorter than Table 1's {entry.duration:g} s: all is used")
     measured = entry.facts_of == "real"
     known = "measured on a public digitisation" if measured else "estimated from Table 1"
     if abs(window.pga / facts.pga - 1.0) > _PEAK:
@@ -53,7 +51,5 @@ def differences(entry: Entry, motion: Motion) -> list[str]:
     if facts.samples is not None and facts.dt is not None:
         length = facts.dt * (facts.samples - 1)
         if abs(motion.duration - length) > facts.dt:
-            told.append(
-                f"whole length: {motion.duration:g} s, against {length:g} s: cut, or another digitisation"
-            )
+            told.append(f"whole length: {motion.duration:g} s, against {length:g} s: cut, or another digitisation")
     return told

@@ -137,9 +137,7 @@ def spectral_displacement(
     return np.array([_peak_displacement(motion, float(period), damping) for period in np.atleast_1d(periods)])
 
 
-def spectrum(
-    motion: Motion, periods: np.ndarray | tuple[float, ...], damping: float = SPECTRUM_DAMPING
-) -> np.ndarray:
+def spectrum(motion: Motion, periods: np.ndarray | tuple[float, ...], damping: float = SPECTRUM_DAMPING) -> np.ndarray:
     """Pseudo-acceleration response spectrum w^2 max|u| [m/s2] at `periods` [s], shape (len,).
 
     Exact for the straight line between samples: see `oscillator`; peaks between points come from the cubic

@@ -145,9 +145,7 @@ def _unit_factor(text: _Text, unit: str | None) -> float:
     name = (unit or text.header.get("unit") or "g").strip().lower()
     name = {"m/s^2": "m/s2", "m/s/s": "m/s2", "cm/s^2": "cm/s2", "cm/s/s": "cm/s2"}.get(name, name)
     if name not in UNITS:
-        raise text.refuse(
-            f"unknown unit '{unit or name}' of acceleration", f"write one of {', '.join(UNITS)}"
-        )
+        raise text.refuse(f"unknown unit '{unit or name}' of acceleration", f"write one of {', '.join(UNITS)}")
     return UNITS[name]
 
 

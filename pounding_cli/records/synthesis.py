@@ -187,9 +187,7 @@ def _energy(target: Target, motion: Motion) -> tuple[list[np.ndarray], list[floa
     steps_left = np.concatenate((2.0 * a[:-1] + a[1:], [0.0])) * factor
     steps_right = np.concatenate(([0.0], a[:-1] + 2.0 * a[1:])) * factor
     rows, miss = [], []
-    for fraction, time in zip(
-        (*target.husid_fractions, 1.0), (*target.husid_times, target.duration), strict=True
-    ):
+    for fraction, time in zip((*target.husid_fractions, 1.0), (*target.husid_times, target.duration), strict=True):
         k = min(round(time / target.dt), a.size - 1)
         index = np.arange(a.size)
         row = np.where(index < k, steps_left, 0.0) + np.where(index <= k, steps_right, 0.0)

@@ -54,9 +54,7 @@ def decode(head: str, numbers: np.ndarray) -> Response:
     return Response(buildings=buildings, links=links, **facts)
 
 
-def failed(
-    storeys: list[int], n_links: int, status: str, advice: str, method: str, tolerance: float
-) -> Response:
+def failed(storeys: list[int], n_links: int, status: str, advice: str, method: str, tolerance: float) -> Response:
     """The response of a scene that gave none: NaN everywhere, and why."""
     columns: list[dict[str, Any]] = [{name: np.full(n, np.nan) for name in _BUILDING_ARRAYS} for n in storeys]
     buildings = tuple(BuildingResponse(**column) for column in columns)

@@ -103,9 +103,7 @@ def _index(plan: Plan, row: Row) -> tuple[int, int, int]:
     )
 
 
-def _put_peaks(
-    arrays: dict[str, np.ndarray], at: tuple[int, ...], response: Response, alone: list[Response]
-) -> None:
+def _put_peaks(arrays: dict[str, np.ndarray], at: tuple[int, ...], response: Response, alone: list[Response]) -> None:
     """Peaks of the scenes that are done; those of another leave NaN, whatever it reached."""
     for place, building in enumerate(response.buildings):
         span: tuple = (*at, place, slice(building.shear.size))
@@ -203,9 +201,7 @@ def _same(one: np.ndarray, other: np.ndarray) -> bool:
     return np.array_equal(one, other, equal_nan=one.dtype != object)
 
 
-def _statistics(
-    axes: tuple[str, ...], arrays: dict[str, np.ndarray]
-) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
+def _statistics(axes: tuple[str, ...], arrays: dict[str, np.ndarray]) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
     found: dict[str, np.ndarray] = {}
     for ratio_name in (f"{name}_ratio" for name in RATIOS):
         found |= {

@@ -22,9 +22,7 @@ def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
     """
     name = str(path)
     if not path.exists():
-        raise InputError(
-            Problem("there is no such results file", "make one with: pound run STUDY -o FILE.h5", name)
-        )
+        raise InputError(Problem("there is no such results file", "make one with: pound run STUDY -o FILE.h5", name))
     if path.is_dir():
         raise InputError(Problem("is a folder, not a results file", "name the .h5 file in it", name))
     try:
@@ -64,9 +62,7 @@ def check_output(path: Path) -> None:
                 pass
         except InputError:
             advice = "it would be overwritten: choose another name, or move it away"
-            raise InputError(
-                Problem("the output exists and is not a results file of pound", advice, name)
-            ) from None
+            raise InputError(Problem("the output exists and is not a results file of pound", advice, name)) from None
     advice = "choose another place with -o FILE.h5"
     probe = path.with_name(f".{path.name}.probe")
     try:

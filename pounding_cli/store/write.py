@@ -87,9 +87,7 @@ def content_digest(plan: Plan) -> str:
         plan.study.text,
         _json(plan.study.resolved()),
         repr((plan.axes, plan.cases, plan.analyses, plan.records, plan.buildings, plan.motions)),
-        repr(
-            [(row.point, row.case, row.analysis, row.record, row.scene, row.baselines) for row in plan.rows]
-        ),
+        repr([(row.point, row.case, row.analysis, row.record, row.scene, row.baselines) for row in plan.rows]),
     ):
         sha.update(part.encode() + b"\0")
     return sha.hexdigest()

@@ -46,9 +46,7 @@ def known(scene, accuracy=1e-6, method="taylor"):
         found.append(BuildingResponse(1e6 * one, 0.01 * one, one, one, one, -one, 0 * one))
     n = np.ones(len(scene.links))
     flags = ("a sentence to know",) if scene.links and scene.links[0].gap else ()
-    return Response(
-        tuple(found), LinkResponse(n, n, n, n, n), "done", "", method, accuracy, 1, 1, 1e-4, flags=flags
-    )
+    return Response(tuple(found), LinkResponse(n, n, n, n, n), "done", "", method, accuracy, 1, 1, 1e-4, flags=flags)
 
 
 def fails(scene, accuracy=1e-6, method="taylor"):
@@ -90,9 +88,18 @@ def test_summary_shows_ratios_motions_flags_counts_and_times(folder, pound):
     assert code == 0
     lines = [line.split() for line in out.splitlines()]
     assert lines[0] == ["Two", "small", "buildings"]
-    assert [
-        word for word in lines[3] if word not in ("case", "building")
-    ] == ["V/V0", "at", "roof", "largest", "(storey)", "mu/mu0", "at", "roof", "largest", "(storey)"]
+    assert [word for word in lines[3] if word not in ("case", "building")] == [
+        "V/V0",
+        "at",
+        "roof",
+        "largest",
+        "(storey)",
+        "mu/mu0",
+        "at",
+        "roof",
+        "largest",
+        "(storey)",
+    ]
     assert ["touching", "stiff", "2.000", "2.000", "(3)", "2.000", "2.000", "(3)"] in lines
     assert ["soft", "2.000", "2.000", "(2)", "2.000", "2.000", "(2)"] in lines
     assert "Motions, user: weak, strong" in out
@@ -205,9 +212,7 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
 def test_the_solver_gives_the_same_rows_in_processes_and_in_this_one(folder, pound, monkeypatch):
     monkeypatch.setattr("pounding_cli.batch.runner.WORTH_PROCESSES", 0.0)
     for engine in ("serial", "processes"):
-        code, out, _ = pound(
-            "run", "two.yaml", "-o", f"{engine}.h5", "--engine", engine, "--workers", 2, solve=None
-        )
+        code, out, _ = pound("run", "two.yaml", "-o", f"{engine}.h5", "--engine", engine, "--workers", 2, solve=None)
         assert code == 0
         assert ("2 side by side" in out) == (engine == "processes")
     serial, side = open_results("serial.h5"), open_results("processes.h5")

@@ -27,9 +27,7 @@ def rows(text: str) -> list[dict[str, str]]:
 def test_storey_csv_has_the_columns_of_the_manual_and_all_digits(shown):
     code, out, _ = shown("storey", "--format", "csv")
     assert code == 0
-    assert out.splitlines()[0].startswith(
-        "case,analysis,record,building,storey,V,V0,V_ratio,mu,mu0,mu_ratio,drift"
-    )
+    assert out.splitlines()[0].startswith("case,analysis,record,building,storey,V,V0,V_ratio,mu,mu0,mu_ratio,drift")
     table = rows(out)
     assert len(table) == 2 * 2 * 2 * 5
     assert {row["V_ratio"] for row in table} == {"1.25", "2.0"}

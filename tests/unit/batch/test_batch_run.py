@@ -35,12 +35,7 @@ class Counting:
 
 def dies(scene, accuracy, method):
     """Takes its process with it on the strongest linked inelastic scene at gap 0.05."""
-    if (
-        scene.links
-        and scene.links[0].gap == 0.05
-        and scene.motion.pga == 9.0
-        and scene.analysis == "inelastic"
-    ):
+    if scene.links and scene.links[0].gap == 0.05 and scene.motion.pga == 9.0 and scene.analysis == "inelastic":
         os._exit(3)
     return known(scene, accuracy, method)
 
@@ -265,9 +260,7 @@ def test_damaged_and_foreign_parts_are_passed_over(plan, output):
 
 def test_a_part_gives_back_every_bit(tmp_path, plan):
     scene = next(scene for scene in plan.scenes.values() if scene.links)
-    before = replace(
-        known(scene), advice="ν", seconds=1 / 3, flags=("a", "b"), energy={"input": np.float64(0.1)}
-    )
+    before = replace(known(scene), advice="ν", seconds=1 / 3, flags=("a", "b"), energy={"input": np.float64(0.1)})
     before.links.peak_force[0] = np.nextafter(1e6, 2e6)
     before.links.impacts[1] = np.nan if before.links.impacts.dtype.kind == "f" else 7
     store = PartStore(tmp_path / "r.h5", "key")

@@ -83,9 +83,7 @@ def test_label_survives_window_and_scale() -> None:
     assert find("taft").windowed(5.0).scaled(1.5).source == "stand-in"
 
 
-@pytest.mark.parametrize(
-    ("typed", "near"), [("el centro", "elcentro"), ("Taft", "taft"), ("parkfeld", "parkfield")]
-)
+@pytest.mark.parametrize(("typed", "near"), [("el centro", "elcentro"), ("Taft", "taft"), ("parkfeld", "parkfield")])
 def test_unknown_names_get_the_nearest(typed: str, near: str) -> None:
     with pytest.raises(InputError, match=f"did you mean '{near}'"):
         find(typed)

@@ -86,9 +86,7 @@ def test_husid_times_of_a_ramp_follow_the_cube_root() -> None:
 def test_husid_times_invert_the_cumulative_intensity() -> None:
     motion = noise()
     times = np.arange(1, 399) * motion.dt
-    assert husid_times(motion, cumulative_arias(motion)[1:399] / arias(motion)) == pytest.approx(
-        times, rel=1e-9
-    )
+    assert husid_times(motion, cumulative_arias(motion)[1:399] / arias(motion)) == pytest.approx(times, rel=1e-9)
 
 
 def test_husid_times_refuse_rest_and_fractions_outside() -> None:

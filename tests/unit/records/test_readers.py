@@ -105,9 +105,7 @@ def test_units(file, unit: str, in_si: float) -> None:
 
 
 def test_a_given_unit_beats_the_header(file) -> None:
-    assert read_motion(file("# unit: g\n1\n2\n"), unit="m/s2", dt=0.1).acceleration == pytest.approx(
-        [1.0, 2.0]
-    )
+    assert read_motion(file("# unit: g\n1\n2\n"), unit="m/s2", dt=0.1).acceleration == pytest.approx([1.0, 2.0])
 
 
 @pytest.mark.parametrize(

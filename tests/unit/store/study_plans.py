@@ -51,9 +51,7 @@ class FakeStudy:
 
 def building(name: str, storeys: int, stiffness: float = 1e8, yields: float = 1e6) -> Building:
     ones = np.ones(storeys)
-    return Building(
-        name, 2e5 * ones, 3 * ones, stiffness * ones, yields * ones, 0.05 * ones, alpha=0.1, beta=0.001
-    )
+    return Building(name, 2e5 * ones, 3 * ones, stiffness * ones, yields * ones, 0.05 * ones, alpha=0.1, beta=0.001)
 
 
 def motion(name: str, pga: float) -> Motion:

@@ -96,9 +96,7 @@ def test_summary_agrees_with_pandas_over_the_storey_table(swept):
     results = open_results(swept)
     keys = ["impact.damping_ratio", "records.scale", "case", "analysis", "building", "storey"]
     own = results.summary().set_index(keys)
-    by_hand = (
-        results.storey().groupby(keys, sort=False)["mu_ratio"].agg(["mean", "std", "min", "max", "count"])
-    )
+    by_hand = results.storey().groupby(keys, sort=False)["mu_ratio"].agg(["mean", "std", "min", "max", "count"])
     for measure in ("mean", "std", "min", "max"):
         np.testing.assert_allclose(own[f"mu_ratio_{measure}"], by_hand[measure], rtol=1e-14, atol=1e-15)
     assert (own.records_used == by_hand["count"]).all()
