@@ -130,8 +130,8 @@ def _print_trust(trust: Trust) -> None:
         return
     of = "all" if trust.assessed == trust.scenes else f"{trust.assessed} of {trust.scenes}"
     click.echo(
-        f"Peaks carry a numerical error of at most {trust.error:.0e} ({of} scenes assessed); a motion stronger by "
-        f"0.1 %\nmoves them by at most {trust.sensitivity * 0.1:.2g} % ({trust.where})."
+        f"Peaks carry a numerical error of at most {trust.error:.0e} ({of} scenes assessed); a motion that grows "
+        f"by 0.1 % on its way\nmoves them by at most {trust.sensitivity * 0.1:.2g} % ({trust.where})."
     )
 
 
