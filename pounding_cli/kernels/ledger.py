@@ -35,8 +35,8 @@ def ledger_pointers(a):
 
 
 @njit(**INLINE)
-def _feet_powers(slots, feet, work, ends, ledger, order, s, weight, h):
-    """Drag of founded buildings and rocking dashpots at one point; `ends.v` is not used, velocities are summed anew."""
+def _feet_powers(slots, feet, work, ledger, order, s, weight, h):
+    """Drag of founded buildings and rocking dashpots at one point."""
     padded = slots.size
     for f in range(feet.number):
         turning = 0.0
@@ -92,7 +92,7 @@ def account(
             store(ledger.dashpots, b, load(ledger.dashpots, b) + load(slots.dashpot, b) * rate * rate * share)
             store(ledger.drag, b, load(ledger.drag, b) + load(slots.alpha, b) * mass * v * v * share)
         if founded:
-            _feet_powers(slots, feet, work, ends, ledger, order, s, weight, h)
+            _feet_powers(slots, feet, work, ledger, order, s, weight, h)
         if kinds != LINKS_NONE and busy > 0:
             count = links.size
             for b in range(0, count, 8):
