@@ -68,10 +68,11 @@ link cut (1: pulling, so no force), what is exactly zero of a link, rocking angl
 
 Peaks = namedtuple(
     "Peaks",
-    "drift shear acceleration displacement_max displacement_min sway rocking "
-    "closing force impulse contact_time impacts",
+    "watched drift shear acceleration displacement_max displacement_min rocking "
+    "closing force impulse contact_time top bottom impacts",
 )
-"""Largest values so far, per slot, foundation and link (SI)."""
+"""Largest values so far, per slot, foundation and link (SI). Where displacements are `watched` (1, else 0), top and
+bottom are bounds of them in every segment of the ground motion, shape (segments, slots) [m]."""
 
 
 # The same tuples hold numpy arrays where a kernel is called and pointers to their data inside it.
@@ -119,7 +120,7 @@ def state_pointers(a):
 def peak_pointers(a):
     """Peaks of pointers from Peaks of arrays."""
     return Peaks(
-        pointer(a.drift), pointer(a.shear), pointer(a.acceleration), pointer(a.displacement_max),
-        pointer(a.displacement_min), pointer(a.sway), pointer(a.rocking), pointer(a.closing), pointer(a.force),
-        pointer(a.impulse), pointer(a.contact_time), pointer(a.impacts),
+        a.watched, pointer(a.drift), pointer(a.shear), pointer(a.acceleration), pointer(a.displacement_max),
+        pointer(a.displacement_min), pointer(a.rocking), pointer(a.closing), pointer(a.force), pointer(a.impulse),
+        pointer(a.contact_time), pointer(a.top), pointer(a.bottom), pointer(a.impacts),
     )  # fmt: skip

@@ -103,6 +103,18 @@ def _acceleration_peaks(work, ends, peaks, padded, order, end, scratch, h, groun
 
 
 @njit(**INLINE)
+def watch(work, ends, peaks, padded, segment):
+    """Widen the bounds of the displacements in a segment by what this step may reach."""
+    for b in range(0, padded, 8):
+        row = segment * padded + b
+        first = load(work.U, b)
+        last = load(ends.u, b)
+        stray = load(ends.u_stray, b)
+        store(peaks.top, row, maximum(load(peaks.top, row), maximum(first, last) + stray))
+        store(peaks.bottom, row, minimum(load(peaks.bottom, row), minimum(first, last) - stray))
+
+
+@njit(**INLINE)
 def _rocking_peaks(feet, work, peaks, order, end, scratch):
     count = feet.number
     for f in range(count):

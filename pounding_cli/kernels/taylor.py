@@ -47,7 +47,7 @@ from pounding_cli.kernels.layout import (
 )
 from pounding_cli.kernels.ledger import account, ledger_pointers
 from pounding_cli.kernels.link_series import closings, set_law
-from pounding_cli.kernels.peaks import track
+from pounding_cli.kernels.peaks import track, watch
 from pounding_cli.kernels.recurrence import LARGEST_ORDER, Work, expand, renew_scale, rescale, restencil, shrink
 from pounding_cli.kernels.simd import further, load, pointer, store
 from pounding_cli.kernels.source import source_digest
@@ -271,6 +271,8 @@ def build(inelastic: bool, founded: bool, kinds: int):
                 feet, links, state, work, ends, peaks, padded, order, end, scratch, h, ground,
                 ground_slope, inelastic, founded, kinds,
             )  # fmt: skip
+            if peaks.watched != 0:
+                watch(work, ends, peaks, padded, segment)
             renew_scale(work, ends, padded, h)
             happened = storey >= 0 or link >= 0
             if end > 0.0:

@@ -147,14 +147,17 @@ def at_rest(arrays: Arrays) -> State:
     )
 
 
-def no_peaks(arrays: Arrays) -> Peaks:
-    """Peaks before the first step."""
+def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
+    """Peaks before the first step; `watched` is the number of segments whose displacements are to be bounded."""
     padded, feet, count = arrays.padded, arrays.feet.number, arrays.links.size
-    by_slot = {n: aligned(padded) for n in Peaks._fields[:5]}
+    by_slot = {n: aligned(padded) for n in ("drift", "shear", "acceleration", "displacement_max", "displacement_min")}
     by_link = {n: np.zeros(count) for n in ("force", "impulse", "contact_time")}
+    top, bottom = aligned(watched * padded), aligned(watched * padded)
+    top.fill(-1e300)
+    bottom.fill(1e300)
     return Peaks(
-        **by_slot, sway=np.zeros(feet), rocking=np.zeros(feet), closing=np.full(count, -1e300),
-        impacts=np.zeros(count, np.int64), **by_link,
+        watched=int(watched > 0), **by_slot, rocking=np.zeros(feet), closing=np.full(count, -1e300), **by_link,
+        top=top.reshape(watched, padded), bottom=bottom.reshape(watched, padded), impacts=np.zeros(count, np.int64),
     )  # fmt: skip
 
 

@@ -144,14 +144,14 @@ def solve(
         begin = time.perf_counter()
         status, steps, events, orders, _ = chosen.integrate(scene, arrays, state, peaks, ledger, accuracy, bounds)
         seconds = time.perf_counter() - begin
-    if status == layout.DONE and not all(np.isfinite(p).all() for p in (*peaks[:7], *peaks[8:])):
+    if status == layout.DONE and not all(np.isfinite(p).all() for p in peaks):
         status = layout.NOT_FINITE
     energy = balance(scene, arrays, before, state, ledger) if chosen.keeps_ledger else {}
     outcome, advice = OUTCOMES[status]
     if status == layout.DONE and abs(energy.get("residual", 0.0)) > max(accuracy, LEDGER_BOUND):
         outcome, advice = OPEN_LEDGER
     if outcome != "done":  # no number of a run that failed is ever shown
-        for numbers in (*peaks[:-1], state.u, state.v, state.phi):
+        for numbers in (*peaks[1:-1], state.u, state.v, state.phi):
             numbers.fill(np.nan)
     buildings, links = unpack(scene, arrays, state, peaks)
     if status == UNSTABLE:
