@@ -115,25 +115,32 @@ def _start(slots, feet, state, work, padded, h, founded):
 
 
 @njit(**INLINE)
-def _storey_event(slots, state, work, i, drift):
-    """Change the branch of storey i, which leaves its own at `drift` [m]."""
+def _storey_branch(slots, state, work, i):
+    """Stiffness and offset of the branch storey i is on."""
     k0 = slots.stiffness[i]
     a = slots.hardening[i]
-    limit = slots.yield_drift[i]
+    if state.line[i] == 0.0:
+        work.tangent[i] = k0
+        work.offset[i] = -(1.0 - a) * k0 * state.plastic[i]
+    else:
+        work.tangent[i] = a * k0
+        work.offset[i] = state.line[i] * slots.plateau[i]
+
+
+@njit(**INLINE)
+def _storey_event(slots, state, work, i, drift):
+    """Change the branch of storey i, which leaves its own at `drift` [m]."""
     if state.line[i] == 0.0:
         line = 1.0 if drift > state.plastic[i] else -1.0
         state.line[i] = line
         state.plastic[i] = np.inf  # no elastic range is watched while the storey is on a yield line
         state.snapped_storey[i] = 0
-        work.tangent[i] = a * k0
-        work.offset[i] = line * slots.plateau[i]
     else:
         line = state.line[i]
         state.line[i] = 0.0
-        state.plastic[i] = drift - line * limit
+        state.plastic[i] = drift - line * slots.yield_drift[i]
         state.snapped_storey[i] = int(line)
-        work.tangent[i] = k0
-        work.offset[i] = -(1.0 - a) * k0 * state.plastic[i]
+    _storey_branch(slots, state, work, i)
     restencil(slots, work, i)
     if i > 0:
         restencil(slots, work, i - 1)
@@ -202,7 +209,7 @@ def build(inelastic: bool, founded: bool, kinds: int):
         link_count = links.size
         work, ends, scratch = _workspace(pointer(room), padded, feet.number, link_count)
         for i in range(padded):
-            work.tangent[i] = slots.stiffness[i]
+            _storey_branch(slots, state, work, i)
         for i in range(padded):
             restencil(slots, work, i)
         for e in range(links.number):
