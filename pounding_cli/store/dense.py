@@ -11,7 +11,6 @@ import numpy as np
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.response import Response
 from pounding_cli.store.layout import BUILDINGS, LINKS, RECORDS, RESPONSES, SCENES, STATISTICS, Variable
-from pounding_cli.store.separation import code_separations
 from pounding_cli.store.statistics import over_records, ratio
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ def assemble(plan: Plan, responses: Mapping[str, Response]) -> Dense:
         if row.point not in seen_points:
             seen_points.add(row.point)
             _put_buildings(arrays, row.point, scene)
-            arrays["separation"][row.point] = code_separations(plan.study, row.point)
+            arrays["separation"][row.point] = plan.study.separations(row.point)
             _put_records(arrays, row.point, plan)
     for name, alone in RATIOS.items():
         arrays[f"{name}_ratio"][:] = ratio(arrays[name], arrays[alone])
@@ -157,8 +156,7 @@ def _put_buildings(arrays: dict[str, np.ndarray], point: tuple[int, ...], scene:
 
 
 def _put_records(arrays: dict[str, np.ndarray], point: tuple[int, ...], plan: Plan) -> None:
-    motions = plan.study.resolver.motions(point)
-    assert motions is not None  # the study was validated at every point
+    motions = plan.study.motions(point)
     for number, name in enumerate(plan.records):
         for variable in RECORDS:
             field = variable.name.removeprefix("record_")

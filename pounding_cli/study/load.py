@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pounding_cli.errors import Problem
 from pounding_cli.study import buildings as building_room
+from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
@@ -34,6 +39,24 @@ class Study:
     model: StudyModel
     resolver: Resolver
 
+    def motions(self, point: tuple[int, ...]) -> Mapping[str, Used]:
+        """The motions by name at a point of the sweep (one index an axis), cut and scaled."""
+        found = self.resolver.motions(point)
+        assert found is not None  # the study was validated at every point
+        return found
+
+    def separations(self, point: tuple[int, ...]) -> np.ndarray:
+        """The code's separation of every building from the next one to the right [m], shape (buildings,).
+
+        NaN for the last, and where the yield shears of a neighbour were not set by a code.
+        """
+        group = self.resolver.section(point, "group")
+        specs, types = self.resolver.section(point, "buildings"), self.resolver.types(point)
+        assert types is not None
+        allowed = {name: building_room.design_displacements(specs[name], types[name]) for name in group}
+        found = [building_room.separation(allowed[left], allowed[right]) for left, right in pairwise(group)]
+        return np.array([*found, None], dtype=float)
+
     def resolved(self) -> dict[str, Any]:
         """The study as plain data: every default filled in, SI numbers, the sweep set aside.
 
@@ -57,13 +80,8 @@ class Study:
                 "period": float(building.periods[0]),
             }
         plain["places"] = list(places(self.model.group))
-        allowed = {
-            name: building_room.design_displacements(spec, types[name]) for name, spec in self.model.buildings.items()
-        }
-        plain["separation"] = [
-            building_room.separation(allowed[one], allowed[other])
-            for one, other in zip(self.model.group, self.model.group[1:], strict=False)
-        ]
+        gaps = self.separations(base)[:-1].tolist()
+        plain["separation"] = [None if gap != gap else gap for gap in gaps]
         return plain
 
 

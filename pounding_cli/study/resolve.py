@@ -192,14 +192,16 @@ class Resolver:
         types, names, impact = (
             self.types(point), self.section(point, "group"), self.section(point, "impact")
         )  # fmt: skip
-        if types is None or names is None or impact is None:
+        if names is None:
             return None
 
         def work(faults: Faults) -> Street | None:
             root = self.root_at(point)
             defined = root.get("buildings")
             known = list(defined.value) if defined is not None and defined.is_mapping else []
-            if not _group_is_sound(names, known, root, faults) or any(name not in types for name in names):
+            # Names are compared with what the file calls its buildings, however faulty those are.
+            sound = _group_is_sound(names, known, root, faults) if known else False
+            if not sound or types is None or impact is None or any(name not in types for name in names):
                 return None
             placed = [_named(types[name], label) for name, label in zip(names, places(names), strict=True)]
             common = [_common(one, other) for one, other in pairwise(placed)]

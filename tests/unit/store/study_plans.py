@@ -15,38 +15,24 @@ from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import Axis, MotionUse, Plan, Row
 
 
-class FakeResolver:
-    """Buildings whose yield shears are given outright, so that no code sets a separation; scaled motions."""
-
-    def __init__(self) -> None:
-        self.uses: dict[tuple[int, ...] | None, tuple[MotionUse, ...]] = {}
-
-    def section(self, point, name):
-        return {
-            "buildings": {name: SimpleNamespace(yield_shear=(1e6,)) for name in ("stiff", "soft")},
-            "group": ("stiff", "soft"),
-        }[name]
-
-    def types(self, point):
-        return {"stiff": None, "soft": None}
-
-    def motions(self, point):
-        uses = self.uses.get(point, self.uses.get(None, ()))
-        return {use.name: SimpleNamespace(use=use) for use in uses}
-
-
 @dataclass(frozen=True)
 class FakeStudy:
-    """The part of a study that a results file quotes."""
+    """The part of a study that a results file quotes; no code sets a separation."""
 
     text: str = "title: two buildings  # µ as written\n"
     title: str = "two buildings"
     path: str = "two.yaml"
-    resolver: FakeResolver = field(default_factory=FakeResolver)
+    uses: dict[tuple[int, ...] | None, tuple[MotionUse, ...]] = field(default_factory=dict)
     facts: dict = field(default_factory=lambda: {"accuracy": 1e-6, "group": ["stiff", "soft"]})
 
     def resolved(self) -> dict:
         return self.facts
+
+    def separations(self, point) -> np.ndarray:
+        return np.full(2, np.nan)
+
+    def motions(self, point) -> dict[str, SimpleNamespace]:
+        return {use.name: SimpleNamespace(use=use) for use in self.uses.get(point, self.uses.get(None, ()))}
 
 
 def building(name: str, storeys: int, stiffness: float = 1e8, yields: float = 1e6) -> Building:
@@ -97,7 +83,7 @@ def small_plan(
                     )
     uses = tuple(MotionUse(m.name, m.source, m.digest, 1.5, 0.06, m.pga, 0.01) for m in motions)
     study = study or FakeStudy()
-    study.resolver.uses[None] = uses
+    study.uses[None] = uses
     return Plan(
         study,
         axes,

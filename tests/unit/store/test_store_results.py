@@ -141,9 +141,7 @@ def test_a_sweep_that_changes_the_motions_says_so_in_their_table(tmp_path):
     plan = small_plan(axes=axes)
     for point in np.ndindex(2, 3):
         factor = axes[1].values[point[1]][0]
-        plan.study.resolver.uses[point] = tuple(
-            replace(use, scale=factor, pga=factor * use.pga) for use in plan.motions
-        )
+        plan.study.uses[point] = tuple(replace(use, scale=factor, pga=factor * use.pga) for use in plan.motions)
     write_results(tmp_path / "r.h5", plan, solved(plan))
     table = open_results(tmp_path / "r.h5").records()
     assert list(table.columns[:3]) == ["records.scale", "record", "source"]

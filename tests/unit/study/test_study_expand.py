@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from pounding_cli.errors import InputError
@@ -133,3 +134,16 @@ def test_expansion_is_the_same_twice(tmp_path):
 def test_fixed_step_method(study):
     plan = expand(study((END, END + "method: central-difference\ntime_step: 0.1 ms\n")))
     assert (plan.method, plan.accuracy) == ("central-difference", pytest.approx(1e-4))
+
+
+def test_motions_and_separations_at_a_point_of_the_sweep(study):
+    """What the tables say of a point: each motion's factor there, and the code's separation of the buildings there."""
+    swept = "sweep:\n  records.scale: [1, 2]\n  buildings.soft.period: [0.6 s, 0.9 s]\n"
+    found = study((END, END + swept))
+    assert found.motions((1, 0))["taft"].use.scale == 2.0
+    assert found.motions((1, 0))["taft"].use.pga == pytest.approx(2 * found.motions((0, 0))["taft"].use.pga)
+    near, far = found.separations((0, 0)), found.separations((0, 1))
+    assert near.shape == (2,)
+    assert np.isnan(near[1])  # nothing stands to the right of the last
+    assert near[0] == pytest.approx(found.resolved()["separation"][0])
+    assert far[0] > near[0]  # the softer building sways more

@@ -440,3 +440,21 @@ def test_fault_that_a_sweep_value_brings_out_at_another_line(refused):
         message="no common floor 3 (where buildings.stiff.storeys = 2)",
         hint="1, 2",
     )
+
+
+def test_names_of_the_group_are_checked_though_every_building_is_faulty(refused):
+    problems = refused(
+        ("0.36 s", "-0.36 s"),
+        ("period: 0.60 s", "period: 0.60 kg"),
+        ("[stiff, soft]", "[stiff, §sofft]"),
+        message="no building 'sofft' is defined",
+        hint="did you mean 'soft'? known: stiff, soft",
+        alone=False,
+    )
+    assert len(problems) == 3
+
+
+def test_without_buildings_the_group_is_not_told_off_too(refused):
+    text = "records: {use: [elcentro]}\ngroup: [stiff, soft]\ncases: {gap: {link: pounding, gap: 5 cm}}\n"
+    (problem,) = refused(text=text)
+    assert "'buildings' is missing" in problem.message
