@@ -11,7 +11,7 @@ import click
 if TYPE_CHECKING:
     import pandas as pd
 
-TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
+TABLES = ("storey", "floor", "link", "scene", "accuracy", "summary", "records", "buildings")
 _SENTENCES = ("effects", "dropped", "flags")
 
 
@@ -39,14 +39,16 @@ def command(
     record: tuple[str, ...],
     building: tuple[str, ...],
 ) -> None:
-    """Print TABLE of a results file: storey, floor, link, scene, summary, records or buildings.
+    """Print TABLE of a results file: storey, floor, link, scene, accuracy, summary, records or buildings.
 
-    Columns are described in docs/results.md.
+    summary holds means over the records, accuracy the error and the price of every scene; all columns are
+    described in docs/results.md.
 
     \b
     Example:
       pound show results/fig6.h5
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
+      pound show results/fig6.h5 accuracy --record elcentro
     """
     from pounding_cli.store import open_results
 

@@ -29,6 +29,10 @@ _SCENE = (
     "status", "advice", "method", "tolerance", "steps", "events", "seconds", "energy_residual",
     "error_estimate", "sensitivity", "effects", "dropped", "flags",
 )  # fmt: skip
+_ACCURACY = (
+    "status", "method", "tolerance", "error_estimate", "sensitivity", "energy_residual",
+    "steps", "events", "orders", "seconds",
+)  # fmt: skip
 _RECORD = ("source", "digest", "scale", "window", "pga", "arias")
 _RATIOS = ("V_ratio", "mu_ratio", "acceleration_ratio")
 _MEASURES = ("mean", "std", "min", "max")
@@ -109,6 +113,17 @@ class Results:
             columns = self._index(file, (*self._dims, *PLACE), shape)
             columns |= {name: _values(file[name]).ravel() for name in _SCENE}
             columns |= {v.name: _values(file[v.name]).ravel() for v in SCENES if v.name.startswith("energy_")}
+        frame = _frame(columns)
+        return frame[frame["status"] != ""].reset_index(drop=True)
+
+    def accuracy(self) -> pd.DataFrame:
+        """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], energy left open [-],
+        steps, events, Taylor orders, seconds in the solver.
+        """
+        with opened(self.path) as file:
+            shape = file["status"].shape
+            columns = self._index(file, (*self._dims, *PLACE), shape)
+            columns |= {name: _values(file[name]).ravel() for name in _ACCURACY}
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
 
