@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import sys
 
@@ -11,17 +12,22 @@ from pounding_cli import __version__
 from pounding_cli.errors import InputError
 
 COMMANDS = {
+    "init": ("pounding_cli.cli.init", "Write a commented study to start from."),
+    "check": ("pounding_cli.cli.check", "Validate a study file only."),
     "run": ("pounding_cli.cli.run", "Run what a study still lacks and print its summary."),
+    "show": ("pounding_cli.cli.show", "Print a table of a results file."),
     "report": ("pounding_cli.cli.report", "Draw the figures and write the tables and the claims."),
     "plan": ("pounding_cli.cli.plan", "Show what would run and what would not, before running."),
-    "check": ("pounding_cli.cli.check", "Validate a study file only."),
-    "show": ("pounding_cli.cli.show", "Print a table of a results file."),
     "schema": ("pounding_cli.cli.schema", "Print the JSON Schema of study files, for editors."),
     "records": ("pounding_cli.cli.records", "List, show, import and synthesize ground motions."),
     "connector": ("pounding_cli.cli.connector", "Two connected oscillators in closed form (Figs 4 and 5)."),
     "accuracy": ("pounding_cli.cli.accuracy", "Error against time of every method; the cheapest for a wanted error."),
     "wall": ("pounding_cli.cli.wall", "The bumper wall of Fig. 8."),
 }
+"""Every command with its module and the line `pound --help` shows, in the order of a user's day."""
+
+FIRST = ("init", "check", "run", "show", "report")
+"""What a newcomer needs, in the order of use."""
 
 
 class LazyGroup(click.Group):
@@ -36,15 +42,42 @@ class LazyGroup(click.Group):
         module = importlib.import_module(COMMANDS[cmd_name][0])
         return module.command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click's, but an unknown command is answered with the nearest one, or with what takes such a file."""
+        name = args[0]
+        if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
+            ctx.fail(f"there is no command '{name}'.{_meant(name)}")
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+        sections = {"First steps": FIRST, "More": tuple(name for name in COMMANDS if name not in FIRST)}
+        for title, names in sections.items():
+            with formatter.section(title):
+                formatter.write_dl([(name, COMMANDS[name][1]) for name in names])
+
+
+def _meant(word: str) -> str:
+    """What the user may have meant by an unknown command."""
+    for suffixes, name in (((".yaml", ".yml"), "run"), ((".h5", ".hdf5"), "show")):
+        if word.lower().endswith(suffixes):
+            return f" Did you mean `pound {name} {word}`?"
+    near = difflib.get_close_matches(word.lower(), COMMANDS, n=1, cutoff=0.5)
+    return f" Did you mean `pound {near[0]}`?" if near else " `pound --help` lists them."
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="pound")
 def cli() -> None:
-    """Batch studies of earthquake pounding between adjacent buildings."""
+    """Batch studies of earthquake pounding between adjacent buildings.
+
+    \b
+    Example:
+      pound init my-study
+      pound run my-study.yaml
+      pound report results/my-study.h5
+    """
 
 
 def main() -> None:

@@ -16,12 +16,10 @@ def command(output: Path | None) -> None:
 
     Example: pound schema -o configs/pound.schema.json
     """
-    import json
-
     from pounding_cli.errors import InputError, Problem
-    from pounding_cli.study.schema import json_schema
+    from pounding_cli.study.template import schema_text
 
-    text = json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
+    text = schema_text()
     if output is None:
         click.echo(text, nl=False)
         return
