@@ -1,10 +1,29 @@
-"""Histories: what a scene does over time, at a uniform step that has nothing to do with the solver's own steps."""
+"""Histories: what a scene does over time, at a uniform step that has nothing to do with the solver's own steps.
+
+The ground acceleration is a straight line between samples, so a run may be stopped at any output time and continued
+from its state without loss. Forces and accelerations then follow from the states by eqs (1)-(10), each storey and
+link on the branch it is on."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.kernels import layout
+from pounding_cli.model.links import Link
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import taylor
+from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
+from pounding_cli.solve.ground import segments
+from pounding_cli.solve.methods import MOST_EVENTS, MOST_STEPS, OUTCOMES
+
+EVERY = 0.002
+"""Output step unless asked otherwise [s]: contacts last some 5 to 20 ms."""
+
+ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links")
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +39,9 @@ class History:
     shear : (t, n, s) restoring force of storeys, without damping force [N]
     sway, rocking : (t, n) displacement [m] and rotation [rad] of the foundation, 0 on a fixed base
     link_force : (t, m) [N]; pulling is negative; NaN where the scene has no such link
+    energy : by ENERGIES, (t,) [J]: put in by the ground so far; kinetic and stored in storeys and foundations now;
+        lost in dashpots of the structure and in yielding so far; what the links took, stored or lost. The first is
+        the sum of the others.
     buildings, links : names, left to right; `left|right floor j`
     """
 
@@ -33,5 +55,206 @@ class History:
     sway: np.ndarray
     rocking: np.ndarray
     link_force: np.ndarray
+    energy: dict[str, np.ndarray]
     buildings: tuple[str, ...]
     links: tuple[str, ...]
+
+
+def output_times(scene: Scene, every: float) -> np.ndarray:
+    """The times of a history [s]: from 0 in steps of `every` [s], the last not after the end of motion and tail."""
+    starts, _, dt = segments(scene)
+    return every * np.arange(int(np.floor(starts.size * dt / every + 1e-9)) + 1)
+
+
+def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
+    """Run a scene from rest with Taylor steps and keep what it does.
+
+    Parameters
+    ----------
+    scene : in SI units
+    accuracy : as in `solve` [-]
+    every : output step [s], > 0
+
+    Raises
+    ------
+    InputError : the output step is not above zero; the run did not end, and why
+    """
+    if not (np.isfinite(every) and every > 0):
+        raise InputError(Problem(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`"))
+    arrays = pack(scene)
+    times = output_times(scene, every)
+    states = _march(scene, arrays, times, accuracy)
+    return _evaluated(scene, arrays, times, states)
+
+
+@dataclass(frozen=True, eq=False)
+class _States:
+    """State and work so far at every output time: the fields of `layout.State` that matter, times first."""
+
+    u: np.ndarray
+    v: np.ndarray
+    line: np.ndarray
+    plastic: np.ndarray
+    link_branch: np.ndarray
+    link_cut: np.ndarray
+    phi: np.ndarray
+    phi_v: np.ndarray
+    work: np.ndarray  # (t, 4): input, dashpots, hysteresis, links [J]
+
+
+_KEPT = ("u", "v", "line", "plastic", "link_branch", "link_cut", "phi", "phi_v")
+
+
+def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> _States:
+    """The states at `times`: the kernel run from one output time or sample to the next."""
+    state, peaks, ledger = at_rest(arrays), no_peaks(arrays), empty_ledger(arrays)
+    kept = {name: np.empty((times.size, getattr(state, name).size), getattr(state, name).dtype) for name in _KEPT}
+    states = _States(**kept, work=np.zeros((times.size, 4)))
+    for name in _KEPT:
+        kept[name][0] = getattr(state, name)
+    run = taylor.prepare(scene, arrays, state, accuracy, (MOST_STEPS, MOST_EVENTS))
+    for output, *ground in _pieces(scene, times):
+        status, *_ = run(state, peaks, ledger, *ground)
+        if status != layout.DONE:
+            outcome, advice = OUTCOMES[status]
+            raise InputError(Problem(f"no history of this scene: {outcome}", advice))
+        if output >= 0:
+            for name in _KEPT:
+                kept[name][output] = getattr(state, name)
+            dashpots = ledger.dashpots.sum() + ledger.drag.sum() + ledger.feet.sum()
+            states.work[output] = ledger.input.sum(), dashpots, ledger.hysteresis.sum(), ledger.links.sum()
+    return states
+
+
+def _pieces(scene: Scene, times: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray, float]]:
+    """(output time that ends it or -1, acceleration at its start (1,), slope (1,), length) of every straight piece of
+    ground between neighbouring samples and output times."""
+    starts, slopes, dt = segments(scene)
+    samples = dt * np.arange(starts.size + 1)
+    after = np.clip(np.searchsorted(times, samples), 1, times.size - 1)
+    near = np.minimum(np.abs(samples - times[after - 1]), np.abs(samples - times[after]))
+    between = samples[(near > 1e-6 * dt) & (samples < times[-1])]  # the others are output times
+    cuts = np.concatenate((times, between))
+    outputs = np.concatenate((np.arange(times.size), np.full(between.size, -1)))
+    order = np.argsort(cuts)
+    cuts, outputs = cuts[order], outputs[order]
+    segment = np.minimum((0.5 * (cuts[:-1] + cuts[1:]) / dt).astype(np.int64), starts.size - 1)
+    begins, rates, lengths = (
+        starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment),
+        slopes[segment],
+        np.diff(cuts),
+    )
+    for i in range(lengths.size):
+        yield int(outputs[i + 1]), begins[i : i + 1], rates[i : i + 1], float(lengths[i])
+
+
+def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Acceleration [m/s2] and displacement from rest [m] of the ground, exact between samples."""
+    starts, slopes, dt = segments(scene)
+    velocity = np.concatenate(([0.0], np.cumsum((starts + 0.5 * slopes * dt) * dt)))
+    moved = np.concatenate(([0.0], np.cumsum((velocity[:-1] + (starts / 2 + slopes * dt / 6) * dt) * dt)))
+    at = np.minimum((times / dt * (1 + 1e-12)).astype(np.int64), starts.size - 1)
+    since = times - dt * at
+    acceleration = starts[at] + slopes[at] * since
+    return acceleration, moved[at] + (velocity[at] + (starts[at] / 2 + slopes[at] * since / 6) * since) * since
+
+
+def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: _States) -> History:
+    """What is wanted, from the states; the link branches say whether a link acts, also where it pulls at v' < 0."""
+    slots, feet = arrays.slots, arrays.feet
+    ground, moved = _ground(scene, times)
+    drift, drift_rate = _drifts(arrays, s.u, s.phi), _drifts(arrays, s.v, s.phi_v)
+    limit = np.where(np.isfinite(slots.yield_drift), slots.yield_drift, 0.0)
+    between = s.line == 0  # neither on the upper nor on the lower yield line
+    elastic = np.where(between, drift - np.where(between, s.plastic, 0.0), s.line * limit)
+    shear = slots.stiffness * (slots.hardening * drift + (1 - slots.hardening) * elastic)
+    links = _link_forces(arrays, s)
+    acceleration = _accelerations(arrays, s, shear + slots.dashpot * drift_rate, links)
+    kinetic = 0.5 * (s.v**2 @ slots.mass)
+    stored = 0.5 * ((slots.hardening * drift**2 + (1 - slots.hardening) * elastic**2) @ slots.stiffness)
+    for f in np.flatnonzero(np.isfinite(feet.inertia)):
+        kinetic += 0.5 * feet.inertia[f] * s.phi_v[:, f] ** 2
+        stored += 0.5 * feet.stiffness[f] * s.phi[:, f] ** 2
+
+    def padded(by_slot: np.ndarray) -> np.ndarray:
+        whole = np.full((times.size, len(arrays.floors), max(b.storeys for b in scene.buildings)), np.nan)
+        for b, span in enumerate(arrays.floors):
+            whole[:, b, : span.stop - span.start] = by_slot[:, span]
+        return whole
+
+    def of_foundation(values: np.ndarray, places: tuple[int, ...]) -> np.ndarray:
+        columns = [values[:, place] if place >= 0 else np.zeros(times.size) for place in places]
+        return np.stack(columns, axis=1)
+
+    return History(
+        time=times,
+        ground_acceleration=ground,
+        ground_displacement=moved,
+        displacement=padded(s.u),
+        total_acceleration=padded(acceleration),
+        drift=padded(drift),
+        shear=padded(shear),
+        sway=of_foundation(s.u, arrays.bases),
+        rocking=of_foundation(s.phi, arrays.foot),
+        link_force=links,
+        energy=dict(zip(ENERGIES, (s.work[:, 0], kinetic, stored, *s.work[:, 1:].T), strict=True)),
+        buildings=tuple(building.name for building in scene.buildings),
+        links=tuple(_label(scene, link) for link in scene.links),
+    )
+
+
+def _drifts(arrays: Arrays, u: np.ndarray, phi: np.ndarray) -> np.ndarray:
+    """Storey drifts (and sway of bases) over time, by slot, of displacements; their rates, of velocities."""
+    below = np.zeros_like(u)
+    below[:, 1:] = u[:, :-1]
+    drift = u - arrays.slots.couple * below
+    for f in range(arrays.feet.number):
+        span = slice(arrays.feet.first[f], arrays.feet.stop[f])
+        drift[:, span] -= arrays.slots.rise[span] * phi[:, f : f + 1]
+    return drift
+
+
+def _link_forces(arrays: Arrays, s: _States) -> np.ndarray:
+    """Force of every link over time [N], shape (t, m) (eqs 6, 9, 10)."""
+    links = arrays.links
+    forces = np.zeros((s.u.shape[0], links.number))
+    for e in range(links.number):
+        left, right = links.left[e], links.right[e]
+        v, rate = s.u[:, left] - s.u[:, right], s.v[:, left] - s.v[:, right]
+        slope = links.stiffness[e] + 3 * links.cubic[e] * v**2
+        if links.kind[e] == layout.POUNDING:
+            v = v - links.gap[e]
+        linear = links.stiffness[e] * v + links.dashpot[e] * rate
+        if links.kind[e] == layout.INFILL:
+            linear = links.beyond[e] * v + links.beyond_force[e] + links.beyond_dashpot[e] * rate
+        cubic = links.cubic[e] * v**3 + links.stiffness[e] * v + links.root_dashpot[e] * np.sqrt(slope) * rate
+        force = np.where(s.link_branch[:, e] == layout.CUBIC, cubic, linear)
+        forces[:, e] = np.where((s.link_branch[:, e] == layout.OPEN) | (s.link_cut[:, e] == 1), 0.0, force)
+    return forces
+
+
+def _accelerations(arrays: Arrays, s: _States, storey: np.ndarray, links: np.ndarray) -> np.ndarray:
+    """Total accelerations u'' + a_g over time, by slot [m/s2]: forces over masses (eq. 2).
+
+    storey : force of every storey, damping included; links : force of every link
+    """
+    slots, feet = arrays.slots, arrays.feet
+    force = -storey - slots.alpha * slots.mass * s.v
+    force[:, :-1] += slots.couple_right[:-1] * storey[:, 1:]
+    for f in range(feet.number):
+        span, base = slice(feet.first[f], feet.stop[f]), feet.base[f]
+        sway = s.v[:, base : base + 1] if base >= 0 else 0.0
+        drag = feet.alpha[f] * slots.mass[span] * (s.v[:, span] - sway - slots.elevation[span] * s.phi_v[:, f : f + 1])
+        force[:, span] -= drag
+        if base >= 0:
+            force[:, base] += drag.sum(axis=1)
+    for e in range(arrays.links.number):
+        force[:, arrays.links.left[e]] -= links[:, e]
+        force[:, arrays.links.right[e]] += links[:, e]
+    return force * slots.inverse_mass
+
+
+def _label(scene: Scene, link: Link) -> str:
+    """A link in words, as in the results file."""
+    floors = f"{link.left_floor}" if link.left_floor == link.right_floor else f"{link.left_floor}|{link.right_floor}"
+    return f"{scene.buildings[link.left].name}|{scene.buildings[link.left + 1].name} floor {floors}"

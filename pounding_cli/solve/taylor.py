@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -59,17 +60,29 @@ def quiet_acceleration(scene: Scene, arrays: Arrays, state) -> float:
     return max(float(pulls.max()), float(np.abs(state.v).max()))
 
 
+def prepare(
+    scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int]
+) -> Callable[..., tuple[int, int, int, int, float]]:
+    """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
+    last three as in `ground.segments`. Called again it goes on from the state it left; see `kernels.taylor.build`."""
+    from pounding_cli.kernels import taylor
+
+    tolerance = min(max(accuracy * SAFETY, 1e-16), COARSEST)
+    room = aligned(taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size))
+    kernel, rules = taylor.build(*variant(scene)), gauss_rules(MOST_POINTS)
+    settings = tolerance, quiet_acceleration(scene, arrays, state), most_order(tolerance), *bounds
+
+    def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float):
+        room.fill(0.0)
+        return kernel(
+            arrays.slots, arrays.feet, arrays.links, state, peaks, ledger, *rules, room, starts, slopes, dt, *settings
+        )
+
+    return run
+
+
 def integrate(
     scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds: tuple[int, int]
 ) -> tuple[int, int, int, int, float]:
-    """Run the kernel; see `kernels.taylor.build`."""
-    from pounding_cli.kernels import taylor
-
-    starts, slopes, dt = segments(scene)
-    tolerance = min(max(accuracy * SAFETY, 1e-16), COARSEST)
-    room = aligned(taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size))
-    kernel = taylor.build(*variant(scene))
-    return kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, ledger, *gauss_rules(MOST_POINTS), room, starts, slopes,
-        dt, tolerance, quiet_acceleration(scene, arrays, state), most_order(tolerance), *bounds,
-    )  # fmt: skip
+    """Run the kernel over the whole motion and its tail."""
+    return prepare(scene, arrays, state, accuracy, bounds)(state, peaks, ledger, *segments(scene))

@@ -8,7 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from pounding_cli.solve.histories import History
+from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.store.layout import COORDINATES
 
 GROUP = "histories"
@@ -23,6 +23,12 @@ FIELDS = {
     "sway": (("time", "building"), "m", "translation of the foundation"),
     "rocking": (("time", "building"), "rad", "rotation of the foundation"),
     "link_force": (("time", "link"), "N", "link force, pulling negative"),
+    "energy_input": (("time",), "J", "energy put in by the ground so far"),
+    "energy_kinetic": (("time",), "J", "kinetic energy"),
+    "energy_stored": (("time",), "J", "elastic energy in storeys and foundations"),
+    "energy_damping": (("time",), "J", "energy lost in structural damping so far"),
+    "energy_hysteresis": (("time",), "J", "energy lost in yielding storeys so far"),
+    "energy_links": (("time",), "J", "energy the links took so far, stored or lost"),
 }
 """Dataset -> dimensions, unit, meaning."""
 
@@ -47,7 +53,7 @@ def write_history(file: h5py.File, place: Mapping[str, Any], history: History, c
     for name, (dims, unit, text) in FIELDS.items():
         if not all(dim in scales for dim in dims):
             continue
-        values = getattr(history, name)
+        values = _values(history, name)
         whole = np.full([scales[dim].size for dim in dims], np.nan, np.float32)
         if name == "link_force":
             whole[:, columns] = values
@@ -65,7 +71,13 @@ def read_history(group: h5py.Group) -> History:
     texts = {dim: tuple(group[dim].asstr()[:]) if dim in group else () for dim in ("building", "link")}
     time = group["time"][()]
     arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}
-    return History(time=time, **arrays, buildings=texts["building"], links=texts["link"])
+    energy = {name: arrays.pop(f"energy_{name}") for name in ENERGIES}
+    return History(time=time, **arrays, energy=energy, buildings=texts["building"], links=texts["link"])
+
+
+def _values(history: History, name: str) -> np.ndarray:
+    kind = name.removeprefix("energy_")
+    return getattr(history, name) if kind == name else history.energy[kind]
 
 
 def _scale(group: h5py.Group, name: str, values: np.ndarray, unit: str, text: str) -> h5py.Dataset:
