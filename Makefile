@@ -53,6 +53,7 @@ lint: setup
 lock:
 	uv pip compile --universal --generate-hashes --python-version 3.11 --extra test --extra dev -o requirements/dev.txt pyproject.toml
 	uv pip compile --generate-hashes --python-version 3.11 --python-platform x86_64-manylinux_2_28 --extra test --extra dev --extra peers -c requirements/dev.txt -o requirements/peers.txt pyproject.toml
+	uv pip compile --universal --generate-hashes --python-version 3.11 --extra test --extra dev --extra docs -c requirements/dev.txt -o requirements/docs.txt pyproject.toml
 
 # The strangers that the solver is checked against (OpenSeesPy needs Debian's libblas3).
 peers: setup

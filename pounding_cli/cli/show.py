@@ -53,7 +53,7 @@ def command(
     from pounding_cli.store import open_results
 
     results = open_results(file)
-    frame: pd.DataFrame = results.buildings if table == "buildings" else getattr(results, table)()
+    frame = results.table(table)
     wanted = {"case": case, "analysis": analysis, "record": record, "building": building}
     frame = _filtered(frame, {name: values for name, values in wanted.items() if values}, table)
     if form == "csv":
@@ -62,7 +62,7 @@ def command(
         click.echo(_json(frame))
     else:
         click.echo(results.title)
-        click.echo(_columns(_one_line(frame)))
+        click.echo(_columns(table, _one_line(frame)))
 
 
 def _filtered(frame: pd.DataFrame, wanted: dict[str, tuple[str, ...]], table: str) -> pd.DataFrame:
@@ -102,14 +102,12 @@ def _json(frame: pd.DataFrame) -> str:
     return json.dumps(rows, indent=1, default=float)
 
 
-def _columns(frame: pd.DataFrame) -> str:
+def _columns(table: str, frame: pd.DataFrame) -> str:
     """Columns under their names with units, numbers to four digits."""
-    from pounding_cli.store.layout import COORDINATES, VARIABLES
+    from pounding_cli.store.columns import meaning
 
-    units = {name: variable.unit for name, variable in VARIABLES.items()}
-    units |= {name.removeprefix("record_"): unit for name, (unit, _) in COORDINATES.items() if "record_" in name}
-    names = [str(name) for name in frame]
-    headings = {name: f"{name} [{units[name]}]" for name in names if units.get(name, "1") not in ("", "1")}
     if frame.empty:
         return "no rows"
+    units = {str(name): meaning(table, str(name))[0] for name in frame}
+    headings = {name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")}
     return frame.rename(columns=headings).to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")

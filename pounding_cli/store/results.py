@@ -54,7 +54,8 @@ class Results:
     Attributes
     ----------
     path : the file
-    title, study_text, resolved : the study, as written and with every default filled in (SI)
+    title, study_text : the study as written
+    resolved, resolved_text : the study with every default filled in (SI), as a mapping and as JSON
     axes : swept key -> its values; keys of one axis (zipped) have the same length
     attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
     """
@@ -68,7 +69,7 @@ class Results:
             } | software
             self.title = str(self.attrs["title"])
             self.study_text: str = file["study/text"].asstr()[()]
-            self._resolved: str = file["study/resolved"].asstr()[()]
+            self.resolved_text: str = file["study/resolved"].asstr()[()]
             self._swept: list[list[str]] = json.loads(self.attrs["swept"])
             self.axes: dict[str, list[Any]] = {
                 name: _values(file[name]).tolist() for names in self._swept for name in names
@@ -77,7 +78,7 @@ class Results:
     @cached_property
     def resolved(self) -> dict[str, Any]:
         """The study with every default filled in, SI."""
-        return json.loads(self._resolved)
+        return json.loads(self.resolved_text)
 
     def storey(self) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios."""
@@ -173,6 +174,11 @@ class Results:
                 columns[name] = np.broadcast_to(_values(file[name])[..., None], shape).ravel()
         frame = _frame(columns)
         return frame[frame["mass"].notna()].reset_index(drop=True)
+
+    def table(self, name: str) -> pd.DataFrame:
+        """A table by its name: storey, floor, link, scene, accuracy, summary, records or buildings."""
+        found = getattr(self, name)
+        return found() if callable(found) else found
 
     @property
     def _dims(self) -> tuple[str, ...]:

@@ -10,7 +10,8 @@ import sys
 import pytest
 from test_run import STUDY, folder, known, pound  # noqa: F401  (fixtures)
 
-TABLES = ("storey", "floor", "link", "scene", "accuracy", "summary", "records", "buildings")
+from pounding_cli.cli.show import TABLES
+from pounding_cli.store import columns
 
 
 @pytest.fixture
@@ -35,6 +36,10 @@ def test_storey_csv_has_the_columns_of_the_manual_and_all_digits(shown):
 
     exact = pounding_cli.open_results("r.h5").storey()
     assert [float(row["V"]) for row in table] == list(exact.V)
+
+
+def test_the_tables_are_those_of_a_results_file():
+    assert columns.TABLES == TABLES
 
 
 def test_swept_axes_come_first(folder, pound):  # noqa: F811

@@ -1,0 +1,30 @@
+"""What every column of a table is: unit and meaning, for whoever reads it away from this program."""
+
+from __future__ import annotations
+
+from pounding_cli.store.layout import COORDINATES, VARIABLES
+
+TABLES = ("storey", "floor", "link", "scene", "accuracy", "summary", "records", "buildings")
+"""The tables of `Results`."""
+
+_BARE = {
+    "place": ("1", "place of the building from the left, from 1"),
+    "records_used": ("1", "number of records with a V_ratio"),
+    "left": COORDINATES["link_left"],
+    "right": COORDINATES["link_right"],
+    "right_floor": COORDINATES["link_right_floor"],
+}
+
+
+def meaning(table: str, column: str) -> tuple[str, str]:
+    """Unit (SI; "1" for a pure number, "" for text and swept keys) and meaning of a column of a table."""
+    if table == "link" and column == "floor":
+        return COORDINATES["link_floor"]
+    if column in _BARE:
+        return _BARE[column]
+    if column in COORDINATES:
+        return COORDINATES[column]
+    for name in (column, f"record_{column}"):
+        if name in VARIABLES:
+            return VARIABLES[name].unit, VARIABLES[name].text
+    return "", "swept; as in the study file, SI"

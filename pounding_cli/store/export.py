@@ -1,0 +1,170 @@
+"""Results in the formats of other programs: CSV, Parquet, Excel, netCDF; units and meanings go with them."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.store.columns import TABLES, meaning
+from pounding_cli.store.results import Results
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+FORMATS = {"csv": ".csv", "parquet": ".parquet", "excel": ".xlsx", "netcdf": ".nc"}
+"""Format -> suffix of its files."""
+
+_NEEDS = {"parquet": ("pyarrow",), "excel": ("openpyxl",), "netcdf": ("xarray", "h5netcdf")}
+_MOST_ROWS = 1_048_575
+"""Rows of an Excel sheet below its heading."""
+
+
+class _Writer(Protocol):
+    """Writes one table to a file."""
+
+    def __call__(self, path: Path, name: str) -> None: ...
+
+
+def export(
+    results: Results, output: Path | None = None, form: str | None = None, tables: Sequence[str] = ()
+) -> list[Path]:
+    """Write tables of a results file for other programs; returns the files written.
+
+    Parameters
+    ----------
+    results : what to export
+    output : a folder (csv, parquet: one file a table, and columns.csv), or one file whose suffix says the format;
+        beside the results file unless given
+    form : a key of FORMATS; that of the output's suffix, else "csv", unless given
+    tables : of TABLES; all unless given.  netCDF takes the whole file
+
+    CSV and Parquet hold one table a file, Excel one a sheet.  Numbers are SI with all digits; units and meanings
+    stand in columns.csv, the sheet `columns`, the Parquet fields' metadata, or netCDF attributes.
+
+    Raises
+    ------
+    InputError : formats that contradict each other, a package that is not installed, a place that cannot be
+        written, more rows than an Excel sheet takes
+    """
+    suffix = output.suffix.lower() if output is not None else ""
+    named = {end: name for name, end in FORMATS.items()}.get(suffix)
+    if form is not None and named is not None and form != named:
+        raise InputError(Problem(f"{output} is not a name for {form}", f"end it in {FORMATS[form]}, or name a folder"))
+    form = form or named or "csv"
+    _require(form)
+    path = output or _beside(results.path, form)
+    if form == "netcdf":
+        if tables:
+            raise InputError(Problem("netCDF takes the whole file, no single tables", "leave the tables out"))
+        return [_written(path, lambda hidden: _netcdf(results, hidden))]
+    chosen = tuple(dict.fromkeys(tables)) or TABLES
+    frames = {name: results.table(name) for name in chosen}
+    if form == "excel":
+        return [_written(path, lambda hidden: _excel(results, frames, hidden))]
+    write = (_csv if form == "csv" else _parquet)(results, frames)
+    if named is not None:
+        if len(chosen) > 1:
+            hint = f"name the table, e.g. `storey`, or a folder in place of {path.name}"
+            raise InputError(Problem(f"{path} takes one table, not {len(chosen)}", hint))
+        return [_written(path, partial(write, name=chosen[0]))]
+    files = [_written(path / f"{name}{FORMATS[form]}", partial(write, name=name)) for name in chosen]
+    listed = dictionary(frames)
+    return [*files, _written(path / "columns.csv", lambda hidden: listed.to_csv(hidden, index=False))]
+
+
+def dictionary(frames: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    """Table, column, unit, meaning: one row for every column of every table."""
+    import pandas as pd
+
+    rows = [(table, column, *meaning(table, column)) for table, frame in frames.items() for column in frame.columns]
+    return pd.DataFrame(rows, columns=["table", "column", "unit", "meaning"])
+
+
+def _beside(path: Path, form: str) -> Path:
+    return path.with_name(f"{path.stem}-{form}") if form in ("csv", "parquet") else path.with_suffix(FORMATS[form])
+
+
+def _require(form: str) -> None:
+    for package in _NEEDS.get(form, ()):
+        try:
+            importlib.import_module(package)
+        except ImportError:
+            hint = f"pip install {' '.join(_NEEDS[form])}"
+            raise InputError(Problem(f"{form} needs the package {package}, which is not installed", hint)) from None
+
+
+def _written(path: Path, write: Callable[[Path], None]) -> Path:
+    """Write a file beside its place, then put it there; makes the folder."""
+    hidden = path.with_name(f".{path.stem}.part{path.suffix}")
+    with _refusing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            write(hidden)
+            hidden.replace(path)
+        finally:
+            hidden.unlink(missing_ok=True)
+    return path
+
+
+@contextmanager
+def _refusing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        hint = "name another place with -o"
+        raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None
+
+
+def _csv(results: Results, frames: dict[str, pd.DataFrame]) -> _Writer:
+    def write(path: Path, name: str) -> None:
+        frames[name].to_csv(path, index=False, lineterminator="\n")
+
+    return write
+
+
+def _parquet(results: Results, frames: dict[str, pd.DataFrame]) -> _Writer:
+    import pyarrow
+    from pyarrow import parquet
+
+    def write(path: Path, name: str) -> None:
+        table = pyarrow.Table.from_pandas(frames[name], preserve_index=False)
+        fields = []
+        for field in table.schema:
+            unit, text = meaning(name, field.name)
+            fields.append(field.with_metadata({"units": unit, "long_name": text}))
+        about = {"title": results.title, "study": results.study_text}
+        schema = pyarrow.schema(fields, {**(table.schema.metadata or {}), **about})
+        parquet.write_table(table.cast(schema), path)
+
+    return write
+
+
+def _excel(results: Results, frames: dict[str, pd.DataFrame], path: Path) -> None:
+    import pandas as pd
+
+    for name, frame in frames.items():
+        if len(frame) > _MOST_ROWS:
+            hint = "export to Parquet or CSV, or name smaller tables"
+            raise InputError(Problem(f"the table {name} has {len(frame)} rows, a sheet takes {_MOST_ROWS}", hint))
+    study = pd.DataFrame({results.title: results.study_text.splitlines()})
+    with pd.ExcelWriter(path, engine="openpyxl") as book:
+        for name, frame in {**frames, "columns": dictionary(frames), "study": study}.items():
+            frame.to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
+            for row in book.sheets[name].iter_rows():
+                for cell in row:
+                    if cell.data_type == "f":  # a text that begins with "=" is a text, not a formula
+                        cell.data_type = "s"
+
+
+def _netcdf(results: Results, path: Path) -> None:
+    import xarray
+
+    with xarray.open_dataset(results.path, engine="h5netcdf") as data:
+        about = {"study": results.study_text, "resolved": results.resolved_text}
+        software = {name: value for name, value in results.attrs.items() if name.startswith("software_")}
+        data.assign_attrs(about | software).to_netcdf(path, engine="h5netcdf")
