@@ -94,6 +94,14 @@ class Link:
         if not 0 <= self.damping_ratio < 1:
             raise ValueError(f"link: damping_ratio is {self.damping_ratio:g}; it must be at least 0 and below 1")
 
+    @property
+    def words(self) -> str:
+        """Everything the link is, in a line: two links with one line act alike."""
+        return (
+            f"{self.left} {self.left_floor} {self.right_floor} {self.kind} {self.gap!r} {self.stiffness!r} "
+            f"{self.impact_stiffness!r} {self.damping_ratio!r} {self.tension_cut} {self.infill_law} {self.dashpot_law}"
+        )
+
     def dashpot_mass(self, left_mass: float, right_mass: float) -> float:
         """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""
         reduced = left_mass * right_mass / (left_mass + right_mass)

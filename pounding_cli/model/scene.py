@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -68,11 +69,27 @@ class Scene:
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the scene: two scenes with one digest have the same response (names are left out)."""
-        parts = [b.digest for b in self.buildings]
-        parts += [repr(link) for link in self.links]
-        parts += [self.motion.digest, str(self.analysis), repr(float(self.tail))]
-        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+        return Digests(self.buildings, self.links).of(self.motion, self.analysis, self.tail)
 
     def alone(self, place: int) -> Scene:
         """The baseline of the building at `place`: the same motion, no neighbours, no links."""
         return Scene((self.buildings[place],), (), self.motion, self.analysis, self.tail)
+
+
+class Digests:
+    """The digests of the scenes that share buildings and links, without the scenes.
+
+    Parameters
+    ----------
+    buildings, links : as in `Scene`
+    """
+
+    def __init__(self, buildings: Sequence[Building], links: Sequence[Link]) -> None:
+        parts = [b.digest for b in buildings] + [link.words for link in links]
+        self._begun = hashlib.sha256("\n".join(parts).encode())
+
+    def of(self, motion: Motion, analysis: Analysis, tail: float) -> str:
+        """`Scene.digest` of the scene with this motion, analysis and tail [s]."""
+        sha = self._begun.copy()
+        sha.update(f"\n{motion.digest}\n{analysis}\n{float(tail)!r}".encode())
+        return sha.hexdigest()

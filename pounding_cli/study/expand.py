@@ -1,17 +1,19 @@
-"""`expand`: every point of the sweep, case, analysis and record as a scene, equal scenes only once."""
+"""`expand`: every point of the sweep, case, analysis and record as a row, its scene and baselines as digests."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import product
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
-from pounding_cli.model.scene import Analysis, Scene
-from pounding_cli.records import Motion
+from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
-from pounding_cli.study.plan import Axis, Plan, Row
-from pounding_cli.study.resolve import places
+from pounding_cli.study.plan import Axis, Plan
+from pounding_cli.study.resolve import Point, Resolver, places
+from pounding_cli.study.scenes import Frame, Rows, Scenes, seen
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
@@ -21,35 +23,42 @@ def expand(study: Study) -> Plan:
     """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound."""
     model, resolver = study.model, study.resolver
     cases, analyses = tuple(model.cases), tuple(Analysis(word) for word in model.analyses)
-    maker = _Maker()
+    records = tuple(study.motions(resolver.base))
+    frame = Frame(
+        (*(len(axis.values) for axis in study.axes), len(cases), len(analyses), len(records)),
+        cases,
+        tuple(str(analysis) for analysis in analyses),
+        records,
+    )
+    builder = _Builder(resolver, cases, analyses, records)
+    rows = Rows(frame)
+    scenes = Scenes(frame, len(model.group), builder)
     problems: dict[Problem, None] = {}
-    rows: list[Row] = []
-    shown: dict[str, Used] = {}
-    records: tuple[str, ...] = ()
     for point in product(*(range(len(axis.values)) for axis in study.axes)):
         found = resolver.problems(point) if len(study.axes) > 1 else ()
         if found:
             problems |= dict.fromkeys(_at_point(problem, study.axes, point) for problem in found)
             if len(problems) >= MOST_PROBLEMS:
                 break
+        if problems:
             continue
-        street, motions, tail = (
-            resolver.group(point),
-            resolver.motions(point),
-            resolver.section(point, "tail"),
-        )
-        assert street is not None
-        assert motions is not None
-        shown, records = shown or motions, records or tuple(motions)
-        buildings = tuple(street.group)
+        buildings, motions, tail = builder.around(point)
+        free = [Digests((building,), ()) for building in buildings]
+        alone = {
+            (analysis, record): tuple(each.of(motions[record].motion, analysis, tail) for each in free)
+            for analysis in analyses
+            for record in records
+        }
         for case in cases:
             links = resolver.links(point, case)
             assert links is not None
-            for analysis in analyses:
-                for record, used in motions.items():
-                    scene = maker.keep(Scene(buildings, links, used.motion, analysis, tail))
-                    baselines = tuple(maker.alone(building, used.motion, analysis, tail) for building in buildings)
-                    rows.append(Row(point, case, str(analysis), record, scene, baselines))
+            shown, linked = seen(links), Digests(buildings, links)
+            for (analysis, record), baselines in alone.items():
+                scene = linked.of(motions[record].motion, analysis, tail)
+                scenes.note(scene, len(rows))
+                for place, baseline in enumerate(baselines):
+                    scenes.note(baseline, len(rows), place)
+                rows.add(scene, baselines, shown)
     if problems:
         raise InputError(sorted(problems, key=lambda p: (p.line, p.column, p.message)))
     fixed_step = model.time_step
@@ -60,31 +69,36 @@ def expand(study: Study) -> Plan:
         analyses=tuple(str(analysis) for analysis in analyses),
         records=records,
         buildings=places(model.group),
-        scenes=maker.scenes,
-        rows=tuple(rows),
-        motions=tuple(used.use for used in shown.values()),
+        scenes=scenes,
+        rows=rows,
+        motions=tuple(used.use for used in study.motions((0,) * len(study.axes)).values()),
         accuracy=model.accuracy if fixed_step is None else fixed_step,
         method=model.method,
         estimate=model.estimate,
     )
 
 
-class _Maker:
-    """Keeps every scene once, by digest."""
+@dataclass(frozen=True)
+class _Builder:
+    """Builds the scene at a place of the tables; the study was validated there."""
 
-    def __init__(self) -> None:
-        self.scenes: dict[str, Scene] = {}
-        self._alone: dict[tuple[str, str, Analysis, float], str] = {}
+    resolver: Resolver
+    cases: tuple[str, ...]
+    analyses: tuple[Analysis, ...]
+    records: tuple[str, ...]
 
-    def keep(self, scene: Scene) -> str:
-        self.scenes.setdefault(scene.digest, scene)
-        return scene.digest
+    def around(self, point: Point) -> tuple[tuple[Building, ...], Mapping[str, Used], float]:
+        """Buildings, motions and tail [s] at a point."""
+        street, motions = self.resolver.group(point), self.resolver.motions(point)
+        assert street is not None
+        assert motions is not None
+        return tuple(street.group), motions, self.resolver.section(point, "tail")
 
-    def alone(self, building: Building, motion: Motion, analysis: Analysis, tail: float) -> str:
-        key = (building.digest, motion.digest, analysis, tail)
-        if key not in self._alone:
-            self._alone[key] = self.keep(Scene((building,), (), motion, analysis, tail))
-        return self._alone[key]
+    def __call__(self, point: Point, case: int, analysis: int, record: int) -> Scene:
+        buildings, motions, tail = self.around(point)
+        links = self.resolver.links(point, self.cases[case])
+        assert links is not None
+        return Scene(buildings, links, motions[self.records[record]].motion, self.analyses[analysis], tail)
 
 
 def _at_point(problem: Problem, axes: tuple[Axis, ...], point: tuple[int, ...]) -> Problem:

@@ -46,6 +46,10 @@ class _Layer:
     path: Path
 
 
+_Law = tuple[Kind, float, float, float, float, bool, InfillLaw, DashpotLaw]
+"""The fields of a `Link` after its ends."""
+
+
 def links_of(case: CaseSpec, street: Street, root: Node | Tree, path: Path, faults: Faults) -> tuple[Link, ...]:
     """All links of a case, by pair and then from the ground up; what is wrong is noted in `faults`."""
     reader = _Reader(street, root, faults)
@@ -117,16 +121,19 @@ class _Reader:
         for floor in by_floor:
             self._exists(place, floor, (*_where(layers, "by_floor"), str(floor)), "write floors among")
         links = []
+        found: dict[int | str, _Law | None] = {}  # floors that are spoken of together have one law
         for left, right in common.items():
-            if left in by_floor:
-                inner = [_layer(by_floor[left], (*_where(layers, "by_floor"), str(left))), *layers]
-            elif left in named:
+            name = left if left in by_floor else "named" if left in named else "elsewhere"
+            if name not in found:
                 inner = layers
-            else:
-                inner = [_layer(elsewhere, _where(layers, "elsewhere")), *layers]
-            link = self.link(place, left, right, inner)
-            if link is not None:
-                links.append(link)
+                if name == left:
+                    inner = [_layer(by_floor[left], (*_where(layers, "by_floor"), str(left))), *layers]
+                elif name == "elsewhere":
+                    inner = [_layer(elsewhere, _where(layers, "elsewhere")), *layers]
+                found[name] = self.law(inner)
+            law = found[name]
+            if law is not None:
+                links.append(Link(place, left, right, *law))
         return links
 
     def _exists(self, place: int, floor: int, path: Path, hint: str) -> None:
@@ -141,7 +148,8 @@ class _Reader:
                 f"{hint} {', '.join(map(str, floors))}",
             )
 
-    def link(self, place: int, left: int, right: int, layers: list[_Layer]) -> Link | None:
+    def law(self, layers: list[_Layer]) -> _Law | None:
+        """What a link is besides its ends; None where there is none, or where something is wrong."""
         word = _says(layers, "link")
         if word is None:
             self.refuse(layers[0].path, "'link' is missing", "write `link: pounding`, infill, connector or none")
@@ -184,8 +192,8 @@ class _Reader:
             )
             return None
         cut = _says(layers, "tension_cut")
-        return Link(
-            place, left, right, kind, gap, stiffness, impact, self._damping(layers),
+        return (
+            kind, gap, stiffness, impact, self._damping(layers),
             self.street.impact.tension_cut if cut is None else cut,
             InfillLaw(_says(layers, "law") or "continuous"), DashpotLaw(self.street.impact.dashpot),
         )  # fmt: skip
@@ -225,8 +233,8 @@ class _Reader:
         if not buildings:
             return None
         of = max if given.which == "stiffest" else _mean
-        return given.factor * max(float(of(b.stiffness)) for b in buildings)
+        return given.factor * max(float(of(b.stiffness.tolist())) for b in buildings)
 
 
-def _mean(values: Any) -> float:
-    return float(sum(values)) / len(values)
+def _mean(values: list[float]) -> float:
+    return sum(values) / len(values)

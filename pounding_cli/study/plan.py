@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pounding_cli.model.scene import Scene
 
@@ -23,9 +24,19 @@ class Axis:
     values: tuple[tuple[float | str, ...], ...]
 
 
-@dataclass(frozen=True)
+class LinkSeen(NamedTuple):
+    """A link as the tables know it: place of the left building from 0, floors from 1, law, gap [m]."""
+
+    left: int
+    left_floor: int
+    right_floor: int
+    kind: str
+    gap: float
+
+
+@dataclass(frozen=True, slots=True)
 class Row:
-    """One place in the tables: its index on every axis, and keys of Plan.scenes for scene and baselines."""
+    """One place in the tables: its index on every axis, keys of Plan.scenes for scene and baselines, its links."""
 
     point: tuple[int, ...]
     case: str
@@ -33,6 +44,7 @@ class Row:
     record: str
     scene: str
     baselines: tuple[str, ...]
+    links: tuple[LinkSeen, ...]
 
 
 @dataclass(frozen=True)
@@ -52,7 +64,7 @@ class MotionUse:
 class Plan:
     """Everything to run.
 
-    scenes : by digest, linked scenes and baselines, each once
+    scenes : by digest, linked scenes and baselines, each once; built when asked for
     rows : swept axes slowest, then case, analysis, record
     buildings : names by place, left to right (soft-1, soft-2 where a type stands twice)
     motions : one per record; where the sweep changes them, those of its first point
@@ -66,8 +78,8 @@ class Plan:
     analyses: tuple[str, ...]
     records: tuple[str, ...]
     buildings: tuple[str, ...]
-    scenes: dict[str, Scene]
-    rows: tuple[Row, ...]
+    scenes: Mapping[str, Scene]
+    rows: Sequence[Row]
     motions: tuple[MotionUse, ...]
     accuracy: float
     method: str

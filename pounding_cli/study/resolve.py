@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -26,12 +27,20 @@ from pounding_cli.study.sweep import SweepAxis
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
 
+Subject = str | tuple[str, str]
+"""What an axis can touch: a section of the file, or one entry of a section."""
+
 FEWEST, MOST = 2, 20
 """Buildings in a group."""
+
+MOST_KEPT = 20_000
+"""Answers kept at a time: many points share one answer, but not the memory of all of them."""
 
 
 class Resolver:
     """Answers what a study is at a point of its sweep; what axes do not touch is worked out once.
+
+    Answers asked for lately are kept, older ones are worked out again: a sweep takes time, not memory.
 
     Every answer keeps the problems met on the way; `problems` tells them; answers are whole where none are.
     """
@@ -41,29 +50,42 @@ class Resolver:
         self.warnings = Faults(file)
         self.shelf = Shelf(folder)
         self.base: Point = (-1,) * len(axes)
-        self._touched = [frozenset(path[0] for path in axis.paths) for axis in axes]
-        self._found: dict[tuple[Any, ...], tuple[Any, tuple[Problem, ...]]] = {}
-        self._kept: dict[tuple[str, ...], tuple[bool, ...]] = {}
+        self._touched = [touched_by(axis, root) for axis in axes]
+        self._found: OrderedDict[tuple[Any, ...], tuple[Any, tuple[Problem, ...]]] = OrderedDict()
+        self._kept: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
+        buildings = root.get("buildings")
+        self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self._met: dict[Problem, None] = {}
-        self._types: dict[tuple[str, BuildingSpec], Building] = {}
 
-    def key(self, point: Point, sections: tuple[str, ...]) -> Point:
-        """`point` with the axes that touch none of `sections` set aside."""
-        kept = self._kept.get(sections)
+    def touching(self, *subjects: Subject) -> tuple[bool, ...]:
+        """For every axis, whether it touches one of `subjects`."""
+        kept = self._kept.get(subjects)
         if kept is None:
-            kept = tuple(touched & set(sections) != set() for touched in self._touched)
-            self._kept[sections] = kept
-        if not any(kept):
-            return self.base
-        return tuple(place if keep else -1 for place, keep in zip(point, kept, strict=True))
+            kept = tuple(not touched.isdisjoint(subjects) for touched in self._touched)
+            self._kept[subjects] = kept
+        return kept
 
-    def _once(self, name: Any, point: Point, sections: tuple[str, ...], work: Callable[[Faults], Any]) -> Any:
-        key = (name, self.key(point, sections))
-        if key not in self._found:
+    def key(self, point: Point, subjects: tuple[Subject, ...]) -> Point:
+        """`point` with the axes that touch none of `subjects` set aside."""
+        if not point:
+            return point
+        kept = self.touching(*subjects)
+        return tuple([place if keep else -1 for place, keep in zip(point, kept, strict=True)])
+
+    def _once(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Faults], Any]) -> Any:
+        key = (name, self.key(point, subjects))
+        found = self._found.get(key)
+        if found is None:
             faults = Faults(self.file)
-            self._found[key] = (work(faults), tuple(faults.problems))
-        answer, problems = self._found[key]
-        self._met.update(dict.fromkeys(problems))
+            found = (work(faults), tuple(faults.problems))
+            self._found[key] = found
+            if len(self._found) > MOST_KEPT:
+                self._found.popitem(last=False)
+        else:
+            self._found.move_to_end(key)
+        answer, problems = found
+        if problems:
+            self._met.update(dict.fromkeys(problems))
         return answer
 
     def problems(self, point: Point) -> tuple[Problem, ...]:
@@ -73,9 +95,20 @@ class Resolver:
             self.model()
         self.section(point, "tail")
         self.motions(point)
-        for case in self.section(point, "cases") or ():
+        for case in self._entries(point, "cases"):
             self.links(point, case)
         return tuple(self._met)
+
+    def _entries(self, point: Point, section: str) -> tuple[str, ...]:
+        """The names of the sound entries of `buildings` or `cases`."""
+        node = self.tree(self.base, section)
+        if node is None or not node.is_mapping:  # said what is wrong with it, or where the sweep makes it
+            return tuple(self.section(point, section) or ())
+        return tuple(name for name in node.value if self.entry(point, section, name) is not None)
+
+    def entry(self, point: Point, section: str, name: str) -> Any:
+        """One validated entry of `buildings` or `cases`, or None; looked at once for all axes that leave it alone."""
+        return (self.section(self.key(point, ((section, name),)), section) or {}).get(name)
 
     # The file's tree and the models of its sections
 
@@ -109,10 +142,10 @@ class Resolver:
     def _root_at(self, point: Point) -> Node:
         values = {name: self.tree(point, name) or node for name, node in self.root.value.items()}
         for touched in self._touched:
-            for name in touched - set(values):
-                found = self.tree(point, name)
+            for name in touched:
+                found = self.tree(point, name) if isinstance(name, str) and name not in values else None
                 if found is not None:
-                    values[name] = found
+                    values[str(name)] = found
         keys = {name: (self.root.keys or {}).get(name, node.mark) for name, node in values.items()}
         return Node(values, self.root.mark, keys=keys)
 
@@ -160,32 +193,32 @@ class Resolver:
 
     def types(self, point: Point) -> Mapping[str, Building] | None:
         """Every building type by name."""
-        specs = self.section(point, "buildings")
-        if specs is None:
+        if self.section(self.base, "buildings") is None:
+            return None
+        built: dict[str, Building] = {}
+        for name in self._entries(point, "buildings"):
+            building = self.type(point, name)
+            if building is not None:
+                built[name] = building
+        return built
+
+    def type(self, point: Point, name: str) -> Building | None:
+        """One building type."""
+        spec: BuildingSpec | None = self.entry(point, "buildings", name)
+        if spec is None:
             return None
 
-        def work(faults: Faults) -> dict[str, Building]:
-            root, built = self.root_at(point), {}
-            for name, spec in specs.items():
-                own = Faults(self.file)
-                building = self._type(name, spec, root, own)
-                if building is not None:
-                    built[name] = building
-                inherits = spec.like is not None and spec.like not in built
+        def work(faults: Faults) -> Building | None:
+            root, own = self.root_at(point), Faults(self.file)
+            building = building_room.build(name, spec, root, ("buildings", name), own)
+            if own.problems:
                 # What the whole of a building lacks is told of the one it is like, where that lacks it too.
-                whole = root.locate(("buildings", name)) if inherits and own.problems else None
+                inherits = spec.like is not None and self.type(point, spec.like) is None
+                whole = root.locate(("buildings", name)) if inherits else None
                 faults.extend(p for p in own.problems if (p.line, p.column) != whole)
-            return built
+            return building
 
-        return self._once("types", point, ("buildings",), work)
-
-    def _type(self, name: str, spec: BuildingSpec, root: Tree, faults: Faults) -> Building | None:
-        if (name, spec) not in self._types:
-            built = building_room.build(name, spec, root, ("buildings", name), faults)
-            if built is None:
-                return None
-            self._types[name, spec] = built
-        return self._types[name, spec]
+        return self._once(("type", name), point, (("buildings", name),), work)
 
     def group(self, point: Point) -> Street | None:
         """The buildings by place, their common floors, and the impact element."""
@@ -197,8 +230,7 @@ class Resolver:
 
         def work(faults: Faults) -> Street | None:
             root = self.root_at(point)
-            defined = root.get("buildings")
-            known = list(defined.value) if defined is not None and defined.is_mapping else []
+            known = self._defined
             # Names are compared with what the file calls its buildings, however faulty those are.
             sound = _group_is_sound(names, known, root, faults) if known else False
             if not sound or types is None or impact is None or any(name not in types for name in names):
@@ -221,19 +253,17 @@ class Resolver:
 
     def links(self, point: Point, case: str) -> tuple[Link, ...] | None:
         """The links of one case."""
-        street, cases = self.group(point), self.section(point, "cases")
+        street, spec = self.group(point), self.entry(point, "cases", case)
 
         def work(faults: Faults) -> tuple[Link, ...]:
             root = self.root_at(point)
-            around = street or self._sketch(point, root)
-            return links_of(cases[case], around, root, ("cases", case), faults)
+            around = street or self._sketch(point)
+            return links_of(spec, around, root, ("cases", case), faults)
 
-        return self._once(("links", case), point, ("buildings", "group", "impact", "cases"), work)
+        return self._once(("links", case), point, ("buildings", "group", "impact", ("cases", case)), work)
 
-    def _sketch(self, point: Point, root: Tree) -> Street:
-        defined = root.get("buildings")
-        known = list(defined.value) if defined is not None and defined.is_mapping else []
-        return Street((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), known)
+    def _sketch(self, point: Point) -> Street:
+        return Street((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), self._defined)
 
     def motions(self, point: Point) -> dict[str, Used] | None:
         """The motions by name, cut and scaled."""
@@ -246,6 +276,33 @@ class Resolver:
             ("records",),
             lambda faults: motions_of(spec, self.shelf, self.root_at(point), faults, self.warnings),
         )
+
+
+def touched_by(axis: SweepAxis, root: Node) -> frozenset[Subject]:
+    """What an axis touches: sections, the cases it names, the buildings it names and those that inherit its key."""
+    found: set[Subject] = set()
+    buildings = root.get("buildings")
+    for section, *below in axis.paths:
+        found.add(section)
+        if section == "cases" and below:
+            found.add((section, below[0]))
+        elif section == "buildings" and below and buildings is not None and buildings.is_mapping:
+            found |= {(section, name) for name in buildings.value if _inherits(name, tuple(below), buildings)}
+    return frozenset(found)
+
+
+def _inherits(name: str, path: tuple[str, ...], buildings: Node) -> bool:
+    """Whether building `name` takes the key at `path` (building, key, ...) from there, itself or through `like:`."""
+    seen: set[str] = set()
+    while name != path[0]:
+        if name in seen or buildings.get(name, *path[1:]) is not None:
+            return False
+        seen.add(name)
+        like = buildings.get(name, "like")
+        if like is None or not isinstance(like.value, str):
+            return False
+        name = like.value
+    return True
 
 
 def places(names: tuple[str, ...]) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import Axis, MotionUse, Plan, Row
+from pounding_cli.study.scenes import seen
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ def small_plan(
                             ground.name,
                             scene.digest,
                             tuple(s.digest for s in alone),
+                            seen(links),
                         )
                     )
     uses = tuple(MotionUse(m.name, m.source, m.digest, 1.5, 0.06, m.pga, 0.01) for m in motions)

@@ -1,0 +1,133 @@
+"""The scenes and table rows of a plan, kept as digests: each scene is built when it is asked for."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import overload
+
+import numpy as np
+
+from pounding_cli.model.links import Link
+from pounding_cli.model.scene import Scene
+from pounding_cli.study.plan import LinkSeen, Row
+
+Build = Callable[[tuple[int, ...], int, int, int], Scene]
+"""build(point, case, analysis, record) -> the scene of the group; cases, analyses, records by number from 0."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The names along the rows: every point of the sweep, case, analysis and record, the last fastest.
+
+    shape : points on every axis, then the numbers of cases, analyses and records
+    """
+
+    shape: tuple[int, ...]
+    cases: tuple[str, ...]
+    analyses: tuple[str, ...]
+    records: tuple[str, ...]
+
+    def place(self, number: int) -> tuple[tuple[int, ...], int, int, int]:
+        """Point, case, analysis and record of a row."""
+        *point, case, analysis, record = (int(i) for i in np.unravel_index(number, self.shape))
+        return tuple(point), case, analysis, record
+
+
+class Rows(Sequence[Row]):
+    """The rows of the tables, made when they are looked at; two are equal when all their rows are."""
+
+    def __init__(self, frame: Frame) -> None:
+        self.frame = frame
+        self._scenes: list[str] = []
+        self._baselines: list[tuple[str, ...]] = []
+        self._links: list[tuple[LinkSeen, ...]] = []
+        self._seen: dict[tuple[LinkSeen, ...], tuple[LinkSeen, ...]] = {}
+
+    def add(self, scene: str, baselines: tuple[str, ...], links: tuple[LinkSeen, ...]) -> None:
+        """The next row."""
+        self._scenes.append(scene)
+        self._baselines.append(baselines)
+        self._links.append(self._seen.setdefault(links, links))
+
+    def __len__(self) -> int:
+        return len(self._scenes)
+
+    @overload
+    def __getitem__(self, number: int) -> Row: ...
+
+    @overload
+    def __getitem__(self, number: slice) -> list[Row]: ...
+
+    def __getitem__(self, number: int | slice) -> Row | list[Row]:
+        if isinstance(number, slice):
+            return [self[place] for place in range(*number.indices(len(self)))]
+        number = range(len(self))[number]
+        frame = self.frame
+        point, case, analysis, record = frame.place(number)
+        return Row(
+            point,
+            frame.cases[case],
+            frame.analyses[analysis],
+            frame.records[record],
+            self._scenes[number],
+            self._baselines[number],
+            self._links[number],
+        )
+
+    def __iter__(self) -> Iterator[Row]:
+        columns = zip(np.ndindex(self.frame.shape), self._scenes, self._baselines, self._links, strict=True)
+        cases, analyses, records = self.frame.cases, self.frame.analyses, self.frame.records
+        for (*point, case, analysis, record), scene, baselines, links in columns:
+            yield Row(tuple(point), cases[case], analyses[analysis], records[record], scene, baselines, links)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Rows):
+            return NotImplemented
+        return (self.frame, self._scenes, self._baselines, self._links) == (
+            other.frame,
+            other._scenes,
+            other._baselines,
+            other._links,
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # a list in all but name
+
+
+class Scenes(Mapping[str, Scene]):
+    """The scenes by digest, each once, in the order of the rows that need them first; built when asked for.
+
+    Asking costs about as much as it took to expand the point; scenes of one point asked for together share that.
+    """
+
+    def __init__(self, frame: Frame, buildings: int, build: Build) -> None:
+        self._frame, self._places, self._build = frame, buildings + 1, build
+        self._where: dict[str, int] = {}
+        self._lock = threading.Lock()  # what builds scenes keeps what it found
+
+    def note(self, digest: str, row: int, alone: int | None = None) -> None:
+        """The scene of the row numbered `row`, or its baseline at place `alone`, has this digest."""
+        self._where.setdefault(digest, row * self._places + (0 if alone is None else alone + 1))
+
+    def __getitem__(self, digest: str) -> Scene:
+        row, place = divmod(self._where[digest], self._places)
+        with self._lock:
+            scene = self._build(*self._frame.place(row))
+        return scene.alone(place - 1) if place else scene
+
+    def __contains__(self, digest: object) -> bool:
+        return digest in self._where
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._where)
+
+    def __len__(self) -> int:
+        return len(self._where)
+
+
+def seen(links: Sequence[Link]) -> tuple[LinkSeen, ...]:
+    """What the tables say of links."""
+    return tuple(
+        LinkSeen(link.left, link.left_floor, link.right_floor, str(link.kind), float(link.gap)) for link in links
+    )
