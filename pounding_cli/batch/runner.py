@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from pounding_cli.batch.attempt import Solve, Task
 from pounding_cli.batch.engines import Engine, engine
+from pounding_cli.batch.histories import kept_histories
 from pounding_cli.batch.outcome import Failure, Outcome
 from pounding_cli.batch.progress import Progress, Quiet
 from pounding_cli.batch.serial import Serial
@@ -89,7 +90,7 @@ def run_plan(
             raise
         progress.stop()
     run = Run(time.perf_counter() - begin, len(missing), reused, used.name, used.workers)
-    write_results(output, plan, responses, run)
+    write_results(output, plan, responses, run, kept_histories(plan, responses, output, key, progress.say))
     parts.remove()
     failures = tuple(_failures(plan, responses))
     return Outcome(

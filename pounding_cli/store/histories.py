@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.solve.histories import ENERGIES, History
-from pounding_cli.store.layout import COORDINATES
+from pounding_cli.store.layout import COORDINATES, PLACE
+
+if TYPE_CHECKING:
+    from pounding_cli.study import Plan, Row
 
 GROUP = "histories"
 
@@ -32,17 +36,31 @@ FIELDS = {
 }
 """Dataset -> dimensions, unit, meaning."""
 
+_FACTS = ("scene", "every", "times")
+"""What is known of a kept scene besides its place."""
 
-def write_history(file: h5py.File, place: Mapping[str, Any], history: History, columns: list[int]) -> None:
+
+def write_histories(file: h5py.File, plan: Plan, histories: Iterable[tuple[Row, History]]) -> None:
+    """Write kept scenes one after the other, each under the attributes that say which it is."""
+    for row, history in histories:
+        place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
+        for axis, number in zip(plan.axes, row.point, strict=True):
+            place |= dict(zip(axis.names, axis.values[number], strict=True))
+        write_history(file, place | {"scene": row.scene, "every": plan.every}, history)
+
+
+def write_history(file: h5py.File, place: Mapping[str, Any], history: History) -> None:
     """Write one kept scene as `/histories/<n>`, n from 0.
 
     Parameters
     ----------
     file : a results file whose coordinates (building, storey, floor, link) are written
-    place : case, analysis, record and the swept values, as attributes
-    history : of the scene
-    columns : place of every link of the scene along the file's dimension `link`
+    place : case, analysis, record, the swept values, scene and every, as attributes
+    history : of the scene; links that the file does not know are left out
     """
+    labels = list(file["link"].asstr()[:]) if "link" in file else []
+    known = [number for number, label in enumerate(history.links) if label in labels]
+    columns = [labels.index(history.links[number]) for number in known]
     parent = file.require_group(GROUP)
     group = parent.create_group(str(len(parent)))
     group.attrs.update(place)
@@ -56,7 +74,7 @@ def write_history(file: h5py.File, place: Mapping[str, Any], history: History, c
         values = _values(history, name)
         whole = np.full([scales[dim].size for dim in dims], np.nan, np.float32)
         if name == "link_force":
-            whole[:, columns] = values
+            whole[:, columns] = values[:, known]
         else:
             whole[tuple(slice(size) for size in values.shape)] = values
         chunks = (max(1, whole.shape[0]), *(1 for _ in dims[1:]))  # one series is read without the others
@@ -66,6 +84,48 @@ def write_history(file: h5py.File, place: Mapping[str, Any], history: History, c
             dataset.dims[number].attach_scale(scales[dim])
 
 
+def stored_history(file: h5py.File, row: Row, every: float) -> History | None:
+    """The history of a row's scene in another results file, if it is there at this output step [s]."""
+    for group in file.get(GROUP, {}).values():
+        if group.attrs["scene"] == row.scene and group.attrs["every"] == every:
+            return read_history(group)
+    return None
+
+
+def kept_places(file: h5py.File) -> list[tuple[str, dict[str, Any]]]:
+    """Number and attributes (with `times`, their count) of every kept scene, in the order of the tables."""
+    groups = file.get(GROUP, {})
+    return [
+        (
+            number,
+            {name: _plain(value) for name, value in groups[number].attrs.items()}
+            | {"times": groups[number]["time"].size},
+        )
+        for number in sorted(groups, key=int)
+    ]
+
+
+def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> str:
+    """The number of the one kept scene whose attributes are `wanted`.
+
+    Raises
+    ------
+    InputError : there is none, or more than one
+    """
+    places = kept_places(file)
+    if not places:
+        hint = "add `keep: histories` to the study and run it again; what is solved stays"
+        raise InputError(Problem("keeps no histories", hint, name))
+    meant = [(number, facts) for number, facts in places if all(_same(facts.get(k), v) for k, v in wanted.items())]
+    if len(meant) == 1:
+        return meant[0][0]
+    said = ", ".join(f"{key} {value}" for key, value in wanted.items())
+    shown = [_in_words(facts) for _, facts in (meant or places)]
+    listed = "; ".join(shown[:12]) + (f"; ... {len(shown)} in all" if len(shown) > 12 else "")
+    what = (f"keeps {len(meant)} histories" if meant else "keeps no history") + (f" of {said}" if said else "")
+    raise InputError(Problem(what, f"{'say which of' if meant else 'kept are'}: {listed}", name))
+
+
 def read_history(group: h5py.Group) -> History:
     """A kept scene; links in the file's order, NaN where the scene has none."""
     texts = {dim: tuple(group[dim].asstr()[:]) if dim in group else () for dim in ("building", "link")}
@@ -73,6 +133,21 @@ def read_history(group: h5py.Group) -> History:
     arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}
     energy = {name: arrays.pop(f"energy_{name}") for name in ENERGIES}
     return History(time=time, **arrays, energy=energy, buildings=texts["building"], links=texts["link"])
+
+
+def _in_words(facts: Mapping[str, Any]) -> str:
+    swept = [f"{key} = {value}" for key, value in facts.items() if key not in (*PLACE, *_FACTS)]
+    return ", ".join((*swept, *(facts[key] for key in PLACE)))
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, float) and isinstance(other, int | float):
+        return abs(one - other) <= 1e-9 * max(abs(one), abs(other))
+    return one == other
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _values(history: History, name: str) -> np.ndarray:

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
+from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
 from pounding_cli.store.layout import PLACE, SCENES
 
 if TYPE_CHECKING:
@@ -153,6 +155,32 @@ class Results:
             scale = file["record_scale"]
             columns = self._index(file, tuple(_name(each[0]) for each in scale.dims), scale.shape)
             return _frame(columns | {name: _values(file[f"record_{name}"]).ravel() for name in _RECORD})
+
+    def histories(self) -> pd.DataFrame:
+        """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
+        names = (*self.axes, *PLACE, "number", "scene", "every", "times")
+        with opened(self.path) as file:
+            rows = [facts | {"number": number} for number, facts in kept_places(file)]
+        return _frame({name: [row[name] for row in rows] for name in names})
+
+    def history(
+        self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
+    ) -> History:
+        """One scene over time; what tells it from the other kept ones must be given.
+
+        Parameters
+        ----------
+        case, analysis, record : names
+        swept : values of swept keys, e.g. `**{"cases.gap.gap": 0.05}`
+
+        Raises
+        ------
+        InputError : no kept scene, or more than one, is meant
+        """
+        given = {"case": case, "analysis": analysis, "record": record, **swept}
+        wanted = {name: value for name, value in given.items() if value is not None}
+        with opened(self.path) as file:
+            return read_history(file[GROUP][chosen_place(file, wanted, str(self.path))])
 
     @cached_property
     def buildings(self) -> pd.DataFrame:

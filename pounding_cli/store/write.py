@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
@@ -17,15 +17,17 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError
+from pounding_cli.solve.histories import History
 from pounding_cli.solve.response import Response
 from pounding_cli.store.dense import Dense, assemble
 from pounding_cli.store.files import opened
+from pounding_cli.store.histories import write_histories
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
 from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES
 from pounding_cli.store.solutions import write_solutions
 
 if TYPE_CHECKING:
-    from pounding_cli.study import Plan
+    from pounding_cli.study import Plan, Row
 
 _PACKED_ABOVE = 1 << 15
 """Arrays above this size [bytes] are compressed; smaller ones are not worth the chunk index."""
@@ -44,7 +46,13 @@ class Run:
     workers: int = 1
 
 
-def write_results(path: Path, plan: Plan, responses: Mapping[str, Response], run: Run | None = None) -> None:
+def write_results(
+    path: Path,
+    plan: Plan,
+    responses: Mapping[str, Response],
+    run: Run | None = None,
+    histories: Iterable[tuple[Row, History]] = (),
+) -> None:
     """Write one results file, whole or not at all.
 
     Parameters
@@ -53,6 +61,7 @@ def write_results(path: Path, plan: Plan, responses: Mapping[str, Response], run
     plan : the study expanded
     responses : by scene digest; every scene of the plan
     run : how they came about
+    histories : of kept rows; taken one by one while the file is written
 
     Raises
     ------
@@ -62,6 +71,7 @@ def write_results(path: Path, plan: Plan, responses: Mapping[str, Response], run
     try:
         with h5py.File(hidden, "w", libver=("v110", "latest")) as file:
             _write(file, plan, responses, run or Run())
+            write_histories(file, plan, histories)
         _sync(hidden)
         hidden.replace(path)
         _sync(path.parent)
@@ -88,6 +98,7 @@ def content_digest(plan: Plan) -> str:
         _json(plan.study.resolved()),
         repr((plan.axes, plan.cases, plan.analyses, plan.records, plan.buildings, plan.motions)),
         repr([(row.point, row.case, row.analysis, row.record, row.scene, row.baselines) for row in plan.rows]),
+        repr(([(row.point, row.case, row.analysis, row.record) for row in plan.kept], plan.every)),
     ):
         sha.update(part.encode() + b"\0")
     return sha.hexdigest()

@@ -9,6 +9,7 @@ from itertools import product
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.scene import Analysis, Digests, Scene
+from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
@@ -61,6 +62,7 @@ def expand(study: Study) -> Plan:
                 rows.add(scene, baselines, shown)
     if problems:
         raise InputError(sorted(problems, key=lambda p: (p.line, p.column, p.message)))
+    kept, every = kept_rows(model, resolver.root, resolver.axes, rows, scenes, resolver.file)
     fixed_step = model.time_step
     return Plan(
         study=study,
@@ -75,6 +77,8 @@ def expand(study: Study) -> Plan:
         accuracy=model.accuracy if fixed_step is None else fixed_step,
         method=model.method,
         estimate=model.estimate,
+        kept=kept,
+        every=every,
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from pounding_cli.errors import Problem
 from pounding_cli.study import buildings as building_room
+from pounding_cli.study.keep import check_keep
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis
 from pounding_cli.study.problems import Faults, nearest
@@ -106,6 +107,7 @@ def load_study(path: str | Path) -> Study:
     model = resolver.model()
     if model is not None:
         _whole_study(model, root, faults)
+        check_keep(model, root, axes, resolver.motions(resolver.base), faults)
     faults.refuse()
     assert model is not None
     return Study(

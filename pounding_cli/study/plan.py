@@ -70,6 +70,7 @@ class Plan:
     motions : one per record; where the sweep changes them, those of its first point
     accuracy : relative error wanted [-]; the time step [s] for a fixed-step method
     estimate : which scenes are solved twice more for error and sensitivity: none, sample or all
+    kept : rows whose scenes are kept over time, every `every` seconds
     """
 
     study: Study
@@ -84,3 +85,5 @@ class Plan:
     accuracy: float
     method: str
     estimate: str = "none"
+    kept: tuple[Row, ...] = ()
+    every: float = 0.002

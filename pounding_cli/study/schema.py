@@ -281,6 +281,35 @@ class ReportSpec(Model):
     building: str | None = optional(None, description="building of the main figure; the stiffest unless given")
 
 
+class HistoriesSpec(Model):
+    """Scenes whose histories are kept."""
+
+    cases: Annotated[tuple[str, ...], _FILLED] | None = optional(None, description="cases; all unless given")
+    analyses: Annotated[tuple[AnalysisKind, ...], _FILLED] | None = optional(
+        None, description="analyses; all unless given"
+    )
+    records: Annotated[tuple[str, ...], _FILLED] | None = optional(None, description="motions; all unless given")
+    where: dict[str, Any] = optional(
+        {}, description="swept keys with the value or the list of values kept; all unless given"
+    )
+    every: Annotated[
+        float, limited(units.TIME, name="output step", example="2 ms", low=1e-6, high=1.0, open_low=False)
+    ] = optional(0.002, description="output step [s]")
+
+
+class KeepSpec(Model):
+    """What is kept besides peaks."""
+
+    histories: Annotated[
+        Annotated[Literal["all"], Tag("word")] | Annotated[HistoriesSpec, Tag("mapping")],
+        Discriminator(_word_or_mapping),
+    ] = Field(description="scenes kept over time, or `all`", examples=[{"cases": ["touching"]}])
+
+
+Keep = Annotated[
+    Annotated[Literal["histories"], Tag("word")] | Annotated[KeepSpec, Tag("mapping")], Discriminator(_word_or_mapping)
+]
+
 _AXIS = {"type": "array", "minItems": 1}
 _SWEEP_FORM = {
     "anyOf": [
@@ -321,6 +350,7 @@ class StudyModel(Model):
     )
     claims: Literal["fig6", "fig7"] | None = optional(None, description="figure of the paper this study reproduces")
     report: ReportSpec = optional(ReportSpec(), description="what the report shows first")
+    keep: Keep | None = optional(None, description="histories kept besides peaks; `histories`: of all scenes")
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = optional(
         None,
         description="axes: dotted keys with the values they take; the keys of one list entry move together",

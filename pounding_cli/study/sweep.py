@@ -8,7 +8,19 @@ from pounding_cli.study.problems import Faults, keys_at, nearest
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
 
-FIXED = ("title", "group", "analyses", "accuracy", "method", "time_step", "estimate", "claims", "report", "sweep")
+FIXED = (
+    "title",
+    "group",
+    "analyses",
+    "accuracy",
+    "method",
+    "time_step",
+    "estimate",
+    "claims",
+    "report",
+    "keep",
+    "sweep",
+)
 """Keys that are one for the whole study."""
 
 MOST_POINTS = 2_000_000

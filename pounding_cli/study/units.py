@@ -113,7 +113,7 @@ class Quantity:
     @property
     def wanted(self) -> str:
         """What to write, in words."""
-        what = f"{'an' if self.name[0] in 'aei' else 'a'} {self.name}" + (f" [{self.si}]" if self.si else "")
+        what = f"{'an' if self.name[0] in 'aeio' else 'a'} {self.name}" + (f" [{self.si}]" if self.si else "")
         limits = f" {self.range}" if self.range else ""
         words = "".join(f" or {word}" for word in self.words)
         return f"write {what}{limits}{words}, e.g. {self.example}"

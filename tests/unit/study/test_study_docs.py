@@ -26,6 +26,7 @@ MODELS = {
     "`impact`": schema.Impact,
     "`cases.NAME`": schema.CaseSpec,
     "`report`": schema.ReportSpec,
+    "`keep.histories`": schema.HistoriesSpec,
 }
 
 

@@ -1,0 +1,163 @@
+"""`keep: histories`: which rows of the tables are kept over time, and how much that comes to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from pydantic_core import PydanticCustomError
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.model.scene import Scene
+from pounding_cli.study.plan import Row
+from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.schema import HistoriesSpec, KeepSpec, StudyModel
+from pounding_cli.study.source import Node
+from pounding_cli.study.sweep import SweepAxis
+from pounding_cli.study.units import Quantity
+
+MOST_BYTES = 2_000_000_000
+"""Histories of a study may take so much [bytes] before compression."""
+
+COARSEST = 0.02
+"""An output step above this [s] is not suggested: it would miss most contacts."""
+
+_UNITS = ("", "m", "kg", "s", "N", "N/m", "m/s2")
+
+
+def wanted(model: StudyModel) -> HistoriesSpec | None:
+    """What is to be kept; None where nothing is."""
+    if model.keep is None:
+        return None
+    spec = model.keep.histories if isinstance(model.keep, KeepSpec) else HistoriesSpec()
+    return spec if isinstance(spec, HistoriesSpec) else HistoriesSpec()
+
+
+def check_keep(
+    model: StudyModel, root: Node, axes: Sequence[SweepAxis], records: Iterable[str] | None, faults: Faults
+) -> None:
+    """Note every name under `keep` that the study does not have; `records` is None where they are faulty."""
+    spec = wanted(model)
+    if spec is None:
+        return
+    path = ("keep", "histories")
+    if model.method != "taylor":
+        hint = "write `method: taylor`, or remove `keep`"
+        faults.at(root, ("keep",), f"method: {model.method} keeps no histories, only taylor does", hint, key=True)
+    known: dict[str, list[str]] = {
+        "cases": list(model.cases),
+        "analyses": list(model.analyses),
+        "records": list(records or ()),
+    }
+    for name, there in known.items():
+        for place, word in enumerate(getattr(spec, name) or ()):
+            if there and word not in there:
+                one = {"cases": "case", "analyses": "analysis", "records": "record"}[name]
+                message = f"keep: the study has no {one} '{word}'"
+                faults.at(root, (*path, name, place), message, nearest(word, there))
+    swept = {name: (axis, column) for axis in axes for column, name in enumerate(axis.names)}
+    for key in spec.where:
+        if key not in swept:
+            hint = nearest(key, swept) if swept else "remove `where`, or add a sweep"
+            faults.at(root, (*path, "where", key), f"keep: '{key}' is no axis of the sweep", hint, key=True)
+            continue
+        axis, column = swept[key]
+        for node in _values(root, key):
+            if not _places(axis, column, node):
+                texts = [nodes[column].text or str(nodes[column].plain()) for nodes in axis.nodes]
+                message = f"keep: the axis '{key}' has no value {node.text or node.plain()}"
+                faults.add(node.mark, message, f"known: {', '.join(dict.fromkeys(texts))}")
+
+
+def kept_rows(
+    model: StudyModel,
+    root: Node,
+    axes: Sequence[SweepAxis],
+    rows: Sequence[Row],
+    scenes: Mapping[str, Scene],
+    file: str,
+) -> tuple[tuple[Row, ...], float]:
+    """The rows whose scenes are kept, and the output step [s].
+
+    Raises
+    ------
+    InputError : they would take more than MOST_BYTES
+    """
+    spec = wanted(model)
+    if spec is None:
+        return (), HistoriesSpec().every
+    chosen = []
+    allowed: dict[int, set[int]] = {}
+    for number, axis in enumerate(axes):
+        for column, key in enumerate(axis.names):
+            if key in spec.where:
+                found = {place for node in _values(root, key) for place in _places(axis, column, node)}
+                allowed[number] = allowed.get(number, found) & found
+    for row in rows:
+        there = all(row.point[number] in places for number, places in allowed.items())
+        if (
+            there
+            and (spec.cases is None or row.case in spec.cases)
+            and (spec.analyses is None or row.analysis in spec.analyses)
+            and (spec.records is None or row.record in spec.records)
+        ):
+            chosen.append(row)
+    size = 0.0
+    for seen, row in enumerate(chosen, start=1):
+        size += _bytes_a_second(scenes[row.scene]) * _seconds(scenes[row.scene]) / spec.every
+        if size > MOST_BYTES:  # the rest will be like those seen: a study may have millions
+            total = size / seen * len(chosen)
+            raise InputError(_too_much(len(chosen), spec.every, total, file, root.locate(("keep",), key=True)))
+    return tuple(chosen), spec.every
+
+
+def _too_much(count: int, every: float, size: float, file: str, mark: tuple[int, int]) -> Problem:
+    fits = every * size / MOST_BYTES
+    coarser = f", or coarser: `every: {1000 * fits * 1.05:.2g} ms`" if fits < COARSEST else ""
+    return Problem(
+        f"histories of {count} scenes every {1000 * every:g} ms take about {size / 1e9:.3g} GB; "
+        f"the most is {MOST_BYTES / 1e9:g} GB",
+        f"keep fewer, e.g. `keep: {{histories: {{cases: [..], records: [..], where: {{..}}}}}}`{coarser}",
+        file,
+        *mark,
+    )
+
+
+def _seconds(scene: Scene) -> float:
+    return scene.motion.duration + scene.tail
+
+
+def _bytes_a_second(scene: Scene) -> float:
+    """Bytes of one output time: four a value, eight for the time itself."""
+    storeys = max(building.storeys for building in scene.buildings)
+    series = 8 + len(scene.buildings) * (4 * storeys + 2) + len(scene.links)
+    return 4.0 * series + 8.0
+
+
+def _values(root: Node, key: str) -> list[Node]:
+    """The values given for one key of `where`, one or a list."""
+    node = root.get("keep", "histories", "where", key)
+    if node is None:
+        return []
+    return list(node.value) if node.is_list else [node]
+
+
+def _places(axis: SweepAxis, column: int, wanted: Node) -> list[int]:
+    """Where on an axis a value stands: as the same text, or as the same amount in other units."""
+    return [place for place, nodes in enumerate(axis.nodes) if _same(nodes[column], wanted)]
+
+
+def _same(one: Node, other: Node) -> bool:
+    if one.plain() == other.plain():
+        return True
+    left, right = _amount(one), _amount(other)
+    return left is not None and right is not None and abs(left - right) <= 1e-9 * max(abs(left), abs(right))
+
+
+def _amount(node: Node) -> float | None:
+    """A quantity in SI, whatever its unit."""
+    for unit in _UNITS:
+        try:
+            return float(Quantity("value", unit, "").read(node.plain()))
+        except (PydanticCustomError, TypeError, ValueError):
+            continue
+    return None
