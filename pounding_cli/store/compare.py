@@ -37,12 +37,12 @@ _SHARED = {
 
 _COUNTED = ("impacts",)
 
-_TABLES = {
+_TABLES: dict[str, tuple[str, ...]] = {
     "storey": ("building", "storey"),
     "floor": ("building", "floor"),
     "link": ("link",),
 }
-_GIVEN = {
+_GIVEN: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "buildings": (("building", "storey"), ("mass", "height", "stiffness", "yield_shear", "period", "separation")),
     "records": (("record",), ("scale", "window", "pga", "arias")),
 }

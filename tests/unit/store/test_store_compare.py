@@ -1,4 +1,4 @@
-"""What is a change and what is not: numbers are moved by known amounts, just inside and just outside the error carried."""
+"""What is a change and what is not: numbers are moved by known amounts, just inside and just outside the error."""
 
 from __future__ import annotations
 
