@@ -39,9 +39,11 @@ def command(name: str, template: str) -> None:
     written = start_study(name, template)
     study, how = written[0], TEMPLATES[template].command
     results = Path("results") / f"{study.stem}.h5"
-    steps = [(f"pound {how} {study}", f"writes {results} and prints a summary")]
+    steps = [
+        (f"pound check {study}", "says whether it is sound, after every change"),
+        (f"pound {how} {study}", f"writes {results} and prints a summary"),
+    ]
     if how == "run":
-        steps.insert(0, (f"pound check {study}", "says whether it is sound, after every change"))
         steps.append((f"pound show {results} storey", "shows shears and ductilities, storey by storey"))
     steps.append((f"pound report {results}", f"draws figures and writes tables, in {results.with_suffix('')}"))
     wide = max(len(line) for line, _ in steps)

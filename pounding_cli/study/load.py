@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.errors import Problem
+from pounding_cli.model.building import Building
 from pounding_cli.study import buildings as building_room
 from pounding_cli.study.keep import check_keep
+from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis
 from pounding_cli.study.problems import Faults, nearest
@@ -40,6 +42,16 @@ class Study:
     model: StudyModel
     resolver: Resolver
 
+    def buildings(self, point: tuple[int, ...]) -> tuple[Building, ...]:
+        """The buildings of the group by place at a point of the sweep (one index an axis)."""
+        street = self.resolver.group(point)
+        assert street is not None  # the study was validated at every point
+        return tuple(street.group)
+
+    def touching(self, section: str) -> tuple[bool, ...]:
+        """For every axis of the sweep, whether it can change what a section of the file (`records`, ...) says."""
+        return self.resolver.touching(section)
+
     def motions(self, point: tuple[int, ...]) -> Mapping[str, Used]:
         """The motions by name at a point of the sweep (one index an axis), cut and scaled."""
         found = self.resolver.motions(point)
@@ -51,10 +63,8 @@ class Study:
 
         NaN for the last, and where the yield shears of a neighbour were not set by a code.
         """
-        group = self.resolver.section(point, "group")
-        specs, types = self.resolver.section(point, "buildings"), self.resolver.types(point)
-        assert types is not None
-        allowed = {name: building_room.design_displacements(specs[name], types[name]) for name in group}
+        group, resolver = self.resolver.section(point, "group"), self.resolver
+        allowed = {name: resolver.design_displacements(point, name) for name in dict.fromkeys(group)}
         found = [building_room.separation(allowed[left], allowed[right]) for left, right in pairwise(group)]
         return np.array([*found, None], dtype=float)
 
@@ -95,6 +105,7 @@ def load_study(path: str | Path) -> Study:
     path = Path(path)
     text, root = read_source(path)
     file = str(path)
+    refuse_other_kinds(root, file)
     faults = Faults(file)
     axes = read_axes(root, faults)
     resolver = Resolver(root, axes, file, path.resolve().parent)

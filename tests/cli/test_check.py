@@ -12,11 +12,7 @@ from click.testing import CliRunner
 from pounding_cli.cli.main import cli
 from pounding_cli.errors import InputError
 
-CONFIGS = sorted(
-    path
-    for path in Path("configs").rglob("*.yaml")
-    if "\ncases:" in path.read_text(encoding="utf-8")  # other kinds of study have commands of their own
-)
+CONFIGS = sorted(Path("configs").rglob("*.yaml"))
 
 
 @pytest.mark.parametrize("path", CONFIGS, ids=str)
@@ -24,6 +20,30 @@ def test_shipped_studies_are_sound(path):
     result = CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
     assert result.exit_code == 0
     assert result.output.startswith(f"OK: {path}: ")
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("configs/fig5.yaml", "a study of `pound connector`, 2 points to compute"),
+        ("configs/fig8.yaml", "a study of `pound wall`, 8 points to compute"),
+    ],
+)
+def test_studies_of_the_other_systems(path, said):
+    result = CliRunner().invoke(cli, ["check", path], catch_exceptions=False)
+    assert (result.exit_code, result.output) == (0, f"OK: {path}: {said}\n")
+    with pytest.raises(InputError) as refused:
+        CliRunner().invoke(cli, ["plan", path], catch_exceptions=False)
+    (problem,) = refused.value.problems
+    command = said.split("`")[1]
+    assert (problem.message, problem.hint) == (f"is a study of `{command}`", f"write `{command} {path}`")
+
+
+def test_faults_of_the_other_systems_are_told(tmp_path):
+    path = tmp_path / "wall.yaml"
+    path.write_text("striker: {mass: 200 kg m}\n", encoding="utf-8")
+    with pytest.raises(InputError, match="wall.yaml:1:17"):
+        CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
 
 
 def test_counts():
