@@ -139,11 +139,8 @@ def _pieces(scene: Scene, times: np.ndarray) -> Iterator[tuple[int, np.ndarray, 
     order = np.argsort(cuts)
     cuts, outputs = cuts[order], outputs[order]
     segment = np.minimum((0.5 * (cuts[:-1] + cuts[1:]) / dt).astype(np.int64), starts.size - 1)
-    begins, rates, lengths = (
-        starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment),
-        slopes[segment],
-        np.diff(cuts),
-    )
+    begins = starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment)
+    rates, lengths = slopes[segment], np.diff(cuts)
     for i in range(lengths.size):
         yield int(outputs[i + 1]), begins[i : i + 1], rates[i : i + 1], float(lengths[i])
 
@@ -234,7 +231,7 @@ def _link_forces(arrays: Arrays, s: _States) -> np.ndarray:
 
 
 def _accelerations(arrays: Arrays, s: _States, storey: np.ndarray, links: np.ndarray) -> np.ndarray:
-    """Total accelerations u'' + a_g over time, by slot [m/s2]: forces over masses (eq. 2).
+    """Total accelerations u'' + a_g of the floors over time, by slot [m/s2]: forces over masses (eq. 2).
 
     storey : force of every storey, damping included; links : force of every link
     """
@@ -244,10 +241,8 @@ def _accelerations(arrays: Arrays, s: _States, storey: np.ndarray, links: np.nda
     for f in range(feet.number):
         span, base = slice(feet.first[f], feet.stop[f]), feet.base[f]
         sway = s.v[:, base : base + 1] if base >= 0 else 0.0
-        drag = feet.alpha[f] * slots.mass[span] * (s.v[:, span] - sway - slots.elevation[span] * s.phi_v[:, f : f + 1])
-        force[:, span] -= drag
-        if base >= 0:
-            force[:, base] += drag.sum(axis=1)
+        rate = s.v[:, span] - sway - slots.elevation[span] * s.phi_v[:, f : f + 1]
+        force[:, span] -= feet.alpha[f] * slots.mass[span] * rate
     for e in range(arrays.links.number):
         force[:, arrays.links.left[e]] -= links[:, e]
         force[:, arrays.links.right[e]] += links[:, e]
