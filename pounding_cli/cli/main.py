@@ -20,6 +20,7 @@ COMMANDS = {
     "plan": ("pounding_cli.cli.plan", "Show what would run and what would not, before running."),
     "export": ("pounding_cli.cli.export", "Write tables as CSV, Parquet, Excel or netCDF."),
     "compare": ("pounding_cli.cli.compare", "Say what changed between two results files."),
+    "cite": ("pounding_cli.cli.cite", "List the references of what a study used."),
     "schema": ("pounding_cli.cli.schema", "Print the JSON Schema of study files, for editors."),
     "records": ("pounding_cli.cli.records", "List, show, import and synthesize ground motions."),
     "connector": ("pounding_cli.cli.connector", "Two connected oscillators in closed form (Figs 4 and 5)."),

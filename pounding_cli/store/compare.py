@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.store.results import Results
+from pounding_cli.study.schema import ADAPTIVE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -125,7 +126,7 @@ def compare(first: Results, second: Results) -> Comparison:
 def _scenes(results: Results) -> pd.DataFrame:
     """Status and errors [-] by place: `estimated` of its peaks, `asked` where the estimate does not speak."""
     frame = results.accuracy()
-    adaptive = frame["method"].isin(["taylor", "exponential"])
+    adaptive = frame["method"].isin(ADAPTIVE)
     accuracy = frame["tolerance"].where(adaptive, 0.0)
     frame["estimated"] = frame["error_estimate"].fillna(accuracy).clip(lower=ROUNDING / 2)
     frame["asked"] = np.maximum(frame["estimated"], accuracy)
@@ -137,12 +138,13 @@ def _numbers(first: Results, second: Results, carried: pd.DataFrame) -> Iterator
     scene = _named(first, _SCENE)
     for table, places in _TABLES.items():
         keys = [*scene, *places]
+        inner = list(range(len(scene), len(keys)))  # levels below the scene
         one, other = (results.table(table).set_index(keys) for results in (first, second))
         # Scenes only one file has were told; a storey or link only one has shows as a number beside a NaN.
-        rows = one.index.union(other.index, sort=False)
-        rows = rows[rows.droplevel(list(places)).isin(carried.index)]
+        rows: Any = one.index.union(other.index, sort=False)
+        rows = rows[rows.droplevel(inner).isin(carried.index)]
         one, other = one.reindex(rows), other.reindex(rows)
-        errors = carried.loc[rows.droplevel(list(places))]
+        errors = carried.loc[rows.droplevel(inner)]
         group = [rows.get_level_values(name) for name in scene]
         for column in (*_ESTIMATED, *_ALONE, *_SHARED, *_COUNTED):
             if column not in one:

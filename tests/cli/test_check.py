@@ -42,7 +42,7 @@ def test_studies_of_the_other_systems(path, said):
 def test_faults_of_the_other_systems_are_told(tmp_path):
     path = tmp_path / "wall.yaml"
     path.write_text("striker: {mass: 200 kg m}\n", encoding="utf-8")
-    with pytest.raises(InputError, match="wall.yaml:1:17"):
+    with pytest.raises(InputError, match=r"wall\.yaml:1:17"):
         CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
 
 

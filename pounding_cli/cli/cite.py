@@ -1,0 +1,82 @@
+"""`pound cite`: the references of what a study used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+@click.command("cite")
+@click.argument("source", type=click.Path(path_type=Path), metavar="STUDY|FILE.h5")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(("text", "bibtex")),
+    default="text",
+    show_default=True,
+    help="For reading, or for a .bib file.",
+)
+def command(source: Path, form: str) -> None:
+    """List the references of what a study or a results file used, with what each stands for.
+
+    Laws (by the paper's equations), the building code's edition, intensity measure, method of solution; and where the
+    motions come from.
+
+    \b
+    Example:
+      pound cite results/fig6.h5
+      pound cite configs/fig6.yaml --format bibtex > references.bib
+    """
+    from pounding_cli.report.citations import citations, motions
+
+    title, kind, resolved, sources = _study(source) if source.suffix in (".yaml", ".yml") else _results(source)
+    found = citations(kind, resolved, sources)
+    if form == "bibtex":
+        click.echo("\n\n".join(citation.reference.bibtex for citation in found))
+        return
+    click.echo(title)
+    for citation in found:
+        click.echo(f"\n{citation.reference.text}\n    for {'; '.join(citation.uses)}")
+    if sources:
+        click.echo("\nMotions")
+    for motion in motions(sources):
+        click.echo(f"  {motion.name} ({motion.kind}): {motion.text}")
+
+
+def _study(path: Path) -> tuple[str, str, Mapping[str, Any], Mapping[str, str]]:
+    """Title, kind, study with every default filled in, and the motions' sources."""
+    from pounding_cli.study.kinds import kind_of_file
+
+    kind = kind_of_file(path)
+    if kind == "connector":
+        from pounding_cli.study.connector_study import load_connector_study
+
+        connector = load_connector_study(path)
+        return connector.title, kind, connector.resolved, {}
+    if kind == "wall":
+        from pounding_cli.study.wall_study import load_wall_study
+
+        wall = load_wall_study(path)
+        return wall.title, kind, wall.resolved, {}
+    from pounding_cli.study import expand, load_study
+
+    study = load_study(path)
+    return study.title, kind, study.resolved(), {use.name: use.source for use in expand(study).motions}
+
+
+def _results(path: Path) -> tuple[str, str, Mapping[str, Any], Mapping[str, str]]:
+    """The same of a results file."""
+    import json
+
+    from pounding_cli.store import open_results
+    from pounding_cli.store.swept import kind_of, open_swept
+
+    if kind := kind_of(path):
+        with open_swept(path, kind) as file:
+            return str(file.attrs["title"]), kind, json.loads(file.attrs["resolved"]), {}
+    results = open_results(path)
+    records = results.records()
+    return results.title, "run", results.resolved, dict(zip(records["record"], records["source"], strict=True))

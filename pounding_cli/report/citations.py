@@ -1,0 +1,134 @@
+"""What a study rests on: a reference for every law, code, measure, method and motion that it uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pounding_cli.records import Entry, catalogue
+from pounding_cli.report.references import REFERENCES, Reference, named_in
+from pounding_cli.solve.methods import METHODS
+
+
+@dataclass(frozen=True)
+class Citation:
+    """A reference and what a study used it for, one sentence a use."""
+
+    reference: Reference
+    uses: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a motion comes from: its name in the tables, "real", "stand-in" or "user", and in words."""
+
+    name: str
+    kind: str
+    text: str
+
+
+_LAWS = {
+    "pounding": ("spiliopoulos1996", "pounding, eqs (5) to (7)"),
+    "infill": ("spiliopoulos1996", "infill material, eqs (8) and (9)"),
+    "connector": ("spiliopoulos1996", "permanent connectors, eq. (10)"),
+}
+
+
+def citations(kind: str, resolved: Mapping[str, Any], sources: Mapping[str, str]) -> list[Citation]:
+    """What to cite for a study.
+
+    Parameters
+    ----------
+    kind : the command that runs it: "run", "connector" or "wall"
+    resolved : the study with every default filled in
+    sources : motion -> "real", "stand-in" or "user"
+    """
+    uses: dict[str, dict[str, None]] = {}
+
+    def used(key: str, what: str) -> None:
+        uses.setdefault(key, {})[what] = None
+
+    used("pounding_cli", "the computations")
+    {"run": _groups, "connector": _oscillators, "wall": _wall}[kind](resolved, sources, used)
+    return [Citation(reference, tuple(uses[key])) for key, reference in REFERENCES.items() if key in uses]
+
+
+def motions(sources: Mapping[str, str]) -> list[Source]:
+    """Where the motions come from, as far as the catalogue knows."""
+    known = catalogue()
+    return [Source(name, kind, _origin(kind, known.get(name))) for name, kind in sources.items()]
+
+
+def _origin(kind: str, entry: Entry | None) -> str:
+    if kind == "user" or entry is None:
+        return "a file of your own: cite where you have it from"
+    what = (
+        f"{entry.title}: {entry.event}, {entry.date}, magnitude {entry.magnitude}, {entry.station}, {entry.component}"
+    )
+    if kind == "real":
+        return f"{what}; your file: cite where you have it from"
+    return f"{what}; synthesized by pounding_cli from: {'; '.join(entry.sources)}"
+
+
+def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> None:
+    used("spiliopoulos1996", "the model of the buildings, eqs (1) to (4)")
+    kinds = {word for case in resolved["cases"].values() for word in _links(case)}
+    for link in _LAWS:
+        if link in kinds:
+            used(*_LAWS[link])
+    if kinds & {"pounding", "infill"}:
+        used("anagnostopoulos1992", "the viscoelastic impact element")
+    if kinds & set(_LAWS):
+        used("anagnostopoulos1988", "the dashpot from the coefficient of restitution, eq. (7)")
+    if "connector" in kinds:
+        used("westermo1989", "connecting buildings")
+    for name in dict.fromkeys(resolved["group"]):
+        building = resolved["buildings"][name]
+        if building["yield_shear"] is None:
+            used(f"ubc{building['yield']['code'][-4:]}", f"the yield shears of {name}, the separation")
+    _scaling(resolved["records"]["scale"], used)
+    _methods(resolved, used)
+    if "stand-in" in sources.values():
+        used("lilhanand1988", "the synthesis of the stand-in motions")
+
+
+def _links(case: Any) -> Iterable[str]:
+    """Every kind of link that a case names, on any floor or pair."""
+    if isinstance(case, str):
+        yield case
+    elif isinstance(case, Mapping):
+        for key in ("link", "elsewhere"):
+            yield from _links(case.get(key))
+        for part in (*(case.get("by_floor") or {}).values(), *(case.get("pairs") or ())):
+            yield from _links(part)
+
+
+def _scaling(scale: Any, used) -> None:
+    if scale == "table1":
+        used("spiliopoulos1996", "the scales of Table 1")
+    if scale == "table1" or (isinstance(scale, Mapping) and "arias" in scale):
+        used("arias1970", "the intensity by which the motions are scaled")
+
+
+def _methods(resolved: Mapping[str, Any], used) -> None:
+    method = METHODS[resolved["method"]]
+    for reference in named_in(method.source):
+        used(reference.key, f"the method of solution, {method.title}")
+    if resolved["estimate"] != "none":
+        for reference in named_in(METHODS["taylor"].source):
+            used(reference.key, "the finer runs that error and sensitivity are estimated by")
+
+
+def _oscillators(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> None:
+    used("spiliopoulos1996", "two connected oscillators, Figs 4 and 5")
+    used("westermo1989", "connecting buildings")
+    if resolved["connector"]["damping_ratio"]:
+        used("anagnostopoulos1988", "the connector's dashpot, eq. (7)")
+
+
+def _wall(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> None:
+    used("spiliopoulos1996", "the bumper wall, Fig. 8")
+    used("anagnostopoulos1992", "bumper walls")
+    used("gustafsson2020", "the plane-stress elements of the wall")
+    used("wood1980", "the time integration")

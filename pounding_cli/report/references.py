@@ -1,0 +1,172 @@
+"""The literature behind laws, codes, measures and methods, as data, as text and as BibTeX."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pounding_cli import __version__
+
+
+@dataclass(frozen=True)
+class Reference:
+    """One entry.
+
+    key : its BibTeX key, the first author's family name and the year
+    kind : its BibTeX type
+    authors : "Family, A. B. & Family, C."; of an organisation its name
+    year : of publication
+    title : without the final full stop
+    place : BibTeX field and value of where it appeared, in the order they are printed
+    """
+
+    key: str
+    kind: str
+    authors: str
+    year: int
+    title: str
+    place: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The entry on one line."""
+        at = dict(self.place)
+        edition = f", {at['edition']} edition" if "edition" in at else ""
+        volume = f" {at['volume']}" + (f"({at['number']})" if "number" in at else "") if "volume" in at else ""
+        within = at.get("journal") or at.get("booktitle") or at.get("howpublished")
+        where = [within + volume] if within else []
+        where += [at[name].replace("--", "-") for name in ("pages", "publisher", "address") if name in at]
+        doi = f" doi:{at['doi']}" if "doi" in at else ""
+        return f"{self.authors} ({self.year}). {self.title}{edition}. {', '.join(where)}.{doi}"
+
+    @property
+    def bibtex(self) -> str:
+        """The entry for a .bib file (UTF-8)."""
+        people = self.authors.replace(" & ", " and ").replace("., ", ". and ")
+        fields = [
+            ("author", f"{{{self.authors}}}" if self.kind in ("manual", "software") else people),
+            ("title", f"{{{self.title}}}"),
+            ("year", str(self.year)),
+            *self.place,
+        ]
+        lines = [f"  {name} = {{{value if name == 'doi' else _escaped(value)}}}" for name, value in fields]
+        return "@{}{{{},\n{}\n}}".format(self.kind, self.key, ",\n".join(lines))
+
+
+def _escaped(value: str) -> str:
+    for sign in "&%#_":
+        value = value.replace(sign, f"\\{sign}")
+    return value
+
+
+def _article(key: str, authors: str, year: int, title: str, journal: str, volume: str, pages: str, doi: str = ""):
+    volume, _, number = volume.rstrip(")").partition("(")
+    place = {"journal": journal, "volume": volume, "number": number, "pages": pages, "doi": doi}
+    return Reference(key, "article", authors, year, title, tuple(item for item in place.items() if item[1]))
+
+
+_EESD = "Earthquake Engineering & Structural Dynamics"
+
+PROGRAM = Reference(
+    "pounding_cli", "software", "pounding_cli contributors", 2026,
+    "pounding_cli: batch studies of earthquake pounding between adjacent buildings",
+    (("version", __version__), ("howpublished", f"Computer program, version {__version__}")),
+)  # fmt: skip
+PAPER = Reference(
+    "spiliopoulos1996", "inproceedings", "Spiliopoulos, K. V. & Anagnostopoulos, S. A.", 1996,
+    "Measures against earthquake pounding between adjacent buildings",
+    (("booktitle", "Proceedings of the Eleventh World Conference on Earthquake Engineering"), ("address", "Acapulco")),
+)  # fmt: skip
+
+REFERENCES = {
+    reference.key: reference
+    for reference in (
+        PROGRAM,
+        PAPER,
+        _article(
+            "anagnostopoulos1988", "Anagnostopoulos, S. A.", 1988,
+            "Pounding of buildings in series during earthquakes", _EESD, "16(3)", "443--456", "10.1002/eqe.4290160311",
+        ),
+        _article(
+            "anagnostopoulos1992", "Anagnostopoulos, S. A. & Spiliopoulos, K. V.", 1992,
+            "An investigation of earthquake induced pounding between adjacent buildings", _EESD, "21(4)", "289--302",
+            "10.1002/eqe.4290210402",
+        ),
+        _article(
+            "westermo1989", "Westermo, B. D.", 1989,
+            "The dynamics of interstructural connection to prevent pounding", _EESD, "18(5)", "687--699",
+            "10.1002/eqe.4290180508",
+        ),
+        *(
+            Reference(
+                f"ubc{edition}", "manual", "International Conference of Building Officials", edition,
+                "Uniform Building Code", (("edition", str(edition)), ("address", "Whittier, California")),
+            )
+            for edition in (1985, 1988, 1991, 1994)
+        ),
+        Reference(
+            "arias1970", "incollection", "Arias, A.", 1970, "A measure of earthquake intensity",
+            (("booktitle", "Seismic Design for Nuclear Power Plants (ed. R. J. Hansen)"), ("publisher", "MIT Press"),
+             ("pages", "438--483"), ("address", "Cambridge, Massachusetts")),
+        ),
+        Reference(
+            "lilhanand1988", "inproceedings", "Lilhanand, K. & Tseng, W. S.", 1988,
+            "Development and application of realistic earthquake time histories compatible with multiple-damping "
+            "design spectra",
+            (("booktitle", "Proceedings of the Ninth World Conference on Earthquake Engineering"), ("volume", "2"),
+             ("pages", "819--824"), ("address", "Tokyo")),
+        ),
+        _article(
+            "jorba2005", "Jorba, À. & Zou, M.", 2005,
+            "A software package for the numerical integration of ODEs by means of high-order Taylor methods",
+            "Experimental Mathematics", "14(1)", "99--117", "10.1080/10586458.2005.10128904",
+        ),
+        _article(
+            "kutta1901", "Kutta, W.", 1901, "Beitrag zur näherungsweisen Integration totaler Differentialgleichungen",
+            "Zeitschrift für Mathematik und Physik", "46", "435--453",
+        ),
+        _article(
+            "shampine2000", "Shampine, L. F. & Thompson, S.", 2000,
+            "Event location for ordinary differential equations", "Computers & Mathematics with Applications",
+            "39(5-6)", "43--54", "10.1016/S0898-1221(00)00045-6",
+        ),
+        _article(
+            "newmark1959", "Newmark, N. M.", 1959, "A method of computation for structural dynamics",
+            "Journal of the Engineering Mechanics Division, ASCE", "85(3)", "67--94",
+        ),
+        Reference(
+            "bathe1996", "book", "Bathe, K. J.", 1996, "Finite Element Procedures", (("publisher", "Prentice Hall"),)
+        ),
+        _article(
+            "hilber1977", "Hilber, H. M., Hughes, T. J. R. & Taylor, R. L.", 1977,
+            "Improved numerical dissipation for time integration algorithms in structural dynamics", _EESD, "5(3)",
+            "283--292", "10.1002/eqe.4290050306",
+        ),
+        _article(
+            "chung1993", "Chung, J. & Hulbert, G. M.", 1993,
+            "A time integration algorithm for structural dynamics with improved numerical dissipation: the "
+            "generalized-alpha method", "Journal of Applied Mechanics", "60(2)", "371--375", "10.1115/1.2900803",
+        ),
+        _article(
+            "moler2003", "Moler, C. & Van Loan, C.", 2003,
+            "Nineteen dubious ways to compute the exponential of a matrix, twenty-five years later", "SIAM Review",
+            "45(1)", "3--49", "10.1137/S00361445024180",
+        ),
+        _article(
+            "wood1980", "Wood, W. L., Bossak, M. & Zienkiewicz, O. C.", 1980,
+            "An alpha modification of Newmark's method",
+            "International Journal for Numerical Methods in Engineering", "15(10)", "1562--1566",
+            "10.1002/nme.1620151011",
+        ),
+        _article(
+            "gustafsson2020", "Gustafsson, T. & McBain, G. D.", 2020,
+            "scikit-fem: A Python package for finite element assembly", "Journal of Open Source Software", "5(52)",
+            "2369", "10.21105/joss.02369",
+        ),
+    )
+}  # fmt: skip
+
+
+def named_in(source: str) -> list[Reference]:
+    """The references whose first author and year a citation names."""
+    names = {key: reference.authors.split(",")[0] for key, reference in REFERENCES.items()}
+    return [ref for key, ref in REFERENCES.items() if f"{names[key]}," in source and f"({ref.year})" in source]
