@@ -2,39 +2,58 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.assess import assess
+from pounding_cli.solve.groups import GroupSolver
+from pounding_cli.solve.methods import METHODS
 from pounding_cli.solve.response import Response
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
-"""solve(scene, accuracy=..., method=...) -> Response"""
+"""solve(scene, accuracy=..., method=..., all_effects=..., watch=...) -> Response"""
 
 
 @dataclass(frozen=True)
 class Task:
-    """How every scene of a run is solved; goes to the workers once."""
+    """How every scene of a run is solved; goes to the workers once.
+
+    all_effects : simulate what cannot matter too, and every row of buildings whole
+    """
 
     solve: Solve
     accuracy: float
     method: str
     estimate: str = "none"
+    all_effects: bool = False
 
     def __call__(self, scene: Scene) -> Response:
         """The response; an exception becomes a failed response that names it."""
         try:
-            response = self.solve(scene, accuracy=self.accuracy, method=self.method)
-            return assess(scene, response, self.accuracy, self.solve) if self._is_assessed(scene) else response
+            return _group_solver(self)(scene) if self._falls_apart() else self.respond(scene, False)
         except InputError as refused:  # the method does not run this scene
             problem = refused.problems[0]
             return self.without(scene, f"refused: {problem.message}", problem.hint)
         except Exception as error:  # one scene must not take the others with it
             advice = "this is a fault of the program: please report it with the study file"
             return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
+
+    def respond(self, scene: Scene, watch: bool) -> Response:
+        """The response of the scene as a whole, assessed where the study asks for that."""
+        response = self.solve(
+            scene, accuracy=self.accuracy, method=self.method, all_effects=self.all_effects, watch=watch
+        )
+        if not self._is_assessed(scene):
+            return response
+        return assess(scene, response, self.accuracy, functools.partial(self.solve, all_effects=self.all_effects))
+
+    def _falls_apart(self) -> bool:
+        """Whether scenes may be solved in groups: a user of fixed steps wants those steps in every scene."""
+        return not self.all_effects and not METHODS[self.method].takes_step
 
     def _is_assessed(self, scene: Scene) -> bool:
         """Whether this scene is solved twice more; a sample is one scene in eight, the same ones in every run."""
@@ -44,3 +63,9 @@ class Task:
         """The response of a scene that gave none."""
         storeys = [building.storeys for building in scene.buildings]
         return failed(storeys, len(scene.links), status, advice, self.method, self.accuracy)
+
+
+@functools.lru_cache(maxsize=1)
+def _group_solver(task: Task) -> GroupSolver:
+    """One memory of groups in every process, for the task at hand."""
+    return GroupSolver(task.respond, task.accuracy)

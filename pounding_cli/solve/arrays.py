@@ -10,7 +10,7 @@ from pounding_cli.kernels import layout
 from pounding_cli.kernels.layout import Feet, Links, Peaks, Slots, State
 from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.model.links import InfillLaw, Kind
-from pounding_cli.model.scene import Scene
+from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
 LANES = 8
@@ -68,10 +68,12 @@ def pack(scene: Scene) -> Arrays:
         slots.stiffness[span] = building.stiffness
         slots.dashpot[span] = building.beta * building.stiffness
         slots.mass[span] = building.mass
-        slots.yield_drift[span] = building.yield_drift
-        slots.hardening[span] = building.hardening
-        finite = np.isfinite(building.yield_shear)
-        slots.plateau[span] = np.where(finite, (1 - building.hardening) * np.where(finite, building.yield_shear, 0), 0)
+        if scene.analysis == Analysis.INELASTIC:
+            slots.yield_drift[span] = building.yield_drift
+            slots.hardening[span] = building.hardening
+            finite = np.isfinite(building.yield_shear)
+            plateau = (1 - building.hardening) * np.where(finite, building.yield_shear, 0)
+            slots.plateau[span] = np.where(finite, plateau, 0)
         slots.elevation[span] = building.elevation
         if foundation is None:
             slots.alpha[span] = building.alpha

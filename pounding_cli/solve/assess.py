@@ -13,7 +13,7 @@ import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve.methods import solve
+from pounding_cli.solve.methods import METHODS, solve
 from pounding_cli.solve.response import Response
 
 NUDGE = 1e-6
@@ -64,7 +64,7 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
     """
     if response.status != "done":
         return response
-    tight = max(accuracy * TIGHTER, FINEST) if response.method == "taylor" else BESIDE_FIXED_STEPS
+    tight = max(accuracy * TIGHTER, FINEST) if not METHODS[response.method].takes_step else BESIDE_FIXED_STEPS
     finer = run(scene, accuracy=tight, method="taylor")
     nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method="taylor")
     error, sensitivity = change(response, finer), change(finer, nudged) / NUDGE

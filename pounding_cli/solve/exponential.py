@@ -1,56 +1,59 @@
-"""Exact stepping of linear scenes by the matrix exponential, with peaks between samples to a stated accuracy.
+"""Exact stepping of linear scenes (no link or connectors only, nothing yields) by the matrix exponential.
 
-Between two record samples the ground is a straight line, so z = (q, q', a_g, a_g') obeys z' = A z and z(t + dt) =
-exp(A dt) z(t): no error but rounding. What is tracked (drifts, accelerations, displacements, link forces) is C z. It is
-looked at on a grid of `parts` places a sample, all at once as one matrix product; wherever it comes near its largest
-value, its power series C exp(A s) z is searched for the peak."""
+Between two record samples the ground is a straight line, so z = (q, q', a_g, a_g') obeys z' = A z and z(t + h) =
+exp(A h) z(t): no error but rounding. What is tracked (drifts, displacements, accelerations, link forces) is C z. Every
+sample is cut into parts over which no mode turns by more than 1.5 radians: there exp(A h) is its power series, peaks
+are found from C exp(A s) z, and energies are quadratic forms of z."""
 
 from __future__ import annotations
 
 import math
+import threading
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.linalg import expm
 
 from pounding_cli.kernels import layout
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.arrays import LANES, Arrays, aligned
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import matrices, with_links
 from pounding_cli.solve.method import Method, not_linear, real_slots
 
-RADIANS = 1.0
-"""Largest phase of the highest mode between two places of the grid [rad]."""
+RADIANS = 1.5
+"""Largest phase of the highest mode over one part of a sample [rad]."""
 
-
-SERIAL_PRODUCT = 250_000
-"""Multiplications in one matrix product: above 2^18 OpenBLAS wakes other threads, which costs more than such a run."""
+TERMS = 24
+"""Terms of the power series of exp(A h): the next is below 1.5^24 / 24! = 3e-20 of the first."""
 
 
 @dataclass(frozen=True, eq=False)
 class Propagator:
-    """Exact motion of a linear scene over one record sample of length dt [s].
+    """Exact motion of a linear scene over one part of a record sample.
 
     unknowns : N, so that z has 2 N + 2 entries
-    outer : exp(A dt) transposed, its columns for (q, q'), shape (2 N + 2, 2 N)
-    places : exp(A s) at every place s of the grid within a sample, shape (parts, 2 N + 2, 2 N + 2)
-    grid : what is tracked at every place from z at the sample's start, shape (2 N + 2, parts M)
-    powers : C (A step)^j / j! with the grid's step, shape (M, orders, 2 N + 2)
-    summing : integral of q over time from the change of (q, q') and the integral of a_g, shape (N, 2 N + 1)
+    parts, length : equal parts of a sample, and how long each is [s]
+    step, rows, powers : as `kernels.exponential.build` takes them
+    forms : symmetric W, so that z' W z at a sample's start is an energy over the sample [J]: the ground's input, what
+        structure and foundations dissipate, and, where there are links, the work done on them; padded
+    impulses : integrals over a sample of the link forces from z at its start, shape (links, 2 N + 2)
     """
 
     unknowns: int
-    outer: np.ndarray
-    places: np.ndarray
-    grid: np.ndarray
+    parts: int
+    length: float
+    step: np.ndarray
+    rows: np.ndarray
     powers: np.ndarray
-    summing: np.ndarray
+    forms: np.ndarray
+    impulses: np.ndarray
 
 
-def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
-    """Build the propagator of a scene; A is scaled and squared by scipy's `expm` (Al-Mohy & Higham 2009)."""
+def generator(arrays: Arrays) -> np.ndarray:
+    """A, shape (2 N + 2, 2 N + 2), with every link closed."""
     system = matrices(arrays)
     damping, stiffness = with_links(arrays, system)
     count = system.mass.size
@@ -60,6 +63,16 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
     a[count : 2 * count, count : 2 * count] = -damping / system.mass[:, None]
     a[count : 2 * count, -2] = -system.loaded / system.mass
     a[-2, -1] = 1.0
+    return a
+
+
+def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
+    """Build the propagator of a scene for samples of `dt` [s] and peaks from series of so many `orders`."""
+    system = matrices(arrays)
+    count, total = system.mass.size, 2 * system.mass.size + 2
+    a = generator(arrays)
+    parts = parts_of(a, dt)
+    length = dt / parts
 
     n = real_slots(arrays)
     nothing = np.zeros((n, count))
@@ -74,29 +87,90 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
         np.hstack((system.closing, 0 * system.closing)),
         np.hstack((slope * system.closing, dashpot * system.closing)),
     ))  # fmt: skip
+    forces = np.hstack((slope * system.closing, dashpot * system.closing, np.zeros((len(slope), 2))))
     rows = np.vstack((np.hstack((moving, np.zeros((len(moving), 2)))), acceleration))
-
-    fastest = float(np.abs(np.linalg.eigvals(a[: 2 * count, : 2 * count])).max())
-    parts = max(1, math.ceil(fastest * dt / RADIANS))
-    step = expm(a * (dt / parts))
-    places = [np.eye(2 * count + 2)]
-    for _ in range(parts - 1):
-        places.append(places[-1] @ step)
     powers = [rows]
     for j in range(1, orders):
-        powers.append(powers[-1] @ a * (dt / parts / j))
-    # M dq' + C dq + K (integral of q) = -loaded (integral of a_g)
-    balance = np.hstack((-damping, -np.diag(system.mass), -system.loaded[:, None]))
-    rests = np.diag(stiffness) == 0  # a foundation that does not rock
-    summing = np.linalg.solve(stiffness + np.diag(rests.astype(float)), balance)
+        powers.append(powers[-1] @ a * (length / j))
+
+    step = series(a * length)
+    powers_at = np.zeros((2 + (arrays.links.number > 0), total, total))
+    powers_at[0, count:-2, -2] = -system.loaded
+    powers_at[1, count:-2, count:-2] = system.damping
+    if arrays.links.number:
+        powers_at[2, :count, count:-2] = system.closing.T @ (slope * system.closing)
+        powers_at[2, count:-2, count:-2] = system.closing.T @ (dashpot * system.closing)
+    forms = [over_sample(0.5 * (form + form.T), a * length, step, parts) * length for form in powers_at]
     return Propagator(
         count,
-        expm(a * dt)[: 2 * count].T.copy(),
-        np.array(places),
-        np.vstack([rows @ place for place in places]).T.copy(),
+        parts,
+        length,
+        _padded(step[: 2 * count].T),
+        _padded(rows.T),
         np.array(powers).transpose(1, 0, 2).copy(),
-        summing,
+        _padded(np.vstack(forms)).reshape(len(forms), total, -1),
+        forces @ mean_over_sample(a * length, step, parts) * length,
     )
+
+
+def parts_of(a: np.ndarray, dt: float) -> int:
+    """Parts of a sample, a power of two, so that the norm of A over one of them is at most RADIANS.
+
+    Velocities are measured over a frequency that balances both halves of A.
+    """
+    count = len(a) // 2 - 1
+    stiff = np.abs(a[count : 2 * count, :count]).sum(axis=1).max()
+    damped = np.abs(a[count : 2 * count, count : 2 * count]).sum(axis=1).max()
+    fastest = 0.5 * damped + math.sqrt(0.25 * damped**2 + stiff)  # omega = stiff / omega + damped
+    return 1 << max(0, math.ceil(math.log2(max(fastest * dt / RADIANS, 1e-9))))
+
+
+def series(a: np.ndarray) -> np.ndarray:
+    """exp(a) by its power series, for an a whose balanced norm is at most RADIANS."""
+    total, term = np.eye(len(a)), np.eye(len(a))
+    for j in range(1, TERMS):
+        term = term @ a / j
+        total += term
+    return total
+
+
+def over_sample(form: np.ndarray, a: np.ndarray, step: np.ndarray, parts: int) -> np.ndarray:
+    """W with z' W z the mean over one part of z(s)' form z(s), summed over all `parts`, where z(s) = exp(a s) z.
+
+    dW/ds = a' W + W a gives the series over one part; parts are doubled, with exp(a) = step.
+    """
+    total, term = form.copy(), form
+    for j in range(1, TERMS + 4):
+        product = term @ a
+        term = (product + product.T) / (j + 1)
+        total += term
+    while parts > 1:
+        total = total + step.T @ total @ step
+        step = step @ step
+        parts //= 2
+    return total
+
+
+def mean_over_sample(a: np.ndarray, step: np.ndarray, parts: int) -> np.ndarray:
+    """The matrix that takes z to the mean of exp(a s) z over one part, summed over all `parts`."""
+    total, term = np.eye(len(a)), np.eye(len(a))
+    for j in range(1, TERMS):
+        term = term @ a / (j + 1)
+        total = total + term
+    while parts > 1:
+        total = total + total @ step
+        step = step @ step
+        parts //= 2
+    return total
+
+
+def _padded(matrix: np.ndarray) -> np.ndarray:
+    """The matrix with zero columns up to a multiple of LANES, from a cache line on."""
+    height, width = matrix.shape
+    wide = -(-width // LANES) * LANES
+    room = aligned(height * wide).reshape(height, wide)
+    room[:, :width] = matrix
+    return room
 
 
 def orders_for(accuracy: float) -> int:
@@ -107,64 +181,82 @@ def orders_for(accuracy: float) -> int:
     return orders + 1
 
 
-_propagators: OrderedDict[tuple, Propagator] = OrderedDict()
-MOST_KEPT = 16
+MOST_UNKNOWNS, MOST_PARTS = 32, 4
+"""Up to here a propagator, whose cost grows with the square of the unknowns, beats the series (measured:
+docs/accuracy.md)."""
+
+
+def pays(scene: Scene, arrays: Arrays) -> bool:
+    """Whether exact steps are cheaper than series for this linear scene."""
+    if real_slots(arrays) + arrays.feet.number > MOST_UNKNOWNS:
+        return False
+    key = "parts", _key(scene)
+    return _remembered(key, lambda: parts_of(generator(arrays), scene.motion.dt)) <= MOST_PARTS
+
+
+MOST_KEPT = 128
 """Propagators kept for the next motion of the same scene."""
 
+_memory: OrderedDict[tuple, Any] = OrderedDict()
+_lock = threading.Lock()
 
-def _kept(scene: Scene, arrays: Arrays, dt: float, orders: int) -> Propagator:
-    key = (tuple(building.digest for building in scene.buildings), scene.links, dt, orders)
-    if key not in _propagators:
-        _propagators[key] = propagator(arrays, dt, orders)
-    _propagators.move_to_end(key)
-    while len(_propagators) > MOST_KEPT:
-        _propagators.popitem(last=False)
-    return _propagators[key]
+
+def _key(scene: Scene) -> tuple:
+    return tuple(building.digest for building in scene.buildings), scene.links, scene.motion.dt
+
+
+def _remembered(key: tuple, make: Callable[[], Any]) -> Any:
+    """What was made for this key before, or made now."""
+    with _lock:
+        if key in _memory:
+            _memory.move_to_end(key)
+            return _memory[key]
+    made = make()
+    with _lock:
+        _memory[key] = made
+        while len(_memory) > MOST_KEPT:
+            _memory.popitem(last=False)
+    return made
 
 
 def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds):
     """Run a linear scene; the state is exact, peaks between samples are found to `accuracy` [-]."""
     from pounding_cli.kernels import exponential as kernels
 
-    march, refine = kernels.build()
     starts, slopes, dt = segments(scene)
-    found = _kept(scene, arrays, dt, orders_for(accuracy))
+    orders = orders_for(accuracy)
+    found = _remembered((orders, _key(scene)), lambda: propagator(arrays, dt, orders))
     n, feet, links, count = real_slots(arrays), arrays.feet.number, arrays.links.number, found.unknowns
-    z = np.zeros((starts.size + 1, 2 * count + 2))
-    z[:-1, -2], z[:-1, -1] = starts, slopes
-    z[-1, -2] = starts[-1] + slopes[-1] * dt
-    z[0, : 2 * count] = np.concatenate((state.u[:n], state.phi, state.v[:n], state.phi_v))
-    march(found.outer, z)
+    wide = found.rows.shape[1]
+    extremes, sums = aligned(2 * wide).reshape(2, wide), np.zeros((len(found.forms), LANES))
+    ends, visited = np.zeros((2, 2 * count)), np.zeros(2 * count + 2)
+    ends[0] = np.concatenate((state.u[:n], state.phi, state.v[:n], state.phi_v))
+    top = peaks.top[:, : n * peaks.watched].copy()
+    bottom = peaks.bottom[:, : n * peaks.watched].copy()
+    kernels.build()(
+        found.step, found.rows, found.powers, found.forms, starts, slopes, found.length, found.parts, ends,
+        aligned(kernels.room_needed(found.step.shape[1], wide)), extremes, sums, visited, len(found.powers) - n, n, top,
+        bottom,
+    )  # fmt: skip
 
-    tracked = found.powers.shape[0]
-    values = np.empty((starts.size * len(found.places) + 1, tracked))
-    by_sample = values[:-1].reshape(starts.size, -1)
-    rows = max(1, SERIAL_PRODUCT // found.grid.size)
-    for begin in range(0, starts.size, rows):
-        piece = slice(begin, min(begin + rows, starts.size))
-        np.matmul(z[piece], found.grid, out=by_sample[piece])
-    values[-1] = found.powers[:, 0] @ z[-1]
-    highest, lowest = refine(values, z, found.places, found.powers)
-
+    peaks.top[:, : top.shape[1]], peaks.bottom[:, : top.shape[1]] = top, bottom
+    tracked = len(found.powers)
+    highest, lowest = extremes[0, :tracked], extremes[1, :tracked]
     largest = np.maximum(highest, -lowest)
-    ends = np.cumsum([n, n, feet, links, links])
-    peaks.drift[:n], _, peaks.rocking[:], _, peaks.force[:links], peaks.acceleration[:n] = np.split(largest, ends)
+    cuts = np.cumsum([n, n, feet, links, links])
+    peaks.drift[:n], _, peaks.rocking[:], _, peaks.force[:links], peaks.acceleration[:n] = np.split(largest, cuts)
     peaks.shear[:n] = arrays.slots.stiffness[:n] * peaks.drift[:n]
     peaks.displacement_max[:n], peaks.displacement_min[:n] = highest[n : 2 * n], lowest[n : 2 * n]
-    peaks.closing[:links] = highest[ends[2] : ends[3]]
+    peaks.closing[:links] = highest[cuts[2] : cuts[3]]
     peaks.contact_time[:links] = starts.size * dt
 
-    change = z[-1, : 2 * count] - z[0, : 2 * count]
-    shaken = float(np.sum(starts + 0.5 * dt * slopes)) * dt
-    travel = found.summing @ np.append(change, shaken)
-    for e in range(links):
-        left, right = arrays.links.left[e], arrays.links.right[e]
-        elastic = arrays.links.stiffness[e] * (travel[left] - travel[right])
-        peaks.impulse[e] = elastic + arrays.links.dashpot[e] * (change[left] - change[right])
+    peaks.impulse[:links] = found.impulses @ visited
+    ledger.input[0], ledger.dashpots[0], *on_links = sums.sum(axis=1)
+    ledger.links[:links] = np.divide(on_links, links) if links else 0.0
 
-    state.u[:n], state.phi[:], state.v[:n], state.phi_v[:] = np.split(z[-1, : 2 * count], [n, count, count + n])
-    status = layout.DONE if np.isfinite(z[-1]).all() else layout.NOT_FINITE
-    return status, starts.size, 0, 0, starts.size * dt
+    state.u[:n], state.phi[:], state.v[:n], state.phi_v[:] = np.split(ends[1], [n, count, count + n])
+    status = layout.DONE if np.isfinite(ends[1]).all() else layout.NOT_FINITE
+    return status, starts.size * found.parts, 0, 0, starts.size * dt
 
 
 EXPONENTIAL = Method(
@@ -173,8 +265,9 @@ EXPONENTIAL = Method(
     0,
     "accuracy",
     "any time step; linear scenes only",
-    "Al-Mohy, A. H. & Higham, N. J. (2009). A new scaling and squaring algorithm for the matrix exponential. SIAM J. "
-    "Matrix Anal. Appl. 31(3).",
+    "Moler, C. & Van Loan, C. (2003). Nineteen dubious ways to compute the exponential of a matrix, twenty-five years "
+    "later. SIAM Review 45(1), methods 1 and 3.",
     integrate,
     refusal=not_linear,
+    keeps_ledger=True,
 )

@@ -10,19 +10,21 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import layout
+from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve import central_difference, taylor
+from pounding_cli.solve import central_difference, exponential, taylor
 from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
 from pounding_cli.solve.energy import balance, held
 from pounding_cli.solve.exponential import EXPONENTIAL
 from pounding_cli.solve.flags import flags_of
 from pounding_cli.solve.generalized_alpha import GENERALIZED_ALPHA, HHT_ALPHA
+from pounding_cli.solve.ground import segments_of
 from pounding_cli.solve.linear import central_difference_limit
-from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Method, step_taken
+from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Method, is_linear, step_taken
 from pounding_cli.solve.newmark import NEWMARK
-from pounding_cli.solve.response import Response
+from pounding_cli.solve.response import Envelope, Response
 from pounding_cli.solve.runge_kutta import RUNGE_KUTTA, RUNGE_KUTTA_EVENTS
 
 TAYLOR = Method(
@@ -37,6 +39,7 @@ TAYLOR = Method(
     keeps_ledger=True,
     located=True,
 )
+WITH_EVERYTHING = dataclasses.replace(TAYLOR, integrate=taylor.integrate_everything)
 CENTRAL_DIFFERENCE = Method(
     "central-difference",
     "central difference",
@@ -110,6 +113,9 @@ def solve(
     method: str = "taylor",
     initial: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] | None = None,
     bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    *,
+    all_effects: bool = False,
+    watch: bool = False,
 ) -> Response:
     """The response of a scene.
 
@@ -121,17 +127,27 @@ def solve(
     initial : floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; None is
         rest
     bounds : most steps, most events
+    all_effects : simulate everything there is, whether or not it can matter here
+    watch : bound the displacements in every segment too (`Response.envelopes`)
 
     Raises
     ------
     InputError : unknown method, a setting that is not above zero, or a scene that the method does not run
     """
     chosen = chosen_method(method, accuracy)
+    condensing: tuple[str, ...] = ()
+    if all_effects and chosen is TAYLOR:
+        chosen = WITH_EVERYTHING
+    elif not all_effects and not chosen.takes_step:
+        scene, condensing = condensed(scene, accuracy)
     if reason := chosen.refusal(scene):
         hint = "write `method: taylor`, which runs every scene"
         raise InputError(Problem(f"method {method} does not run this scene: {reason}", hint))
     arrays = pack(scene)
-    state, peaks = at_rest(arrays), no_peaks(arrays)
+    if chosen is TAYLOR and is_linear(scene) and exponential.pays(scene, arrays):
+        chosen = EXPONENTIAL
+        condensing += ("event location: nothing in the scene can change its stiffness, so it is stepped exactly",)
+    state, peaks = at_rest(arrays), no_peaks(arrays, segments_of(scene) if watch else 0)
     if initial is not None:
         for span, u, v in zip(arrays.floors, *initial, strict=True):
             state.u[span], state.v[span] = u, v
@@ -159,17 +175,21 @@ def solve(
     note = chosen.note(steps, events)
     effects = effects_of(scene)
     return Response(
-        buildings, links, outcome, advice, method, accuracy, steps, events, seconds, orders=orders,
+        buildings, links, outcome, advice, chosen.name, accuracy, steps, events, seconds, orders=orders,
         energy=energy,
-        flags=flags_of(scene, links) + ((note,) if note else ()), effects=effects.kept, dropped=effects.dropped,
+        flags=flags_of(scene, links) + ((note,) if note else ()),
+        effects=effects.kept, dropped=effects.dropped + condensing,
         final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
+        envelopes=tuple(
+            Envelope(peaks.top[:, span].copy(), peaks.bottom[:, span].copy()) for span in arrays.floors if watch
+        ),
     )  # fmt: skip
 
 
 def _compile(chosen: Method, scene: Scene, setting: float) -> None:
     """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
     effects = effects_of(scene)
-    sort = (chosen.name, effects.yielding, effects.foundations, effects.contact, effects.infill)
+    sort = (chosen, effects.yielding, effects.foundations, effects.contact, effects.infill)
     if sort in _compiled:
         return
     still = Motion("still", scene.motion.dt, np.zeros(2))

@@ -50,6 +50,14 @@ class LinkResponse:
 
 
 @dataclass(frozen=True, eq=False)
+class Envelope:
+    """What the floors of one building stay between in every segment of the ground motion [m]; shape (segments, n)."""
+
+    top: np.ndarray
+    bottom: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Response:
     """The response of a scene, what its solution cost, and what the user should know about it.
 
@@ -64,6 +72,7 @@ class Response:
     orders : Taylor orders computed in all (0 for other methods)
     error_estimate, sensitivity : see `assess` [-]; nan where not assessed
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
+    envelopes : one a building, where the run was asked to watch them
     """
 
     buildings: tuple[BuildingResponse, ...]
@@ -83,3 +92,4 @@ class Response:
     error_estimate: float = float("nan")
     sensitivity: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
+    envelopes: tuple[Envelope, ...] = ()

@@ -28,7 +28,12 @@ COARSEST = 1e-4
 """No series is cut shorter than this, whatever is asked: events would be found where there are none, to save little."""
 
 
-def variant(scene: Scene) -> tuple[bool, bool, int]:
+Variant = tuple[bool, bool, int]
+EVERYTHING: Variant = (True, True, layout.LINKS_CUBIC)
+"""The kernel with every effect there is."""
+
+
+def variant(scene: Scene) -> Variant:
     """Which effects the compiled kernel must contain: (storeys yield, foundations, link laws)."""
     effects = effects_of(scene)
     laws = layout.LINKS_CUBIC if effects.infill else layout.LINKS_LINEAR if effects.contact else layout.LINKS_NONE
@@ -61,15 +66,16 @@ def quiet_acceleration(scene: Scene, arrays: Arrays, state) -> float:
 
 
 def prepare(
-    scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int]
+    scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], kernel_of: Variant | None = None
 ) -> Callable[..., tuple[int, int, int, int, float]]:
     """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
-    last three as in `ground.segments`. Called again it goes on from the state it left; see `kernels.taylor.build`."""
+    last three as in `ground.segments`. Called again it goes on from the state it left; see `kernels.taylor.build`.
+    The kernel contains what the scene needs, or what `kernel_of` says."""
     from pounding_cli.kernels import taylor
 
     tolerance = min(max(accuracy * SAFETY, 1e-16), COARSEST)
     room = aligned(taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size))
-    kernel, rules = taylor.build(*variant(scene)), gauss_rules(MOST_POINTS)
+    kernel, rules = taylor.build(*(kernel_of or variant(scene))), gauss_rules(MOST_POINTS)
     settings = tolerance, quiet_acceleration(scene, arrays, state), most_order(tolerance), *bounds
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float):
@@ -86,3 +92,10 @@ def integrate(
 ) -> tuple[int, int, int, int, float]:
     """Run the kernel over the whole motion and its tail."""
     return prepare(scene, arrays, state, accuracy, bounds)(state, peaks, ledger, *segments(scene))
+
+
+def integrate_everything(
+    scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds: tuple[int, int]
+) -> tuple[int, int, int, int, float]:
+    """The same with the kernel that contains every effect, whether or not the scene calls for it."""
+    return prepare(scene, arrays, state, accuracy, bounds, EVERYTHING)(state, peaks, ledger, *segments(scene))

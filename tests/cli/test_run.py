@@ -36,7 +36,7 @@ analyses: [elastic, inelastic]
 """
 
 
-def known(scene, accuracy=1e-6, method="taylor"):
+def known(scene, accuracy=1e-6, method="taylor", **_):
     """V/V0 is 2 in the top storey of a linked building and 1.25 below it; mu/mu0 likewise."""
     found = []
     for building in scene.buildings:
@@ -49,7 +49,7 @@ def known(scene, accuracy=1e-6, method="taylor"):
     return Response(tuple(found), LinkResponse(n, n, n, n, n), "done", "", method, accuracy, 1, 1, 1e-4, flags=flags)
 
 
-def fails(scene, accuracy=1e-6, method="taylor"):
+def fails(scene, accuracy=1e-6, method="taylor", **_):
     response = known(scene, accuracy, method)
     if scene.links and scene.links[0].gap and scene.analysis == "elastic":
         return replace(response, status="event bound reached", advice="check the links' stiffness")
@@ -180,7 +180,7 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
         import pounding_cli.solve
         from test_run import known
 
-        def slow(scene, accuracy, method):
+        def slow(scene, accuracy, method, **_):
             time.sleep(0.4)
             return known(scene, accuracy, method)
 

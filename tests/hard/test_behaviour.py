@@ -98,15 +98,15 @@ def test_rigid_springs_come_to_a_fixed_base(tmp_path):
     fixed = written(tmp_path, "foundation-springs", buildings=study["buildings"], sweep=None)
     (_, scene, _), *_ = scenes_of(fixed)
     assert scene.analysis == stiffest.analysis == "elastic"
-    assert peaks(solve(stiffest)) == pytest.approx(peaks(solve(scene)), rel=1e-6)
+    assert peaks(solve(stiffest, all_effects=True)) == pytest.approx(peaks(solve(scene)), rel=1e-6)
 
 
 def test_out_of_reach_is_a_named_outcome(tmp_path):
-    """Springs 1e9 times the storeys' over a millionth of a floor: told so at the bound asked for.
+    """Springs 1e7 times the storeys' over a millionth of a floor: told so at the bound asked for.
 
     Fails if such a scene hangs, or shows the numbers of an unfinished run.
     """
-    foundation = {"mass": 0.2, "sway_stiffness": 2e17, "inertia": 2.0, "rocking_stiffness": 1e19}
+    foundation = {"mass": 0.2, "sway_stiffness": 2e15, "inertia": 2.0, "rocking_stiffness": 1e17}
     stiff = {"storeys": 2, "stiffness": [2e8, 1.5e8], "foundation": foundation}
     path = written(tmp_path, "foundation-tiny", buildings={"stiff": stiff, "soft": {"like": "stiff", "period": 0.6}})
     for where, scene, accuracy in scenes_of(path):

@@ -26,21 +26,21 @@ class Counting:
         self.calls = 0
         self.stop_after = stop_after
 
-    def __call__(self, scene, accuracy, method):
+    def __call__(self, scene, accuracy, method, **_):
         if self.calls == self.stop_after:
             raise KeyboardInterrupt
         self.calls += 1
         return known(scene, accuracy, method)
 
 
-def dies(scene, accuracy, method):
+def dies(scene, accuracy, method, **_):
     """Takes its process with it on the strongest linked inelastic scene at gap 0.05."""
     if scene.links and scene.links[0].gap == 0.05 and scene.motion.pga == 9.0 and scene.analysis == "inelastic":
         os._exit(3)
     return known(scene, accuracy, method)
 
 
-def fails(scene, accuracy, method):
+def fails(scene, accuracy, method, **_):
     if scene.links and scene.links[0].gap == 0.05 and scene.motion.pga == 3.0:
         raise ZeroDivisionError("division by zero")
     if len(scene.buildings) == 1 and scene.motion.pga == 1.0 and scene.analysis == "elastic":
@@ -49,7 +49,7 @@ def fails(scene, accuracy, method):
     return known(scene, accuracy, method)
 
 
-def slow(scene, accuracy, method):
+def slow(scene, accuracy, method, **_):
     time.sleep(0.02)
     return known(scene, accuracy, method)
 
@@ -63,9 +63,9 @@ class Interrupting:
 
     def start(self, total, reused): ...
 
-    def step(self, failed):
-        self.after -= 1
-        if self.after == 0:
+    def step(self, done, failed):
+        self.after -= done
+        if self.after <= 0:
             raise KeyboardInterrupt
 
     def say(self, sentence):
@@ -123,7 +123,7 @@ def test_processes_give_the_same_rows_bit_for_bit(plan, tmp_path):
 
 
 def test_small_studies_stay_in_this_process(plan, output):
-    def quick(scene, accuracy, method):
+    def quick(scene, accuracy, method, **_):
         return replace(known(scene), seconds=1e-3)
 
     assert run_plan(plan, output, solve=quick, workers=4).engine == "serial"

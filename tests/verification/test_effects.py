@@ -1,0 +1,159 @@
+"""What is left out changes nothing: every effect dropped against the same scene with the effect simulated but neutral,
+and Figs 6 and 7 with and without all pruning."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, shake, shear_building
+
+from pounding_cli.batch.attempt import Task
+from pounding_cli.kernels import layout
+from pounding_cli.model.condense import condensed
+from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import solve, taylor
+from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
+from pounding_cli.solve.ground import segments
+from pounding_cli.solve.groups import GroupSolver
+from pounding_cli.study import expand, load_study
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+ACCURACY = 1e-6
+FLOORS = (1, 2, 3, 4, 5)
+STIFF, SOFT = shear_building(0.36, 5), shear_building(0.60, 5)
+
+
+def kernel(scene: Scene, variant) -> list[np.ndarray]:
+    """Every number of a run of one compiled kernel."""
+    arrays = pack(scene)
+    state, peaks = at_rest(arrays), no_peaks(arrays)
+    run = taylor.prepare(scene, arrays, state, ACCURACY, (10**6, 10**6), variant)
+    status, *counts, _ = run(state, peaks, empty_ledger(arrays), *segments(scene))
+    assert status == layout.DONE
+    buildings, found = unpack(scene, arrays, state, peaks)
+    numbers = [np.atleast_1d(value) for b in buildings for value in dataclasses.astuple(b)]
+    return [*numbers, *dataclasses.astuple(found), np.array(counts)]
+
+
+@pytest.mark.parametrize(
+    ("effect", "scene"),
+    [
+        ("yielding", Scene((STIFF, SOFT), links("pounding", 0.0, FLOORS), shake(2.0), ELASTIC)),
+        ("foundations", Scene((STIFF, SOFT), links("pounding", 0.0, FLOORS), shake(2.0), INELASTIC)),
+        ("infill", Scene((STIFF, SOFT), links("connector", 0.05, FLOORS), shake(2.0), INELASTIC)),
+        ("all", Scene((STIFF,), (), shake(2.0), INELASTIC)),
+    ],
+)
+def test_kernel_without_an_effect_equals_the_kernel_with_it(effect, scene):
+    """Bit for bit, steps and orders too. Fails if an effect that is compiled in acts where the scene has none, for
+    instance if storeys yield in an elastic analysis."""
+    pruned, full = kernel(scene, None), kernel(scene, taylor.EVERYTHING)
+    assert taylor.variant(scene) != taylor.EVERYTHING
+    for a, b in zip(pruned, full, strict=True):
+        assert np.array_equal(a, b), effect
+
+
+def peaks(response) -> np.ndarray:
+    fields = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min")
+    return np.concatenate([getattr(b, field) for b in response.buildings for field in fields])
+
+
+@pytest.mark.parametrize("foundation", [None, FOUNDATION])
+@pytest.mark.parametrize("kind", [None, "connector"])
+def test_exact_steps_equal_the_series(kind, foundation):
+    """The linear path against the event-located integrator, energies and forces too. Fails if the propagator's
+    power series is one term short, or a connector's dashpot is left out of its energy."""
+    left, right = shear_building(0.36, 5, foundation), shear_building(0.60, 4)
+    joined = tuple(links(kind, 0.05, (1, 3, 4))) if kind else ()
+    scene = Scene((left, right) if kind else (left,), joined, shake(3.0), ELASTIC, tail=0.5)
+    exact, series = solve(scene, 1e-10), solve(scene, 1e-12, all_effects=True)
+    assert (exact.method, series.method) == ("exponential", "taylor")
+    assert peaks(exact) == pytest.approx(peaks(series), rel=1e-9)
+    assert exact.links.peak_force == pytest.approx(series.links.peak_force, rel=1e-9)
+    assert exact.links.impulse == pytest.approx(series.links.impulse, rel=1e-9)
+    assert exact.buildings[0].sway == pytest.approx(series.buildings[0].sway, rel=1e-9)
+    assert exact.buildings[0].rocking == pytest.approx(series.buildings[0].rocking, rel=1e-9)
+    for entry, joule in series.energy.items():
+        assert exact.energy[entry] == pytest.approx(joule, abs=1e-9 * series.energy["input"]), entry
+    assert abs(exact.energy["residual"]) < 1e-12
+
+
+@pytest.mark.parametrize(("spring", "held"), [(1e6, False), (1e9, True), (1e12, True)])
+def test_rigid_foundation_is_held_fixed(spring, held):
+    """Condensed only where that costs less than the accuracy. Fails if the bound leaves out the height of a rocking
+    building, or condenses a million times the storeys' stiffness."""
+    stiffness = spring * STIFF.stiffness.max()
+    foundation = dataclasses.replace(
+        FOUNDATION, sway_stiffness=stiffness, rocking_stiffness=stiffness * STIFF.elevation[-1] ** 2 * 4
+    )
+    building = dataclasses.replace(STIFF, foundation=foundation)
+    scene = Scene((building,), (), shake(0.1), INELASTIC)
+    left, said = condensed(scene, ACCURACY)
+    assert (left.buildings[0].foundation is None) == held
+    assert len(said) == 2 * held
+    if spring == 1e9:
+        assert peaks(solve(scene, ACCURACY)) == pytest.approx(
+            peaks(solve(scene, ACCURACY, all_effects=True)), rel=ACCURACY
+        )
+
+
+def solved_in_groups(scene: Scene):
+    return GroupSolver(lambda part, watch: solve(part, ACCURACY, watch=watch), ACCURACY)(scene)
+
+
+def test_a_row_falls_apart_where_nothing_closes():
+    """Three buildings, touching on one side, far apart on the other: two groups, whose numbers are those of the whole.
+    Fails if a group keeps the places its links had in the row."""
+    near = tuple(links("pounding", 0.0, FLOORS))
+    far = tuple(dataclasses.replace(link, left=1, gap=0.5) for link in near)
+    for row, gaps in (((STIFF, SOFT, SOFT), (*near, *far)), ((SOFT, STIFF, SOFT), (*far[:2], *near[:3]))):
+        scene = Scene(row, gaps, shake(2.0), INELASTIC)
+        parted, whole = solved_in_groups(scene), solve(scene, ACCURACY, all_effects=True)
+        assert parted.steps == 0
+        assert "the gap never closes" in parted.dropped[-1]
+        assert peaks(parted) == pytest.approx(peaks(whole), rel=ACCURACY)
+        assert np.array_equal(parted.links.impacts, whole.links.impacts)
+        assert parted.links.peak_force == pytest.approx(whole.links.peak_force, rel=ACCURACY, abs=1e-3)
+        assert (parted.links.max_closing >= whole.links.max_closing - 1e-9).all()
+        assert parted.energy["input"] == pytest.approx(whole.energy["input"], rel=ACCURACY)
+        assert abs(parted.energy["residual"]) < 1e-8
+
+
+@pytest.mark.parametrize("share", [0.97, 0.999, 1.001, 1.2])
+def test_a_gap_is_only_called_open_when_it_is(share):
+    """Gaps a little narrower and wider than the buildings' own motions need. Fails if bounds of the displacements leave
+    out what lies between the ends of a step."""
+    one = Link(0, 5, 5, Kind.POUNDING, 10.0, 1e9, 1e9, 0.2)
+    reach = float(solve(Scene((STIFF, SOFT), (one,), shake(2.0), INELASTIC), 1e-10).links.max_closing[0])
+    link = dataclasses.replace(one, gap=reach * share)
+    scene = Scene((STIFF, SOFT), (link,), shake(2.0), INELASTIC)
+    found, whole = solved_in_groups(scene), solve(scene, ACCURACY, all_effects=True)
+    assert found.links.impacts[0] == whole.links.impacts[0]
+    assert peaks(found) == pytest.approx(peaks(whole), rel=ACCURACY)
+    assert (found.steps == 0) == (share == 1.2)  # close calls are simulated
+
+
+@pytest.mark.parametrize("figure", ["fig6", "fig7"])
+def test_figures_with_every_effect(figure):
+    """Every scene of Figs 6 and 7, pruned and with every effect simulated: one answer to the accuracy asked.
+
+    Fails if a gap that closes is taken for open.
+    """
+    plan = expand(load_study(CONFIGS / f"{figure}.yaml"))
+    pruned, full = (Task(solve, ACCURACY, "taylor", all_effects=everything) for everything in (False, True))
+    spared = 0
+    for scene in plan.scenes.values():
+        a, b = pruned(scene), full(scene)
+        assert a.status == b.status == "done"
+        spared += a.steps == 0
+        for x, y in zip(a.buildings, b.buildings, strict=True):
+            for field in ("shear", "drift", "ductility", "acceleration"):
+                assert getattr(x, field) == pytest.approx(getattr(y, field), rel=ACCURACY), field
+        assert np.array_equal(a.links.impacts, b.links.impacts)
+        largest = b.links.peak_force.max(initial=0.0)
+        assert a.links.peak_force == pytest.approx(b.links.peak_force, abs=ACCURACY * largest)
+    assert spared == {"fig6": 4, "fig7": 8}[figure]
