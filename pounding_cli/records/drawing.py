@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.records.intensity import displacement, husid, spectrum, velocity
+from pounding_cli.records.intensity import displacement, husid, husid_times, spectrum, velocity
 from pounding_cli.records.motion import GRAVITY, Motion
 
 FORMATS = (".png", ".svg", ".pdf")
+_TICKS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
+_INK, _MARK = "#1a1a1a", "#b3261e"
 
 
 def draw(motion: Motion, title: str, path: Path) -> None:
@@ -26,28 +29,23 @@ def draw(motion: Motion, title: str, path: Path) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.0, 9.0), layout="constrained")
-    times = motion.dt * np.arange(motion.acceleration.size)
     axes = figure.subplots(5, 1, gridspec_kw={"height_ratios": [1, 1, 1, 1, 1.6]})
-    for axis, values, label in (
-        (axes[0], motion.acceleration / GRAVITY, "acceleration [g]"),
-        (axes[1], velocity(motion), "velocity [m/s]"),
-        (axes[2], displacement(motion), "displacement [m]"),
-        (axes[3], husid(motion), "Husid [-]"),
+    times = motion.dt * np.arange(motion.acceleration.size)
+    for axis, values, name, unit in (
+        (axes[0], motion.acceleration / GRAVITY, "acceleration", "g"),
+        (axes[1], velocity(motion), "velocity", "m/s"),
+        (axes[2], displacement(motion), "displacement", "m"),
     ):
-        axis.plot(times, values, color="black", linewidth=0.8)
-        axis.set_ylabel(label)
-        axis.set_xlim(0.0, motion.duration)
-        axis.grid(alpha=0.3)
-    axes[3].axhline(0.05, color="grey", linewidth=0.6, linestyle="--")
-    axes[3].axhline(0.95, color="grey", linewidth=0.6, linestyle="--")
+        _series(axis, times, values, f"{name} [{unit}]")
+        _mark_peak(axis, times, values, unit)
+    _series(axes[3], times, husid(motion), "Husid [-]")
+    _mark_duration(axes[3], motion)
+    for axis in axes[:3]:
+        axis.tick_params(labelbottom=False)
     axes[3].set_xlabel("time [s]")
-    periods = np.geomspace(0.05, 4.0, 200)
-    axes[4].semilogx(periods, spectrum(motion, periods) / GRAVITY, color="black", linewidth=1.0)
-    axes[4].set_xlabel("period [s]")
-    axes[4].set_ylabel("Sa, 5 % damped [g]")
-    axes[4].set_ylim(bottom=0.0)
-    axes[4].grid(alpha=0.3, which="both")
-    figure.suptitle(f"{title} ({motion.source})")
+    _spectrum(axes[4], motion)
+    figure.align_ylabels(axes)
+    figure.suptitle(f"{title} ({motion.source})", fontsize=11)
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
     try:
@@ -55,3 +53,44 @@ def draw(motion: Motion, title: str, path: Path) -> None:
         os.replace(draft, path)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def _series(axis: Any, times: np.ndarray, values: np.ndarray, label: str) -> None:
+    axis.plot(times, values, color=_INK, linewidth=0.8)
+    axis.set_ylabel(label)
+    axis.set_xlim(0.0, times[-1])
+    axis.grid(alpha=0.3)
+
+
+def _mark_peak(axis: Any, times: np.ndarray, values: np.ndarray, unit: str) -> None:
+    """A dot at the largest sample, its value in the corner that the curve leaves free."""
+    place = int(np.abs(values).argmax())
+    axis.plot(times[place], values[place], "o", color=_MARK, markersize=3.5)
+    text = f"{abs(values[place]):.3g} {unit} at {times[place]:.2f} s"
+    axis.annotate(
+        text, (0.99, 0.95), xycoords="axes fraction", ha="right", va="top", fontsize=8, color=_MARK,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+    )  # fmt: skip
+
+
+def _mark_duration(axis: Any, motion: Motion) -> None:
+    first, last = husid_times(motion, (0.05, 0.95))
+    axis.axvspan(first, last, color=_MARK, alpha=0.07, linewidth=0.0)
+    for level, time in ((0.05, first), (0.95, last)):
+        axis.axhline(level, color="grey", linewidth=0.6, linestyle="--")
+        axis.plot(time, level, "o", color=_MARK, markersize=3.5)
+    axis.annotate(
+        f"D5-95 {last - first:.2f} s", (0.99, 0.12), xycoords="axes fraction", ha="right", fontsize=8, color=_MARK
+    )
+
+
+def _spectrum(axis: Any, motion: Motion) -> None:
+    periods = np.geomspace(_TICKS[0], _TICKS[-1], 200)
+    axis.semilogx(periods, spectrum(motion, periods) / GRAVITY, color=_INK, linewidth=1.0)
+    axis.set_xlim(_TICKS[0], _TICKS[-1])
+    axis.set_xticks(_TICKS, labels=[f"{period:g}" for period in _TICKS])
+    axis.minorticks_off()
+    axis.set_ylim(bottom=0.0)
+    axis.set_xlabel("period [s]")
+    axis.set_ylabel("Sa, 5 % damped [g]")
+    axis.grid(alpha=0.3)

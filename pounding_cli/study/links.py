@@ -16,6 +16,9 @@ from pounding_cli.study.source import Node
 DEFAULT_MATERIAL = StiffnessRule(0.2, "mean")
 """s_mat and s_con unless given: 1/5 of the mean storey stiffness of the stiffer building (paper)."""
 
+THINNEST = 1e-6
+"""Least thickness of an infill [m]; its cubic law has (s_imp - s_mat) / (3 d^2), which grows without bound."""
+
 
 @dataclass(frozen=True)
 class Street:
@@ -165,11 +168,13 @@ class _Reader:
                 "write the distance between the buildings, e.g. `gap: 5 cm`, or `gap: 0 cm`",
             )
             return None
-        if kind is Kind.INFILL and gap == 0:
+        if kind is Kind.INFILL and gap < THINNEST:
             self.refuse(
                 _where(layers, "gap"),
-                "an infill in a gap of zero has no thickness",
-                "write `link: pounding` for buildings in touch, or a gap above 0",
+                "an infill in a gap of zero has no thickness"
+                if gap == 0
+                else f"an infill {gap:g} m thick is thinner than {THINNEST:g} m: there is no such material",
+                f"write `link: pounding` for buildings in touch, or a gap of {THINNEST:g} m or more",
             )
             return None
         for layer in layers:

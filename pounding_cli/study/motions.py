@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 
 from pounding_cli import records
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError
 from pounding_cli.records import Motion
 from pounding_cli.study.plan import MotionUse
 from pounding_cli.study.problems import Faults, Tree, nearest
-from pounding_cli.study.schema import AriasScale, PgaScale, RecordFile, Records
+from pounding_cli.study.record_schema import AriasScale, PgaScale, PgvScale, Records, SaScale, SpectrumScale
+from pounding_cli.study.shelf import Shelf
 from pounding_cli.study.source import Node
 
 
@@ -23,56 +23,38 @@ class Used:
     use: MotionUse
 
 
-class Shelf:
-    """Reads every motion once, however many scenes it drives."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self._read: dict[str | RecordFile, Motion | InputError] = {}
-
-    def take(self, record: str | RecordFile) -> Motion:
-        """The whole motion; raises `InputError` where there is none."""
-        if record not in self._read:
-            try:
-                self._read[record] = self._fresh(record)
-            except InputError as refused:
-                self._read[record] = refused
-        found = self._read[record]
-        if isinstance(found, InputError):
-            raise found
-        return found
-
-    def _fresh(self, record: str | RecordFile) -> Motion:
-        if isinstance(record, str):
-            return records.find(record)
-        path = self.folder / Path(record.file).expanduser()
-        if not path.is_file():
-            what = "is a folder" if path.is_dir() else "does not exist"
-            raise InputError(Problem(f"the record file {path} {what}", "paths are relative to the study file"))
-        return records.read_motion(path, name=name_of(record), unit=record.unit, dt=record.dt, format=record.format)
-
-
-def name_of(record: str | RecordFile) -> str:
-    """What tables call a record: its catalogue name, its `name:`, or its file's stem."""
-    return record if isinstance(record, str) else (record.name or Path(record.file).stem)
-
-
 def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, warnings: Faults) -> dict[str, Used]:
     """The motions of a study by name, as they are used; what is wrong is noted in `faults`."""
     found: dict[str, Motion] = {}
+    names: set[str] = set()
+    sound = True
     for place, record in enumerate(spec.use):
         path = ("records", "use", place)
-        name = name_of(record)
-        if name in found:
-            faults.at(root, path, f"the record '{name}' stands twice", "remove one, or give it another `name:`")
-            continue
         try:
-            found[name] = shelf.take(record)
+            items = shelf.items(record)
         except InputError as refused:
             _pass_on(refused, root, (*path, "file"), faults)
-    if len(found) < len(spec.use):
+            sound = False
+            continue
+        for item in items:
+            if item.name in found:
+                faults.at(
+                    root, path, f"the record '{item.name}' stands twice", "remove one, or give it another `name:`"
+                )
+                sound = False
+                continue
+            if item.vertical:
+                message = f"'{item.name}' looks like a vertical component; it will shake the buildings sideways"
+                warnings.at(root, path, message, "name the horizontal ones, e.g. `{file: motions/*.NS}`")
+            if item.known:
+                names.add(item.name)
+            try:
+                found[item.name] = shelf.take(record, item)
+            except InputError as refused:
+                _pass_on(refused, root, (*path, "file"), faults)
+                sound = False
+    if not sound:
         return {}
-    names = {name_of(record) for record in spec.use if isinstance(record, str)}
     cut: dict[str, Motion] = {}
     for name, motion in found.items():
         seconds = _seconds(spec.duration, name, name in names, motion, root, ("records", "duration"), faults)
@@ -110,7 +92,8 @@ def _pass_on(refused: InputError, root: Node | Tree, path: tuple[str | int, ...]
         if problem.line:
             faults.extend([problem])
         else:
-            faults.at(root, path, problem.message, problem.hint)
+            file = f"{problem.file}: " if problem.file else ""
+            faults.at(root, path, f"{file}{problem.message}", problem.hint)
 
 
 def _seconds(
@@ -147,7 +130,6 @@ def _factors(
     faults: Faults,
 ) -> dict[str, float]:
     scale, path = spec.scale, ("records", "scale")
-    factor: dict[str, float] = {}
     if isinstance(scale, float):
         return dict.fromkeys(cut, scale)
     for name in cut:
@@ -156,7 +138,7 @@ def _factors(
                 root,
                 path,
                 f"table1 has no scale for '{name}'",
-                "write a factor, {arias: NAME} or {pga: 0.35 g}",
+                "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}",
             )
             return {}
     if scale == "table1":
@@ -164,34 +146,94 @@ def _factors(
     try:
         if isinstance(scale, PgaScale):
             return {name: records.pga_factor(motion, scale.pga) for name, motion in cut.items()}
+        if isinstance(scale, PgvScale):
+            return {name: records.pgv_factor(motion, scale.pgv) for name, motion in cut.items()}
+        if isinstance(scale, SaScale):
+            return {
+                name: records.sa_factor(motion, scale.sa, scale.period, scale.damping) for name, motion in cut.items()
+            }
+        if isinstance(scale, SpectrumScale):
+            target = _target(scale, spec, whole, cut, names, shelf, root, faults)
+            return (
+                {}
+                if target is None
+                else records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
+            )
         assert isinstance(scale, AriasScale)
-        part = partial(_measured, scale, spec, root=root, faults=faults)
-        reference = whole.get(scale.arias) or _reference(scale.arias, whole, shelf, root, faults)
-        if reference is None:
-            return {}
-        target = part(scale.arias, scale.arias in names or scale.arias not in whole, reference)
-        for name, motion in whole.items():
-            own = part(name, name in names, motion)
-            if own is None or target is None:
-                return {}
-            factor[name] = 1.0 if name == scale.arias else records.arias_factor(own, target)
+        return _arias_factors(scale, spec, whole, names, shelf, root, faults)
     except InputError as refused:
         _pass_on(refused, root, path, faults)
         return {}
+
+
+def _arias_factors(
+    scale: AriasScale,
+    spec: Records,
+    whole: dict[str, Motion],
+    names: set[str],
+    shelf: Shelf,
+    root: Node | Tree,
+    faults: Faults,
+) -> dict[str, float]:
+    part = partial(_measured, scale, spec, root=root, faults=faults)
+    reference = whole.get(scale.arias) or _reference(
+        scale.arias, ("records", "scale", "arias"), whole, shelf, root, faults
+    )
+    if reference is None:
+        return {}
+    target = part(scale.arias, scale.arias in names or scale.arias not in whole, reference)
+    factor = {}
+    for name, motion in whole.items():
+        own = part(name, name in names, motion)
+        if own is None or target is None:
+            return {}
+        factor[name] = 1.0 if name == scale.arias else records.arias_factor(own, target)
     return factor
 
 
-def _reference(name: str, whole: dict[str, Motion], shelf: Shelf, root: Node | Tree, faults: Faults) -> Motion | None:
+def _target(
+    scale: SpectrumScale,
+    spec: Records,
+    whole: dict[str, Motion],
+    cut: dict[str, Motion],
+    names: set[str],
+    shelf: Shelf,
+    root: Node | Tree,
+    faults: Faults,
+) -> records.TargetSpectrum | None:
+    """The target as a spectrum over its range; what is wrong with it is noted in `faults`."""
+    path = ("records", "scale")
+    if not scale.low < scale.high:
+        message = f"the range of periods runs from {scale.low:g} s to {scale.high:g} s"
+        faults.at(root, (*path, "to"), message, "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`")
+        return None
+    if isinstance(scale.target, dict):
+        points = sorted(scale.target.items())
+        if not points[0][0] <= scale.low or not scale.high <= points[-1][0]:
+            message = f"the target is given from {points[0][0]:g} to {points[-1][0]:g} s, not over the whole range"
+            faults.at(root, (*path, "target"), message, f"give it from {scale.low:g} to {scale.high:g} s at least")
+            return None
+        periods, values = zip(*points, strict=True)
+        return records.TargetSpectrum(periods, values, scale.low, scale.high, scale.damping)
+    motion = cut.get(scale.target)
+    if motion is None:
+        reference = _reference(scale.target, (*path, "target"), whole, shelf, root, faults)
+        if reference is None:
+            return None
+        seconds = _seconds(spec.duration, scale.target, True, reference, root, ("records", "duration"), faults)
+        assert seconds is not None  # the catalogue has a duration for each of its names
+        motion = reference.windowed(seconds)
+    return records.TargetSpectrum.of(motion, scale.low, scale.high, scale.damping)
+
+
+def _reference(
+    name: str, path: tuple[str, ...], whole: dict[str, Motion], shelf: Shelf, root: Node | Tree, faults: Faults
+) -> Motion | None:
     known = records.names()
     if name not in known:
-        faults.at(
-            root,
-            ("records", "scale", "arias"),
-            f"no record '{name}'",
-            nearest(name, dict.fromkeys((*whole, *known))),
-        )
+        faults.at(root, path, f"no record '{name}'", nearest(name, dict.fromkeys((*whole, *known))))
         return None
-    return shelf.take(name)
+    return shelf.named(name)
 
 
 def _measured(

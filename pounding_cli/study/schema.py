@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag, WithJsonSchema
+from pydantic import ConfigDict, Discriminator, Field, Tag, WithJsonSchema
 
 from pounding_cli.study import units
+from pounding_cli.study.base import Model, Name, optional, word_or_mapping
+from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, limited
 
@@ -20,7 +22,6 @@ Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
 LinkKind = Literal["pounding", "infill", "connector", "none"]
 AnalysisKind = Literal["elastic", "inelastic"]
 
-Name = Annotated[str, StringConstraints(pattern=r"^\w[\w +-]*$", max_length=60, strip_whitespace=True)]
 Length = Annotated[float, units.LENGTH]
 Gap = Annotated[float, units.GAP]
 Mass = Annotated[float, units.MASS]
@@ -31,19 +32,11 @@ LinkStiffness = Annotated[float | StiffnessRule, STIFFNESS_FORM]
 Taper = Annotated[float, Quantity("taper", "", "1/3", 0.0, 10.0, open_low=True)]
 DampingShare = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)]
 Hardening = Annotated[float, Quantity("hardening ratio", "", "0.05", 0.0, 1.0, open_high=True)]
-Window = Annotated[
-    float | str, limited(units.TIME, name="window", example="10 s", words=("duration", "table1", "whole"))
-]
-Duration = Annotated[float | str, limited(units.TIME, name="duration", example="10 s", words=("table1", "whole"))]
 Restitution = Annotated[float, Quantity("coefficient of restitution", "", "0.5", 0.0, 1.0, open_low=True)]
 
 
 def _list_or_one(value: Any) -> str:
     return "list" if isinstance(value, list | tuple) else "one"
-
-
-def _word_or_mapping(value: Any) -> str:
-    return "word" if isinstance(value, str | int | float) or value is None else "mapping"
 
 
 _FILLED = Field(min_length=1)
@@ -56,83 +49,6 @@ Hardenings = Annotated[
 YieldShears = Annotated[
     Annotated[tuple[Force, ...], _FILLED, Tag("list")] | Annotated[Literal["never"], Tag("one")], _EITHER
 ]
-
-
-def optional(default: Any, description: str, **more: Any) -> Any:
-    """A key that need not be given."""
-    return Field(default=default, description=description, **more)
-
-
-class Model(BaseModel):
-    """Base of every mapping in the file: unknown keys are refused, values are frozen."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, coerce_numbers_to_str=True, validate_default=True)
-
-
-class RecordFile(Model):
-    """A motion in a file of one's own."""
-
-    file: str = Field(description="path of the file, relative to the study file", examples=["motions/x.AT2"])
-    name: Name | None = optional(None, description="what tables call the motion; the file's stem unless given")
-    unit: Literal["g", "m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2"] | None = optional(
-        None, description="unit of the acceleration; g unless the file says otherwise"
-    )
-    dt: Annotated[float, limited(units.TIME, name="time step", example="0.01 s")] | None = optional(
-        None, description="time step [s]; needed for one column of values"
-    )
-    format: Literal["at2", "two-column", "column"] | None = optional(
-        None, description="found from the file unless given"
-    )
-
-
-class AriasScale(Model):
-    """Every record is scaled to the Arias intensity of one of them."""
-
-    arias: str = Field(description="the record whose Arias intensity is taken", examples=["elcentro"])
-    window: Window = optional(
-        "duration",
-        description="part of each record its intensity is measured over [s]; `duration`: the analysed part",
-    )
-
-
-class PgaScale(Model):
-    """Every record is scaled to one peak ground acceleration."""
-
-    pga: Annotated[float, units.ACCELERATION] = Field(
-        description="peak ground acceleration [m/s2]", examples=["0.35 g"]
-    )
-
-
-def _scale_kind(value: Any) -> str:
-    if isinstance(value, dict):
-        return "pga" if "pga" in value else "arias"
-    if isinstance(value, AriasScale):
-        return "arias"
-    return "pga" if isinstance(value, PgaScale) else "factor"
-
-
-_FACTOR = Quantity("scale factor", "", "1.5", 0.0, 1e6, open_low=True, words=("table1",))
-Scale = Annotated[
-    Annotated[float | str, _FACTOR, Tag("factor")]
-    | Annotated[AriasScale, Tag("arias")]
-    | Annotated[PgaScale, Tag("pga")],
-    Discriminator(_scale_kind),
-]
-Record = Annotated[Annotated[str, Tag("word")] | Annotated[RecordFile, Tag("mapping")], Discriminator(_word_or_mapping)]
-
-
-class Records(Model):
-    """The ground motions, the part of each that is used, and its scale."""
-
-    use: tuple[Record, ...] = Field(
-        description="catalogue names, or {file: PATH}",
-        min_length=1,
-        examples=[["elcentro", {"file": "motions/x.AT2"}]],
-    )
-    duration: Duration = optional(
-        "table1", description="how much of each record is used [s]; `table1`: the paper's durations"
-    )
-    scale: Scale = optional(1.0, description="a factor, `table1`, {arias: RECORD} or {pga: 0.35 g}")
 
 
 class CodeDesign(Model):
@@ -186,7 +102,7 @@ class FoundationSpec(Model):
 
 Base = Annotated[
     Annotated[Literal["fixed"], Tag("word")] | Annotated[FoundationSpec, Tag("mapping")],
-    Discriminator(_word_or_mapping),
+    Discriminator(word_or_mapping),
 ]
 
 
@@ -247,7 +163,7 @@ class LinkSpec(Model):
 
 
 LinkOrWord = Annotated[
-    Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(_word_or_mapping)
+    Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)
 ]
 Floor = Annotated[int, Field(ge=1, le=100)]
 Floors = Annotated[Annotated[tuple[Floor, ...], _FILLED, Tag("list")] | Annotated[Literal["all"], Tag("one")], _EITHER]
@@ -262,7 +178,7 @@ class PairSpec(LinkSpec):
 
 
 PairOrWord = Annotated[
-    Annotated[LinkKind, Tag("word")] | Annotated[PairSpec, Tag("mapping")], Discriminator(_word_or_mapping)
+    Annotated[LinkKind, Tag("word")] | Annotated[PairSpec, Tag("mapping")], Discriminator(word_or_mapping)
 ]
 
 
@@ -302,12 +218,12 @@ class KeepSpec(Model):
 
     histories: Annotated[
         Annotated[Literal["all"], Tag("word")] | Annotated[HistoriesSpec, Tag("mapping")],
-        Discriminator(_word_or_mapping),
+        Discriminator(word_or_mapping),
     ] = Field(description="scenes kept over time, or `all`", examples=[{"cases": ["touching"]}])
 
 
 Keep = Annotated[
-    Annotated[Literal["histories"], Tag("word")] | Annotated[KeepSpec, Tag("mapping")], Discriminator(_word_or_mapping)
+    Annotated[Literal["histories"], Tag("word")] | Annotated[KeepSpec, Tag("mapping")], Discriminator(word_or_mapping)
 ]
 
 _AXIS = {"type": "array", "minItems": 1}

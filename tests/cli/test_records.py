@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from pounding_cli.cli.records import FORMAT_NAMES, UNIT_NAMES, command
+from pounding_cli.cli.records import FORMAT_NAMES, command
 from pounding_cli.errors import InputError
-from pounding_cli.records import FORMATS, UNITS, find, names, read_motion
+from pounding_cli.records import FORMATS, find, names, read_motion
 from pounding_cli.records.catalogue import shipped_folder, user_folder
 
 SINE = "".join(f"{0.3 * np.sin(0.1 * i):.6f}\n" for i in range(1201))
@@ -169,7 +169,6 @@ def test_refusals_end_in_exit_code_2_without_a_traceback(tmp_path: Path) -> None
 
 
 def test_option_values_are_those_of_the_readers() -> None:
-    assert tuple(UNITS) == UNIT_NAMES
     assert FORMATS == FORMAT_NAMES
 
 

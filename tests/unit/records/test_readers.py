@@ -58,7 +58,7 @@ def test_at2_with_touching_columns(file) -> None:
 
 
 def test_at2_with_fewer_values_than_npts(file) -> None:
-    assert refusal(file(AT2.replace("  7,", "  8,"))) == "4:1: the header says NPTS= 8, but 7 values follow"
+    assert refusal(file(AT2.replace("  7,", "  8,"))) == "4:1: the header says NPTS = 8, but 7 values follow"
 
 
 def test_two_columns(file) -> None:
@@ -104,8 +104,11 @@ def test_units(file, unit: str, in_si: float) -> None:
     assert UNITS[unit] == in_si
 
 
-def test_a_given_unit_beats_the_header(file) -> None:
-    assert read_motion(file("# unit: g\n1\n2\n"), unit="m/s2", dt=0.1).acceleration == pytest.approx([1.0, 2.0])
+def test_a_unit_against_the_files_own_is_refused_and_one_that_says_the_same_is_not(file) -> None:
+    said = refusal(file("# unit: g\n1\n2\n"), unit="m/s2", dt=0.1)
+    assert said == "1:1: the unit is given as m/s2, but the file says g"
+    motion = read_motion(file("# unit: cm/s2\n1\n2\n"), unit="gal", dt=0.1)
+    assert motion.acceleration == pytest.approx([0.01, 0.02])
 
 
 @pytest.mark.parametrize(
@@ -138,7 +141,7 @@ def test_a_given_unit_beats_the_header(file) -> None:
         ("0 0.1\n0.01 0.2\n", {"unit": "furlong"}, "unknown unit 'furlong'"),
         ("0 0.1\n0.01 0.2\n", {"format": "wav"}, "unknown format 'wav'"),
         ("0 0.1\n0.01 0.2\n", {"format": "at2"}, "no header line with NPTS and DT"),
-        ("# dt: 0.01\n# samples: 3\n0.1\n0.2\n", {}, "the header says 3 samples, but 2"),
+        ("# dt: 0.01\n# samples: 3\n0.1\n0.2\n", {}, "the header says samples = 3, but 2"),
     ],
 )
 def test_refusals(file, text: str, options: dict, said: str) -> None:

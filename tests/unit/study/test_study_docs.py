@@ -8,17 +8,20 @@ from pathlib import Path
 
 import pytest
 
-from pounding_cli.study import load_study, schema
+from pounding_cli.study import load_study, record_schema, schema
 from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm
 
 PAGE = Path("docs/study-file.md")
 MODELS = {
     "The file": schema.StudyModel,
-    "`records`": schema.Records,
-    "`records.use`: a file of your own": schema.RecordFile,
-    "`records.scale`: Arias intensity": schema.AriasScale,
-    "`records.scale`: peak": schema.PgaScale,
+    "`records`": record_schema.Records,
+    "`records.use`: a file of your own": record_schema.RecordFile,
+    "`records.scale`: Arias intensity": record_schema.AriasScale,
+    "`records.scale`: peak acceleration": record_schema.PgaScale,
+    "`records.scale`: peak velocity": record_schema.PgvScale,
+    "`records.scale`: an ordinate of the spectrum": record_schema.SaScale,
+    "`records.scale`: a target spectrum": record_schema.SpectrumScale,
     "`buildings.NAME`": schema.BuildingSpec,
     "`yield`": schema.CodeDesign,
     "`rayleigh`": schema.Rayleigh,
@@ -85,7 +88,7 @@ def default(field: object) -> str:
 def table(model: type[schema.Model]) -> list[str]:
     lines = ["| key | value | default | what it is |", "|---|---|---|---|"]
     for name, field in model.model_fields.items():
-        annotation = typing.get_type_hints(model, vars(schema), include_extras=True)[name]
+        annotation = typing.get_type_hints(model, include_extras=True)[name]
         cells = (f"`{field.alias or name}`", forms(annotation), default(field), field.description)
         lines.append(f"| {' | '.join(cells)} |")
     return lines

@@ -183,7 +183,7 @@ CASES = {
         "relative to the study file",
     ),
     "record twice": ("taft", "§elcentro", "the record 'elcentro' stands twice", "`name:`"),
-    "record unit": ("taft", "{file: x.txt, unit: §G}", "'G' is not known", "'g', 'm/s2'"),
+    "record unit": ("taft", "{file: x.txt, unit: §cm/s}", "'cm/s' is no unit of acceleration", "g, m/s2, cm/s2"),
     "no records": ("[elcentro, taft]", "§[]", "'use' is empty", "catalogue names"),
     "no such arias reference": (
         "scale: 1.0",
@@ -208,6 +208,12 @@ CASES = {
         GAP,
         "gap: {link: infill, gap: §0 cm}",
         "an infill in a gap of zero has no thickness",
+        "`link: pounding`",
+    ),
+    "infill thinner than a micrometre": (
+        GAP,
+        "gap: {link: infill, gap: §0.9e-6 m}",
+        "an infill 9e-07 m thick is thinner than 1e-06 m",
         "`link: pounding`",
     ),
     "infill stiffer than impact": (

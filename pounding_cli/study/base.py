@@ -1,0 +1,25 @@
+"""What every part of the study's schema is made of: the base of its mappings, optional keys, names."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+Name = Annotated[str, StringConstraints(pattern=r"^\w[\w +-]*$", max_length=60, strip_whitespace=True)]
+
+
+def word_or_mapping(value: Any) -> str:
+    """Which of two forms a value has: for the discriminator of a union of both."""
+    return "word" if isinstance(value, str | int | float) or value is None else "mapping"
+
+
+def optional(default: Any, description: str, **more: Any) -> Any:
+    """A key that need not be given."""
+    return Field(default=default, description=description, **more)
+
+
+class Model(BaseModel):
+    """Base of every mapping in the file: unknown keys are refused, values are frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, coerce_numbers_to_str=True, validate_default=True)

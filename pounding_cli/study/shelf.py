@@ -1,0 +1,152 @@
+"""From what `records.use` says to motions: catalogue names, installed libraries, files, folders, patterns."""
+
+from __future__ import annotations
+
+import glob
+import re
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from pounding_cli import records
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.records import Motion
+from pounding_cli.study.record_schema import RecordFile
+
+_VERTICAL = re.compile(r"(?:[-_ .](?:up|dwn|down|vert?)|\.ud\d?|dwn)\Z", re.IGNORECASE)
+# How the databases end the names of vertical components: -UP.AT2, DWN.AT2, .UD, .UD1.
+_OTHER_FILES = re.compile(
+    r"(?:\.(?:vt2|dt2|md|rst|html?|pdf|png|jpe?g|svg|zip|gz|ya?ml|json|h5|hdf5|xlsx?|py|toml)|~)\Z|\A(?:readme|licen[cs]e|[._])",
+    re.IGNORECASE,
+)
+# What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
+
+
+@dataclass(frozen=True)
+class Item:
+    """One motion of a study.
+
+    name : what tables call it; known : whether it is in the catalogue, with durations and scales of Table 1
+    read : reads it whole; vertical : whether a file taken with others looks like a vertical component
+    """
+
+    name: str
+    known: bool
+    read: Callable[[], Motion]
+    vertical: bool = False
+
+
+class Shelf:
+    """Finds and reads every motion once, however many scenes it drives."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._items: dict[str | RecordFile, list[Item] | InputError] = {}
+        self._read: dict[tuple[str | RecordFile, str], Motion | InputError] = {}
+
+    def items(self, record: str | RecordFile) -> list[Item]:
+        """The motions an entry of `use` stands for; raises `InputError` where there is none."""
+        if record not in self._items:
+            try:
+                self._items[record] = self._found(record)
+            except InputError as refused:
+                self._items[record] = refused
+        found = self._items[record]
+        if isinstance(found, InputError):
+            raise found
+        return found
+
+    def take(self, record: str | RecordFile, item: Item) -> Motion:
+        """The whole motion; raises `InputError` where it cannot be read."""
+        key = (record, item.name)
+        if key not in self._read:
+            try:
+                self._read[key] = item.read()
+            except InputError as refused:
+                self._read[key] = refused
+        found = self._read[key]
+        if isinstance(found, InputError):
+            raise found
+        return found
+
+    def named(self, name: str) -> Motion:
+        """The whole catalogue motion `name`."""
+        return self.take(name, self.items(name)[0])
+
+    def _found(self, record: str | RecordFile) -> list[Item]:
+        if isinstance(record, RecordFile):
+            return self._files(record)
+        if record in records.names():
+            return [Item(record, True, lambda: records.find(record))]
+        if records.library_of(record) is not None:
+            return [_held(name) for name in records.matching(record)]
+        if self._is_path(record):
+            return self._files(RecordFile(file=record))
+        start, colon, _ = record.partition(":")
+        if colon:
+            raise InputError(Problem(f"no library '{start}' of motions", f"known: {', '.join(records.LIBRARIES)}"))
+        records.entry(record)  # refuses the name, with the nearest one
+        raise AssertionError(record)
+
+    def _is_path(self, word: str) -> bool:
+        return bool(re.search(r"[/\\*?]", word) or Path(word).suffix or _exists(self.folder / word))
+
+    def _files(self, record: RecordFile) -> list[Item]:
+        path = self.folder / _home(record.file)
+        if _exists(path) and not path.is_dir():
+            return [_item(record, path, record.name or path.stem)]
+        if path.is_dir():
+            found = [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
+            nothing = f"no motion files in the folder {path}"
+        elif glob.has_magic(record.file):
+            found = [Path(each) for each in sorted(glob.glob(str(path), recursive=True)) if Path(each).is_file()]
+            nothing = f"no file matches {path}"
+        else:
+            raise InputError(Problem(f"the record file {path} does not exist", "paths are relative to the study file"))
+        if not found:
+            raise InputError(Problem(nothing, "paths are relative to the study file"))
+        if record.name is not None and len(found) > 1:
+            raise InputError(
+                Problem(f"'name:' is one for {len(found)} files", "leave it out: each is called by its file's stem")
+            )
+        stems = Counter(each.stem for each in found)
+        # K-NET's files of one record differ by their endings only.
+        names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in found]
+        return [
+            _item(record, each, record.name or name, bool(_VERTICAL.search(each.stem) or _VERTICAL.search(each.name)))
+            for each, name in zip(found, names, strict=True)
+        ]
+
+
+def _held(name: str) -> Item:
+    return Item(name.partition(":")[2], False, lambda: records.read_held(name))
+
+
+def _item(record: RecordFile, path: Path, name: str, vertical: bool = False) -> Item:
+    def read() -> Motion:
+        return records.read_motion(
+            path,
+            name=name,
+            unit=record.unit,
+            dt=record.dt,
+            format=record.format,
+            channel=record.channel,
+            column=record.column,
+        )
+
+    return Item(name, False, read, vertical)
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):  # too long a name, a NUL in it
+        return False
+
+
+def _home(written: str) -> Path:
+    try:
+        return Path(written).expanduser()
+    except RuntimeError:  # ~nobody
+        return Path(written)
