@@ -18,16 +18,23 @@ import click
     help="Formats of the figures; may be given more than once. All three unless said otherwise.",
 )
 @click.option("--no-figures", is_flag=True, help="Write tables and claims only (much faster).")
+@click.option("--no-page", is_flag=True, help="Write no report.html, the whole report in one file.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
 def command(
-    files: tuple[Path, ...], output: Path | None, formats: tuple[str, ...], no_figures: bool, quiet: bool
+    files: tuple[Path, ...],
+    output: Path | None,
+    formats: tuple[str, ...],
+    no_figures: bool,
+    no_page: bool,
+    quiet: bool,
 ) -> None:
     """Draw the figures of results files, write their tables as CSV, and judge the paper's claims.
 
     Files of `pound run`, `pound connector` and `pound wall` alike.
 
-    The report goes to DIR, or to a folder beside the results file, named like it: summary.md, the figures,
-    tables/. Of several files each gets its own folder in DIR; comparison.md sets their claims side by side.
+    The report goes to DIR, or to a folder beside the results file, named like it: report.html (everything in one
+    page, to open in a browser or to send), summary.md, the figures, tables/. Of several files each gets its own
+    folder in DIR; comparison.md sets their claims side by side.
 
     \b
     Example:
@@ -47,14 +54,14 @@ def command(
     for path in systems:
         from pounding_cli.report.systems import write_system_report
 
-        written = write_system_report(path, folders[path], chosen)
+        written = write_system_report(path, folders[path], chosen, not no_page)
         if not quiet:
-            click.echo(f"{folders[path] / 'summary.md'}: {len(written)} files")
+            click.echo(f"{written[-1]}: {len(written)} files")
     for path, results in opened.items():
-        written = write_report(results, folders[path], chosen)
+        written = write_report(results, folders[path], chosen, not no_page)
         if quiet:
             continue
-        click.echo(f"{folders[path] / 'summary.md'}: {len(written)} files")
+        click.echo(f"{written[-1]}: {len(written)} files")
         evidences = points(results)
         if len(evidences) == 1:
             for judgement in judge(evidences[0]):

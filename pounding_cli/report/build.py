@@ -1,4 +1,4 @@
-"""Writing a whole report: figures, CSV tables, claims and page, for one results file or several."""
+"""Writing a whole report: figures, CSV tables, claims and pages, for one results file or several."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from pounding_cli.report.figures import draw_all
 from pounding_cli.report.style import FORMATS, save, unwritable
 from pounding_cli.report.sweep import sweep_figures
 from pounding_cli.report.tables import write_csv
+from pounding_cli.report.web import write_page
 
 
-def write_report(results: Tables, folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
+def write_report(results: Tables, folder: Path, formats: Sequence[str] = FORMATS, with_page: bool = True) -> list[Path]:
     """Write the report of one results file into `folder`; returns the files written.
 
     formats : of the figures, any of "png", "svg", "pdf"; none leaves the figures out
+    with_page : write report.html too, the whole report in one file
     Raises InputError where the folder cannot be written to.
     """
     evidences = points(results)
@@ -37,6 +39,8 @@ def write_report(results: Tables, folder: Path, formats: Sequence[str] = FORMATS
         drawn = [f"{name}.png" for name in figures] if "png" in formats else []
         lines = page.summary(shown, judgements, drawn, results.scene(), swept)
         files.append(_write(folder / "summary.md", lines))
+        if with_page:
+            files.append(write_page(results, folder, figures, evidences, shown, columns))
     except OSError as error:
         raise unwritable(folder, error) from error
     return files

@@ -202,12 +202,12 @@ def flags(scene: pd.DataFrame) -> dict[str, int]:
     """Every flag that was raised and in how many scenes, most frequent first."""
     count: dict[str, int] = {}
     for cell in scene["flags"]:
-        for flag in _split(cell):
+        for flag in split(cell):
             count[flag] = count.get(flag, 0) + 1
     return dict(sorted(count.items(), key=lambda item: -item[1]))
 
 
-def _split(cell: Any) -> list[str]:
+def split(cell: Any) -> list[str]:
     """The sentences of one cell: a list, a JSON list, or one sentence a line."""
     if cell is None or (isinstance(cell, float) and math.isnan(cell)):
         return []

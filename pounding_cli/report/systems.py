@@ -14,6 +14,7 @@ from pounding_cli.report.connector_figures import connector_claims, draw_connect
 from pounding_cli.report.style import FORMATS, unwritable
 from pounding_cli.report.wall_claims import wall_claims
 from pounding_cli.report.wall_figures import draw_wall
+from pounding_cli.report.web import write_system_page
 from pounding_cli.store.swept import axes_of, coordinate, kind_of, open_swept
 
 _ANCHOR = {"connector": "peak1", "wall": "peak_force"}
@@ -34,14 +35,16 @@ def numbers(path: Path) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def write_system_report(path: Path, folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
-    """Write figures (none where `formats` is empty), numbers.csv and summary.md; returns the files.
+def write_system_report(
+    path: Path, folder: Path, formats: Sequence[str] = FORMATS, with_page: bool = True
+) -> list[Path]:
+    """Write figures (none where `formats` is empty), numbers.csv, summary.md and report.html; returns the files.
 
     Raises `InputError` for a file that neither `pound connector` nor `pound wall` wrote, or a folder that refuses.
     """
     kind = kind_of(path)
     with open_swept(path, kind if kind in _ANCHOR else "wall") as file:
-        title = str(file.attrs["title"])
+        title, study = str(file.attrs["title"]), str(file.attrs["study"])
     written: list[Path] = []
     if formats:
         draw = draw_connector if kind == "connector" else draw_wall
@@ -56,11 +59,15 @@ def write_system_report(path: Path, folder: Path, formats: Sequence[str] = FORMA
             lines += ["", f"![{figure.stem}]({figure.name})"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        numbers(path).to_csv(folder / "numbers.csv", index=False)
+        found = numbers(path)
+        found.to_csv(folder / "numbers.csv", index=False)
         (folder / "summary.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        written += [folder / "numbers.csv", folder / "summary.md"]
+        if with_page:
+            written.append(write_system_page(title, study, folder, claims, written, found))
     except OSError as error:
         raise unwritable(folder, error) from error
-    return [*written, folder / "numbers.csv", folder / "summary.md"]
+    return written
 
 
 def _over_axes(item: Any, axes: tuple[str, ...], shape: tuple[int, ...]) -> bool:

@@ -1,0 +1,224 @@
+// The player: which scene, which instant, how fast; buttons, keys, and what they say.
+
+const SPEEDS = [['1', 'real time'], ['0.5', '1/2'], ['0.2', '1/5'], ['0.1', '1/10'], ['0.02', '1/50'], ['0.005', '1/200']];
+const SLOW = 0.01;
+/** An impact counts for the buttons and for slow motion from this share of the hardest one. */
+const HARD = 0.1;
+const FADE = 0.15;
+
+function playerView() {
+  const root = document.getElementById('player');
+  const canvas = h('canvas', { role: 'img' });
+  const strip = h('canvas', { role: 'img', 'aria-label': 'Ground acceleration, roof displacements and link forces over time' });
+  const tip = h('div', { class: 'tip', hidden: true });
+  const state = { scene: null, time: 0, last: 0, playing: false, speed: 0.2, slow: true, scale: null, span: 0, glow: [], frame: 0, drawn: 0 };
+  const play = h('button', { type: 'button', class: 'primary', onclick: () => toggle() }, 'Play');
+  const scrub = h('input', { type: 'range', min: 0, step: 1, value: 0, 'aria-label': 'Time', oninput: () => {
+    pause();
+    go(Number(scrub.value) * state.scene.dt);
+  } });
+  const before = h('button', { type: 'button', onclick: () => toImpact(-1) }, 'Impact before');
+  const after = h('button', { type: 'button', onclick: () => toImpact(1) }, 'Impact after');
+  const hardest = h('button', { type: 'button', onclick: () => toHardest() }, 'Hardest impact');
+  const slow = h('input', { type: 'checkbox', checked: true, onchange: () => {
+    state.slow = slow.checked;
+  } });
+  const readout = h('dl', { class: 'readout' });
+  const which = choice('Scene', data.players.scenes.map((one, number) => [String(number), one.label]), '0', (value) => open(Number(value)));
+  const speed = choice('Speed', SPEEDS, '0.2', (value) => {
+    state.speed = Number(value);
+  });
+  const scale = choice('Displacements drawn', [['', 'to fit'], ...SCALES.map((one) => [String(one), `× ${one}`])], '', (value) => {
+    state.scale = value === '' ? null : Number(value);
+    arrange();
+  });
+  const span = choice('Time shown below', [['0', 'all of it'], ['2', '2 s'], ['0.5', '0.5 s'], ['0.1', '0.1 s']], '0', (value) => {
+    state.span = Number(value);
+    draw();
+  });
+  root.append(
+    h('div', { class: 'bar' }, which.element, scale.element, span.element),
+    h('div', { class: 'stage' }, canvas, tip), strip, scrub,
+    h('div', { class: 'bar' }, play, before, after, hardest, speed.element, h('label', { class: 'check' }, slow, 'slow at impacts')),
+    readout,
+    h('p', { class: 'note key' }),
+  );
+
+  function open(number) {
+    pause();
+    state.scene = new Scene(data.players.scenes[number]);
+    state.glow = state.scene.links.map(() => 0);
+    scrub.max = state.scene.count - 1;
+    const hard = hardImpacts().length > 0;
+    for (const button of [before, after, hardest]) button.disabled = !hard;
+    arrange();
+    go(hard ? strongest().at : 0);
+  }
+
+  function arrange() {
+    const { scene } = state;
+    const width = Math.max(canvas.parentElement.clientWidth, 240);
+    state.ink = inks();
+    state.at = layout(scene, width, state.scale);
+    state.strips = stripsOf(scene, state.ink);
+    const times = state.at.scale === 1 ? 'to the scale of the heights' : `${state.at.scale} times larger than heights`;
+    const thinned = scene.stride > 1 ? ` Every ${scene.stride}th sample is here; of forces the largest.` : '';
+    root.querySelector('.key').textContent = `Displacements and gaps are drawn ${times}. Columns turn red and thick where a storey’s drift is at or beyond its yield drift. `
+      + `Stars: floors pressing on each other; bars: connectors, orange pushing, blue pulling. Impacts from ${100 * HARD} % of the hardest count for the buttons and for slow motion.${thinned}`;
+    canvas.setAttribute('aria-label', `${scene.buildings.map(({ name }) => name).join(', ')} moving: ${scene.label}; displacements drawn ${times}`);
+    draw();
+  }
+
+  const hardImpacts = () => state.scene.impacts.filter(({ force }) => force >= HARD * state.scene.mostForce);
+  const strongest = () => state.scene.impacts.reduce((most, one) => (one.force > most.force ? one : most));
+
+  function go(time, aloud = false) {
+    state.time = Math.max(0, Math.min(time, state.scene.end));
+    state.last = state.time;
+    state.scene.links.forEach((_, number) => {
+      state.glow[number] = Math.abs(state.scene.between(state.scene.forces[number], state.time)) / (state.scene.mostForce || 1);
+    });
+    draw();
+    if (aloud) say(spoken());
+  }
+
+  function toImpact(way) {
+    pause();
+    const hard = hardImpacts(), slack = state.scene.dt / 2;
+    const next = way > 0 ? hard.find(({ at }) => at > state.time + slack) : hard.findLast(({ at }) => at < state.time - slack);
+    if (next) go(next.at, true);
+    else say('No further impact');
+  }
+
+  function toHardest() {
+    pause();
+    go(strongest().at, true);
+  }
+
+  function toggle() {
+    if (state.playing) pause();
+    else {
+      if (state.time >= state.scene.end) go(0);
+      state.playing = true;
+      play.textContent = 'Pause';
+      state.frame = requestAnimationFrame(tick);
+    }
+  }
+
+  function pause() {
+    cancelAnimationFrame(state.frame);
+    state.playing = false;
+    state.clock = undefined;
+    play.textContent = 'Play';
+  }
+
+  function tick(now) {
+    const passed = state.clock === undefined ? 0 : Math.min((now - state.clock) / 1e3, 0.1);
+    state.clock = now;
+    const { scene } = state;
+    const slowed = state.slow && hardImpacts().some(({ from, to }) => state.time > from - 0.005 && state.time < to + 0.01);
+    const next = Math.min(state.time + passed * (slowed ? Math.min(state.speed, SLOW) : state.speed), scene.end);
+    scene.links.forEach((_, number) => {
+      const pressed = Math.abs(scene.force(number, state.time, next)) / (scene.mostForce || 1);
+      state.glow[number] = Math.max(pressed, still.matches ? 0 : state.glow[number] * Math.exp(-passed / FADE));
+    });
+    state.time = next;
+    draw();
+    if (state.time >= scene.end) pause();
+    else state.frame = requestAnimationFrame(tick);
+  }
+
+  function draw() {
+    const { scene, at, time, ink } = state;
+    drawStage(canvas, scene, at, time, state.glow, ink);
+    const [from, to] = shownSpan();
+    drawStrips(strip, scene, state.strips, from, to, time, at.width, ink);
+    scrub.value = Math.round(time / scene.dt);
+    scrub.setAttribute('aria-valuetext', `${asText(time)} s`);
+    const now = performance.now();
+    if (!state.playing || now - state.drawn > 100) {
+      state.drawn = now;
+      tell();
+    }
+  }
+
+  /** The times the strips show, the present in their middle where they can be. */
+  function shownSpan() {
+    const { scene, span: length, time } = state;
+    if (!length || length >= scene.end) return [0, scene.end];
+    const from = Math.max(0, Math.min(time - length / 2, scene.end - length));
+    return [from, from + length];
+  }
+
+  function facts() {
+    const { scene, time } = state;
+    const roofs = scene.buildings.length <= 4
+      ? scene.buildings.map(({ name, heights }, number) => [`${name} roof`, `${asText(1e3 * scene.moved(number, heights.length - 1, time))} mm`])
+      : [];
+    const forces = scene.links.map((link, number) => [link, scene.between(scene.forces[number], time)]);
+    const most = forces.reduce((one, other) => (Math.abs(other[1]) > Math.abs(one[1]) ? other : one), [null, 0]);
+    const where = most[0] ? ` at floor ${most[0].floor}` : '';
+    const soFar = scene.impacts.filter(({ from }) => from <= time).length;
+    return [['time', `${time.toFixed(3)} s`], ['ground', `${asText(scene.between(scene.ground, time))} m/s²`], ...roofs,
+      ['link force', `${asText(most[1] / 1e3)} kN${where}`], ['impacts so far', `${soFar} of ${scene.impacts.length}`]];
+  }
+
+  const tell = () => readout.replaceChildren(...facts().map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value))));
+  const spoken = () => facts().map(([name, value]) => `${name} ${value}`).join(', ');
+
+  root.addEventListener('keydown', (event) => {
+    if (event.target.closest('select, input, button') && !['n', 'p', 'N', 'P'].includes(event.key)) return;
+    if (event.target.closest('select') || event.ctrlKey || event.metaKey || event.altKey) return;
+    const step = event.shiftKey ? 0.1 : state.scene.dt;
+    const moves = { ArrowLeft: -step, ArrowRight: step };
+    if (event.key === ' ') toggle();
+    else if (event.key in moves) {
+      pause();
+      go(state.time + moves[event.key], true);
+    } else if (event.key === 'Home' || event.key === 'End') {
+      pause();
+      go(event.key === 'Home' ? 0 : state.scene.end, true);
+    } else if (event.key.toLowerCase() === 'n' || event.key.toLowerCase() === 'p') toImpact(event.key.toLowerCase() === 'n' ? 1 : -1);
+    else return;
+    event.preventDefault();
+  });
+
+  const timeAt = (event) => {
+    const frame = strip.getBoundingClientRect(), [from, to] = shownSpan();
+    return from + ((event.clientX - frame.left) / frame.width) * (to - from);
+  };
+  strip.addEventListener('pointerdown', (event) => {
+    pause();
+    go(timeAt(event));
+    strip.setPointerCapture(event.pointerId);
+  });
+  strip.addEventListener('pointermove', (event) => {
+    if (event.buttons) go(timeAt(event));
+  });
+
+  canvas.addEventListener('pointermove', (event) => {
+    const frame = canvas.getBoundingClientRect(), { scene, at, time } = state;
+    const x = event.clientX - frame.left, y = event.clientY - frame.top;
+    let found = null;
+    scene.buildings.forEach((_, number) => at.heights[number].slice(1).forEach((height, floor) => {
+      const left = floorX(scene, at, number, floor, time), step = scene.buildings[number].heights[floor] * at.up;
+      const away = y - (at.ground - height * at.up); // the storey under a floor belongs to it
+      if (x > left - 4 && x < left + at.wide + 4 && away > -step * 0.25 && away < step * 0.75) found = [number, floor];
+    }));
+    tip.hidden = !found;
+    if (!found) return;
+    const [number, floor] = found;
+    const demand = scene.demand(number, floor, time);
+    tip.replaceChildren(h('strong', {}, `${scene.buildings[number].name}, floor ${floor + 1}`),
+      h('span', {}, `displacement ${asText(1e3 * scene.moved(number, floor, time))} mm`), h('span', {}, `storey drift ${asText(demand, 3)} times yield`));
+    tip.style.left = `${Math.min(x + 14, at.width - tip.offsetWidth - 4)}px`;
+    tip.style.top = `${Math.max(y - tip.offsetHeight - 8, 0)}px`;
+  });
+  canvas.addEventListener('pointerleave', () => {
+    tip.hidden = true;
+  });
+
+  open(0);
+  drawnToWidth(canvas.parentElement, arrange);
+  document.addEventListener('themed', arrange);
+}

@@ -1,0 +1,81 @@
+"""How the page shows each column of the tables: its name, the unit an engineer reads it in, what it means."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pounding_cli.store.layout import COORDINATES, VARIABLES
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One column.
+
+    label : name on the page
+    unit : unit shown; "–" for a pure number, "" for text and counts
+    factor : what the SI number is multiplied by
+    text : meaning, in words
+    """
+
+    label: str
+    unit: str = ""
+    factor: float = 1.0
+    text: str = ""
+
+
+_UNITS = {"N": ("kN", 1e-3), "m": ("mm", 1e3), "J": ("kJ", 1e-3), "N s": ("kN s", 1e-3), "m/s2": ("m/s²", 1.0)}
+_UNITS |= {"N/m": ("MN/m", 1e-6), "kg": ("t", 1e-3), "1": ("–", 1.0)}
+_COUNTS = ("impacts", "steps", "events", "orders", "storey", "floor", "place", "records_used")
+_LARGE = ("height", "window", "period", "pga", "arias")
+"""Columns whose SI unit is already the one they are read in."""
+
+_LABELS = {
+    "V": "V", "V0": "V₀", "V_ratio": "V/V₀", "mu": "μ", "mu0": "μ₀", "mu_ratio": "μ/μ₀",
+    "drift0": "drift alone", "acceleration0": "acceleration alone", "acceleration_ratio": "a/a₀",
+    "displacement_max": "displacement, right", "displacement_min": "displacement, left",
+    "max_closing": "largest closing", "peak_force": "peak force", "impacts": "contacts",
+    "error_estimate": "error", "seconds": "solver time", "pga": "peak", "arias": "Arias intensity",
+    "window": "duration", "right_floor": "floor right",
+}  # fmt: skip
+_TEXTS = {
+    "V_ratio": "storey shear over that of the building alone", "mu": "ductility",
+    "mu_ratio": "ductility over that of the building alone", "drift": "largest storey drift",
+    "acceleration_ratio": "floor acceleration over that of the building alone", "displacement": "largest, either way",
+    "impacts": "times the link closed", "V_ratio_mean": "mean over the motions",
+}  # fmt: skip
+_ASIDE = {
+    "seconds": ("ms", 1e3), "contact_time": ("ms", 1e3), "error_estimate": ("–", 1.0), "sensitivity": ("–", 1.0),
+}  # fmt: skip
+_STATISTICS = {"mean": "mean", "std": "std", "min": "min", "max": "max", "error": "error", "sensitivity": "sensitivity"}
+_RELATIVE = ("error", "sensitivity")
+"""Statistics without the unit of their column."""
+
+
+def shown(key: str) -> Shown:
+    """What is known of a column; of one that is not, its own name."""
+    base, _, statistic = key.rpartition("_")
+    if statistic in _STATISTICS and base in VARIABLES:
+        of = shown(base)
+        unit, factor = ("–", 1.0) if statistic in _RELATIVE else (of.unit, of.factor)
+        return Shown(f"{of.label} {_STATISTICS[statistic]}", unit, factor, _meaning(key) or of.text)
+    label = key if "." in key else _LABELS.get(key, key.replace("_", " "))  # a swept key stays as it is written
+    if key in _COUNTS:
+        return Shown(label, "", 1.0, _meaning(key))
+    if key in _ASIDE:
+        return Shown(label, *_ASIDE[key], _meaning(key))
+    variable = VARIABLES.get(key) or VARIABLES.get(f"record_{key}")
+    if variable is None or not variable.unit:
+        return Shown(label, "", 1.0, _meaning(key))
+    unit, factor = (variable.unit.replace("m/s2", "m/s²"), 1.0) if key in _LARGE else _known(variable.unit)
+    return Shown(label, unit, factor, _meaning(key))
+
+
+def _known(unit: str) -> tuple[str, float]:
+    return _UNITS.get(unit, (unit, 1.0))
+
+
+def _meaning(key: str) -> str:
+    if key in _TEXTS:
+        return _TEXTS[key]
+    variable = VARIABLES.get(key) or VARIABLES.get(f"record_{key}")
+    return variable.text if variable else COORDINATES.get(key, ("", ""))[1]

@@ -1,0 +1,158 @@
+"""The page of a study: everything it carries, put together and written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from pounding_cli import __version__
+from pounding_cli.report.evidence import Evidence, Tables, flags, motion_label, motion_sentence
+from pounding_cli.report.sensitivity import Column
+from pounding_cli.report.verdicts import Judgement
+from pounding_cli.report.web import story
+from pounding_cli.report.web.beside import accuracy_beside
+from pounding_cli.report.web.data import as_json, chosen_points, tables
+from pounding_cli.report.web.motion import players
+from pounding_cli.report.web.pictures import MOST_FIGURES, pictures
+from pounding_cli.report.web.sweep import sweep_chart
+
+PAGE = "report.html"
+"""File name of the page."""
+MOST_VERDICTS = 100
+"""Points of a sweep whose verdicts are listed."""
+
+SCRIPTS = tuple(
+    f"{name}.js"
+    for name in ("format", "data", "axes", "profile", "sweep", "table", "stage", "strips", "player", "main")
+)
+"""In the order they are needed."""
+
+
+def write_page(
+    results: Tables,
+    folder: Path,
+    figures: Mapping[str, Figure],
+    evidences: Sequence[Evidence],
+    shown: Evidence,
+    columns: Sequence[Column],
+) -> Path:
+    """Write `report.html` of one study into an existing folder.
+
+    figures : drawn already, by name; none leaves them out
+    evidences, shown : every point of the sweep, and the one the figures are of
+    columns : the judgements at every point, headed by it
+    """
+    judgements = next((judged for where, judged in columns if where == shown.label), columns[0][1])
+    scene = results.scene()
+    chosen = chosen_points(evidences, shown)
+    data = {
+        "tables": tables(results, chosen),
+        "points": [{"label": evidence.label, "point": _named(evidence)} for evidence in chosen],
+        "shown": shown.label,
+        "sweep": sweep_chart(results),
+        "players": players(results, evidences),
+        "cases": shown.cases,
+        "buildings": shown.group,
+        "building": _main(shown),
+        "periods": shown.periods,
+    }
+    drawn = pictures(figures, shown)
+    content = {
+        "title": results.title,
+        "data": as_json(data),
+        "evidence": shown,
+        "group": _group(shown),
+        "sentence": motion_sentence(shown.records),
+        "motion_label": motion_label(shown.records),
+        "swept": len(evidences) > 1,
+        "points": len(evidences),
+        "points_carried": len(chosen),
+        "tiles": story.tiles(shown, judgements, shown.scene),
+        "judgements": judgements,
+        "verdicts": _verdicts(columns) if len(columns) > 1 else None,
+        "pictures": drawn,
+        "pictures_left": len(figures) - len(drawn) if len(figures) > MOST_FIGURES else 0,
+        "cases": story.cases(shown),
+        "effects": story.effects(scene),
+        "flags": flags(scene),
+        "failures": story.failures(scene),
+        "runs": len(scene),
+        "scenes": results.attrs.get("scenes"),
+        "trust": story.trust(shown.scene),
+        "accuracy": accuracy_beside(getattr(results, "path", None), results.title),
+        "motions": story.motions(shown),
+        "players": data["players"],
+        "study": results.study_text,
+        "versions": story.versions(results),
+        "created": results.attrs.get("created", ""),
+        "command": "pound run STUDY.yaml",
+    }
+    return render(folder / PAGE, "study.html.j2", content)
+
+
+def render(path: Path, template: str, content: Mapping[str, Any]) -> Path:
+    """Fill a template with content, style and scripts, and write it."""
+    text = (
+        _environment()
+        .get_template(template)
+        .render(**content, version=__version__, style=asset("style.css"), scripts=_scripts(), tone=story.verdict_tone)
+    )
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def asset(name: str) -> str:
+    """The text of a file in `assets/`."""
+    return resources.files("pounding_cli.report.web").joinpath("assets", name).read_text(encoding="utf-8")
+
+
+@cache
+def _environment() -> Any:
+    import jinja2
+
+    loader = jinja2.FunctionLoader(asset)
+    return jinja2.Environment(
+        loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
+
+
+def _scripts() -> str:
+    """All scripts as one that leaves nothing behind in the page's global scope."""
+    return "(() => {\n'use strict';\n" + "\n".join(asset(name) for name in SCRIPTS) + "\n})();"
+
+
+def _named(evidence: Evidence) -> dict[str, Any]:
+    return {key: value if isinstance(value, str) else float(value) for key, value in evidence.point.items()}
+
+
+def _main(evidence: Evidence) -> str:
+    """The building shown first: the study's choice, else the stiffer."""
+    chosen = (evidence.resolved.get("report") or {}).get("building")
+    return chosen if chosen in evidence.group else evidence.stiffer
+
+
+def _group(evidence: Evidence) -> list[dict[str, Any]]:
+    """Name, period [s] and storeys of every building, left to right, for the drawing."""
+    storeys = evidence.buildings.groupby("building", sort=False)["storey"].max()
+    main = _main(evidence)
+    return [
+        {"name": name, "period": evidence.periods[name], "storeys": int(storeys.get(name, 1)), "main": name == main}
+        for name in evidence.group
+    ]
+
+
+def _verdicts(columns: Sequence[Column]) -> dict[str, Any] | None:
+    """Claims across, points down, verdicts in the cells; None without claims."""
+    keys = list(dict.fromkeys(judgement.claim.key for _, judged in columns for judgement in judged))
+    if not keys:
+        return None
+    rows: list[tuple[str, list[Any]]] = []
+    for where, judged in columns[:MOST_VERDICTS]:
+        by_key: dict[str, Judgement] = {judgement.claim.key: judgement for judgement in judged}
+        rows.append((where, [by_key[key].verdict if key in by_key else None for key in keys]))
+    return {"keys": keys, "rows": rows, "left": max(len(columns) - MOST_VERDICTS, 0)}
