@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
 from typing import Protocol
 
 from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.bundles import Queue
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import Response
+from pounding_cli.store.chunk import Chunk
 
-ENGINES = ("serial", "processes")
+ENGINES = ("serial", "threads", "processes", "dask")
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A chunk as it comes from a worker; `content`: its bytes, where it came as bytes."""
+
+    chunk: Chunk
+    content: bytes | None = None
 
 
 class Engine(Protocol):
@@ -23,33 +33,47 @@ class Engine(Protocol):
     name: str
     workers: int
 
-    def solve(
-        self, scenes: Iterable[tuple[str, Scene]], task: Task, expected: float
-    ) -> Generator[tuple[str, Response]]:
-        """Every scene's response under its digest, in any order, each as soon as it is there.
+    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Task, key: str) -> Generator[Finished]:
+        """Everything in the queue, chunk by chunk as workers finish.
 
-        expected : expected time of one scene [s]
+        key : `solution_key`, which chunks made into bytes carry
 
-        A caller that stops early closes the generator; that ends the workers.
+        A worker gets its next bundle when the caller asks on, so after it has kept the chunk: a run that is killed
+        loses one chunk a worker. A caller that stops early closes the generator; that ends the workers.
         """
         ...
 
 
-def engine(name: str, workers: int) -> Engine:
+def engine(name: str, workers: int, scheduler: str | None = None) -> Engine:
     """The engine of that name.
+
+    Parameters
+    ----------
+    scheduler : address of a Dask scheduler, for the dask engine; a cluster on this machine unless given
 
     Raises
     ------
-    InputError : no such engine, fewer than one worker
+    InputError : no such engine, fewer than one worker, a scheduler for another engine, dask not installed
     """
     if workers < 1:
         raise InputError(Problem(f"workers: {workers} is not a number of workers", "write a number from 1"))
+    if scheduler is not None and name != "dask":
+        hint = "write `--engine dask --scheduler ...`, or leave the scheduler out"
+        raise InputError(Problem(f"a scheduler means nothing to the engine {name!r}", hint))
     if name == "serial":
         from pounding_cli.batch.serial import Serial
 
         return Serial()
+    if name == "threads":
+        from pounding_cli.batch.threads import Threads
+
+        return Threads(workers)
     if name == "processes":
         from pounding_cli.batch.processes import Processes
 
         return Processes(workers)
+    if name == "dask":
+        from pounding_cli.batch.cluster import Cluster
+
+        return Cluster(workers, scheduler)
     raise InputError(Problem(f"there is no engine {name!r}", f"choose one of: {', '.join(ENGINES)}"))

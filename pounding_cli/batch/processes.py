@@ -1,34 +1,28 @@
-"""The process engine: scenes in bundles on several cores; a worker that dies costs one scene, no more."""
+"""The process engine: workers on the cores of this machine; one that dies costs one scene, no more."""
 
 from __future__ import annotations
 
-import itertools
 import multiprocessing
+import pickle
 import signal
 import sys
 import time
-from collections.abc import Generator, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection, wait
+from typing import Any
 
 from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.bundles import Queue, solve_bundle
+from pounding_cli.batch.engines import Finished
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import Response
-
-Bundle = list[tuple[str, Scene]]
-
-BUNDLE_SECONDS = 0.1
-"""Work in one bundle: long against sending it (a millisecond), short against a user's patience."""
-
-BUNDLE_MOST = 256
-"""Scenes in one bundle at most, so that little is lost when a worker dies."""
-
-_AHEAD = 3
-"""Bundles handed out per worker: one at work, two waiting, so that no worker idles and memory stays small."""
-
+from pounding_cli.store.chunk import Chunk
 
 _GRACE = 2.0
-"""Time a worker has to end by itself [s]."""
+"""Time a worker has to end after it was told to [s]."""
+
+DIED = "the worker died"
+ADVICE = "memory may be short: use fewer workers; otherwise report it with the study file"
 
 
 class Processes:
@@ -39,94 +33,141 @@ class Processes:
     def __init__(self, workers: int) -> None:
         self.workers = workers
 
-    def solve(
-        self, scenes: Iterable[tuple[str, Scene]], task: Task, expected: float
-    ) -> Generator[tuple[str, Response]]:
-        """The scenes as their bundles come back."""
-        size = max(1, min(BUNDLE_MOST, int(BUNDLE_SECONDS / max(expected, 1e-9))))
-        bundles = _bundles(scenes, size)
-        suspects: list[Bundle] = []
-        while True:
-            yield from self._until_broken(bundles, task, suspects)
-            if not suspects:
-                return
-            for digest, scene in itertools.chain.from_iterable(suspects):
-                yield digest, _alone(digest, scene, task)
-            suspects.clear()
-
-    def _until_broken(
-        self, bundles: Iterator[Bundle], task: Task, suspects: list[Bundle]
-    ) -> Generator[tuple[str, Response]]:
-        """Solve until the bundles end, or a worker dies: then `suspects` holds the bundles that were out."""
-        running: dict[Future, Bundle] = {}
-        pool = _pool(self.workers, task)
-
-        def hand_out(most: int) -> None:
-            for bundle in itertools.islice(bundles, most):
-                suspects.append(bundle)  # until the pool has taken it
-                running[pool.submit(_solve, bundle)] = bundle
-                suspects.pop()
-
+    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Task, key: str) -> Generator[Finished]:
+        """The scenes as workers finish them."""
+        staff = _Staff(scenes, task, key)
+        suspects: list[str] = []
+        tried: set[str] = set()
         try:
-            hand_out(self.workers * _AHEAD)
-            while running:
-                ready, _ = wait(running, return_when=FIRST_COMPLETED)
-                for future in ready:
-                    yield from future.result()
-                    del running[future]
-                hand_out(len(ready))
-        except BrokenProcessPool:
-            suspects.extend(running.values())
+            while queue or suspects or staff.busy:
+                while (queue or suspects) and len(staff.busy) < self.workers:
+                    staff.send([suspects.pop()] if suspects else queue.take())
+                for worker in staff.ready():
+                    bundle = staff.busy.pop(worker)
+                    answer = worker.answer()
+                    if answer is not None:
+                        content, seconds = answer
+                        chunk = Chunk.from_bytes(content, key)
+                        assert chunk is not None
+                        staff.idle.append(worker)
+                        queue.give_back(bundle[len(chunk) :])
+                        queue.learn(len(chunk), seconds)
+                        yield Finished(chunk, content)
+                        continue
+                    worker.end()
+                    culprit = bundle.pop(worker.place())
+                    queue.give_back(bundle)
+                    if culprit in tried:
+                        yield Finished(Chunk.of({culprit: task.without(scenes[culprit], DIED, ADVICE)}))
+                    else:  # once more, alone: something else may have killed the worker
+                        tried.add(culprit)
+                        suspects.append(culprit)
         finally:
-            _end(pool)
+            staff.end()
 
 
-def _alone(digest: str, scene: Scene, task: Task) -> Response:
-    """Solve one scene in a worker of its own; if that dies too, the scene is the cause."""
-    pool = _pool(1, task)
-    try:
-        return pool.submit(_solve, [(digest, scene)]).result()[0][1]
-    except BrokenProcessPool:
-        advice = "memory may be short: use fewer workers; otherwise report it with the study file"
-        return task.without(scene, "the worker died", advice)
-    finally:
-        _end(pool)
+class _Staff:
+    """The workers: at work on a bundle, or idle; hired when they are needed."""
+
+    def __init__(self, scenes: Mapping[str, Scene], task: Task, key: str) -> None:
+        # Forked workers inherit the compiled kernels and the plan; elsewhere forking is not safe: scenes are sent.
+        self._forks = sys.platform == "linux"
+        self._context: Any = multiprocessing.get_context("fork" if self._forks else "spawn")
+        self._scenes, self._task, self._key = scenes, task, key
+        self.busy: dict[_Worker, list[str]] = {}
+        self.idle: list[_Worker] = []
+
+    def send(self, bundle: list[str]) -> None:
+        """Give an idle or a new worker a bundle."""
+        worker = self.idle.pop() if self.idle else self._hired()
+        self.busy[worker] = bundle
+        worker.give(bundle if self._forks else [(digest, self._scenes[digest]) for digest in bundle])
+
+    def _hired(self) -> _Worker:
+        others = [worker.line for worker in (*self.busy, *self.idle)]
+        return _Worker(self._context, self._scenes if self._forks else None, self._task, self._key, others)
+
+    def ready(self) -> list[_Worker]:
+        """Wait for workers that have finished or died."""
+        by_line = {worker.line: worker for worker in self.busy}
+        return [by_line[line] for line in wait(list(by_line)) if isinstance(line, Connection)]
+
+    def end(self) -> None:
+        """End all workers: what they are at is lost, what they have sent is not."""
+        workers = (*self.busy, *self.idle)
+        for worker in workers:
+            worker.tell()
+        deadline = time.monotonic() + _GRACE
+        for worker in workers:
+            worker.end(deadline)
 
 
-def _pool(workers: int, task: Task) -> ProcessPoolExecutor:
-    # Forked workers inherit the compiled kernels; elsewhere forking is not safe and each worker loads them.
-    context = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(task,))
+class _Worker:
+    """One worker process, seen from the parent."""
+
+    def __init__(
+        self, context: Any, scenes: Mapping[str, Scene] | None, task: Task, key: str, others: Sequence[Connection]
+    ) -> None:
+        self.line, far = context.Pipe()
+        self._place = context.RawValue("q", 0)
+        # A fork holds the parent's ends of all pipes; it closes them, so that workers see when the parent is gone.
+        inherited = (self.line, *others) if scenes is not None else ()
+        arguments = (far, self._place, scenes, task, key, inherited)
+        self._process = context.Process(target=_work, args=arguments, daemon=True)
+        self._process.start()
+        far.close()
+
+    def give(self, bundle: Sequence[Any]) -> None:
+        self._place.value = 0
+        with suppress(OSError):  # it has died: its line says so when it is looked at
+            self.line.send(bundle)
+
+    def answer(self) -> tuple[bytes, float] | None:
+        """The bytes of a chunk and the time it took [s]; None when the worker has died."""
+        try:
+            return self.line.recv()
+        except (EOFError, OSError, pickle.UnpicklingError):
+            return None
+
+    def place(self) -> int:
+        """The place in its bundle of the scene it was last at."""
+        return int(self._place.value)
+
+    def tell(self) -> None:
+        self.line.close()
+        self._process.terminate()
+
+    def end(self, deadline: float | None = None) -> None:
+        """Wait until it has ended, and make it."""
+        if deadline is None:
+            self.line.close()
+            deadline = time.monotonic() + _GRACE
+        self._process.join(max(0.0, deadline - time.monotonic()))
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
 
 
-def _end(pool: ProcessPoolExecutor) -> None:
-    """End the workers; a bundle at work may end by itself, so that no message is cut in two."""
-    workers = list((pool._processes or {}).values())
-    pool.shutdown(wait=False, cancel_futures=True)
-    deadline = time.monotonic() + _GRACE
-    for worker in workers:
-        worker.join(max(0.0, deadline - time.monotonic()))
-        if worker.is_alive():
-            worker.terminate()
-
-
-def _bundles(scenes: Iterable[tuple[str, Scene]], size: int) -> Iterator[Bundle]:
-    rest = iter(scenes)
-    while bundle := list(itertools.islice(rest, size)):
-        yield bundle
-
-
-_task: Task | None = None
-"""In a worker: how it solves scenes."""
-
-
-def _begin(task: Task) -> None:
-    """Start of a worker; Ctrl-C is for the parent, which then ends its workers."""
-    global _task
+def _work(
+    line: Connection,
+    place: Any,
+    scenes: Mapping[str, Scene] | None,
+    task: Task,
+    key: str,
+    inherited: Sequence[Connection],
+) -> None:
+    """A worker's life; Ctrl-C is for the parent, which then ends its workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _task = task
+    for other in inherited:
+        other.close()
 
+    def begins(number: int) -> None:
+        place.value = number
 
-def _solve(bundle: Bundle) -> list[tuple[str, Response]]:
-    assert _task is not None
-    return [(digest, _task(scene)) for digest, scene in bundle]
+    with suppress(EOFError, OSError):  # the parent is gone
+        while True:
+            bundle = line.recv()
+            at_hand = scenes if scenes is not None else dict(bundle)
+            digests = bundle if scenes is not None else list(at_hand)
+            chunk, seconds = solve_bundle(digests, at_hand.__getitem__, task, begins)
+            line.send((chunk.to_bytes(key), seconds))

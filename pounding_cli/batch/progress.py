@@ -1,10 +1,12 @@
-"""Progress of a run: a bar on a terminal, plain lines elsewhere, nothing when asked to be quiet."""
+"""Progress of a run: a bar on a terminal, plain lines or JSON lines elsewhere, nothing when asked to be quiet."""
 
 from __future__ import annotations
 
+import json
 import sys
 import time
-from typing import Protocol, TextIO
+from dataclasses import dataclass
+from typing import Any, Protocol, TextIO
 
 
 class Progress(Protocol):
@@ -14,8 +16,8 @@ class Progress(Protocol):
         """`total` scenes are to be solved; `reused` were found solved."""
         ...
 
-    def step(self, failed: bool) -> None:
-        """One scene came back."""
+    def step(self, done: int, failed: int) -> None:
+        """So many scenes more came back, with and without a result."""
         ...
 
     def say(self, sentence: str) -> None:
@@ -27,12 +29,55 @@ class Progress(Protocol):
         ...
 
 
+@dataclass
+class Counts:
+    """Scenes done, failed, reused and left, and the time they take."""
+
+    total: int = 0
+    reused: int = 0
+    done: int = 0
+    failed: int = 0
+    begun: float = 0.0
+
+    def start(self, total: int, reused: int) -> None:
+        self.total, self.reused, self.begun = total, reused, time.monotonic()
+
+    def step(self, done: int, failed: int) -> None:
+        self.done += done
+        self.failed += failed
+
+    @property
+    def left(self) -> int:
+        return self.total - self.done - self.failed
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Time the rest will take if it is like what came before [s]; None before anything came."""
+        come = self.done + self.failed
+        return (time.monotonic() - self.begun) / come * self.left if come else None
+
+    @property
+    def words(self) -> str:
+        """The counts in a line."""
+        parts = [f"{self.done} done", f"{self.failed} failed", f"{self.reused} reused", f"{self.left} left"]
+        seconds = self.seconds_left
+        return ", ".join(parts) + (f", about {span(seconds)} to go" if seconds is not None and self.left else "")
+
+
+def span(seconds: float) -> str:
+    """A time in words."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"
+
+
 class Quiet:
     """Says nothing."""
 
     def start(self, total: int, reused: int) -> None: ...
 
-    def step(self, failed: bool) -> None: ...
+    def step(self, done: int, failed: int) -> None: ...
 
     def say(self, sentence: str) -> None: ...
 
@@ -40,62 +85,92 @@ class Quiet:
 
 
 class Lines:
-    """Plain lines for logs and pipes: at the start, then at most one every `every` seconds."""
+    """Plain lines for logs and pipes: at the start, then at most one every `every` seconds, and at the end."""
 
     def __init__(self, stream: TextIO | None = None, every: float = 5.0) -> None:
         self.stream = stream or sys.stderr
         self.every = every
-        self.total = self.count = self.failed = 0
+        self.counts = Counts()
         self._last = time.monotonic()
 
     def start(self, total: int, reused: int) -> None:
-        self.total = total
+        self.counts.start(total, reused)
         found = f" ({reused} already solved)" if reused else ""
         self.say(f"{total} scenes to solve{found}")
 
-    def step(self, failed: bool) -> None:
-        self.count += 1
-        self.failed += failed
+    def step(self, done: int, failed: int) -> None:
+        self.counts.step(done, failed)
         if time.monotonic() - self._last > self.every:
             self._last = time.monotonic()
-            wrong = f", {self.failed} failed" if self.failed else ""
-            self.say(f"{self.count} of {self.total} scenes{wrong}")
+            self.say(self.counts.words)
 
     def say(self, sentence: str) -> None:
         print(sentence, file=self.stream, flush=True)
 
-    def stop(self) -> None: ...
+    def stop(self) -> None:
+        self.say(self.counts.words)
 
 
-class Bar:
-    """A bar on the terminal with count, rate and time left."""
+class JsonLines:
+    """One JSON object a line, each with `event`: start, progress (at most every `every` seconds), note, stop."""
 
-    def __init__(self) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-        from rich.progress import Progress as Rich
-
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        # Drawn from `step`, not from a thread: a worker's fork must not copy the locks of a running thread.
-        self._rich = Rich(*columns, console=Console(stderr=True), auto_refresh=False, transient=True)
-        self._task = self._rich.add_task("scenes", total=None)
-        self._failed = 0
+    def __init__(self, stream: TextIO | None = None, every: float = 1.0) -> None:
+        self.stream = stream or sys.stdout
+        self.every = every
+        self.counts = Counts()
         self._last = 0.0
 
     def start(self, total: int, reused: int) -> None:
-        if reused:
-            self.say(f"{reused} scenes already solved")
-        self._rich.update(self._task, total=total)
+        self.counts.start(total, reused)
+        self._progress("start")
+
+    def step(self, done: int, failed: int) -> None:
+        self.counts.step(done, failed)
+        if time.monotonic() - self._last > self.every:
+            self._progress("progress")
+
+    def say(self, sentence: str) -> None:
+        self.tell("note", text=sentence)
+
+    def stop(self) -> None:
+        self._progress("stop")
+
+    def tell(self, event: str, **facts: Any) -> None:
+        """Any line."""
+        line = {"event": event, "time": round(time.time(), 3), **facts}
+        print(json.dumps(line), file=self.stream, flush=True)
+
+    def _progress(self, event: str) -> None:
+        self._last = time.monotonic()
+        counts, seconds = self.counts, self.counts.seconds_left
+        facts = {name: getattr(counts, name) for name in ("done", "failed", "reused", "left")}
+        self.tell(event, **facts, seconds_left=None if seconds is None else round(seconds, 1))
+
+
+class Bar:
+    """A bar on the terminal with the counts and the time left."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, TextColumn
+        from rich.progress import Progress as Rich
+
+        columns = (TextColumn("scenes"), BarColumn(), TextColumn("{task.description}"))
+        # Drawn from `step`, not from a thread: a worker's fork must not copy the locks of a running thread.
+        self._rich = Rich(*columns, console=Console(stderr=True), auto_refresh=False, transient=True)
+        self._task = self._rich.add_task("", total=None)
+        self.counts = Counts()
+
+    def start(self, total: int, reused: int) -> None:
+        self.counts.start(total, reused)
+        self._rich.update(self._task, total=total, description=self.counts.words)
         self._rich.start()
         self._rich.refresh()
 
-    def step(self, failed: bool) -> None:
-        self._failed += failed
-        wrong = f"scenes, {self._failed} failed" if self._failed else "scenes"
-        self._rich.update(self._task, advance=1, description=wrong)
-        if time.monotonic() - self._last > 0.1:
-            self._last = time.monotonic()
-            self._rich.refresh()
+    def step(self, done: int, failed: int) -> None:
+        self.counts.step(done, failed)
+        self._rich.update(self._task, advance=done + failed, description=self.counts.words)
+        self._rich.refresh()
 
     def say(self, sentence: str) -> None:
         self._rich.console.print(sentence, highlight=False, markup=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import threading
 import time
@@ -11,28 +12,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pounding_cli.batch.attempt import Solve, Task
-from pounding_cli.batch.engines import Engine, engine
+from pounding_cli.batch.bundles import Queue
+from pounding_cli.batch.engines import Engine, Finished, engine
+from pounding_cli.batch.families import Order, order_of
 from pounding_cli.batch.histories import kept_histories
 from pounding_cli.batch.outcome import Failure, Outcome
 from pounding_cli.batch.progress import Progress, Quiet
+from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
-from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import Response
-from pounding_cli.store import (
-    PartStore,
-    Run,
-    check_output,
-    is_current,
-    solution_key,
-    stored_solutions,
-    write_results,
-)
+from pounding_cli.store import PartStore, Run, check_output, is_current, locked, solution_key, write_results
+from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.files import refused_write
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
 
-WORTH_PROCESSES = 1.0
-"""Expected work [s] from which starting processes pays."""
+WORTH_WORKERS = 1.0
+"""Expected work [s] from which starting workers pays."""
 
 _COMPILE_PATIENCE = 1.5
 """Loading compiled kernels takes less than this [s]; only a first run, which compiles them, takes more."""
@@ -46,6 +42,7 @@ def run_plan(
     solve: Solve | None = None,
     workers: int | None = None,
     engine_name: str = "processes",
+    scheduler: str | None = None,
 ) -> Outcome:
     """Solve what `output` and its parts still lack and write the results file.
 
@@ -59,95 +56,102 @@ def run_plan(
     progress : told what happens; nothing unless given
     solve : solves a scene; `pounding_cli.solve.solve` unless given
     workers : scenes side by side; the cores of this machine unless given
-    engine_name : "serial" or "processes"; small studies are solved serially either way
+    engine_name : one of `engines.ENGINES`; small studies are solved serially whatever it is
+    scheduler : address of a Dask scheduler, e.g. tcp://node:8786; only for the dask engine
 
     Raises
     ------
-    InputError : `output` cannot be written; no such engine
+    InputError : `output` cannot be written, or another run is at work on it; no such engine; the disk is full
     KeyboardInterrupt : stopped; what is solved is on disk
     """
     begin = time.perf_counter()
     progress = progress or Quiet()
-    chosen = engine(engine_name, workers or _cores())
+    chosen = engine(engine_name, workers or _cores(), scheduler)
     check_output(output)
     if is_current(output, plan):
         return Outcome(output, 0, 0, len(plan.scenes), (), "none", 0, 0.0, time.perf_counter() - begin)
     key = solution_key(plan.accuracy, plan.method, plan.estimate)
     parts = PartStore(output, key)
-    found = stored_solutions(output, key, plan.scenes) | parts.load()
-    responses = {digest: found[digest] for digest in plan.scenes if digest in found}
-    reused = len(responses)
-    missing = {digest: scene for digest, scene in plan.scenes.items() if digest not in responses}
-    used: Engine = Serial()
-    if missing:
-        progress.start(len(missing), reused)
+    try:
+        with locked(output):
+            return _run(plan, parts, output, progress, solve, chosen, begin)
+    except OSError as error:
+        raise refused_write(error, output, parts.folder) from None
+
+
+def _run(
+    plan: Plan,
+    parts: PartStore,
+    output: Path,
+    progress: Progress,
+    solve: Solve | None,
+    chosen: Engine,
+    begin: float,
+) -> Outcome:
+    reuse(plan, output, parts, progress.say)
+    reused = len(parts)
+    order = order_of(plan, parts)
+    used, seconds = "none", 0.0
+    if order.digests:
+        progress.start(len(order.digests), reused)
         try:
-            used = _solve_missing(plan, missing, responses, parts, chosen, progress, solve)
+            used, seconds = _solve_missing(plan, order, parts, chosen, progress, solve)
         except BaseException:
-            parts.flush()
+            with contextlib.suppress(OSError):  # the disk may be why
+                parts.flush()
             progress.stop()
-            progress.say(f"{len(responses)} of {len(plan.scenes)} scenes are kept in {parts.folder}")
+            progress.say(f"{len(parts)} of {len(plan.scenes)} scenes are kept in {parts.folder}")
             raise
         progress.stop()
-    run = Run(time.perf_counter() - begin, len(missing), reused, used.name, used.workers)
-    write_results(output, plan, responses, run, kept_histories(plan, responses, output, key, progress.say))
+    workers = chosen.workers if used == chosen.name else 1
+    run = Run(time.perf_counter() - begin, len(order.digests), reused, used, workers)
+    write_results(output, plan, parts, run, kept_histories(plan, parts, output, parts.key, progress.say))
     parts.remove()
-    failures = tuple(_failures(plan, responses))
-    return Outcome(
-        output,
-        len(missing) - len(failures),
-        len(failures),
-        reused,
-        failures,
-        used.name,
-        used.workers,
-        sum(responses[digest].seconds for digest in missing),
-        time.perf_counter() - begin,
-    )
+    failures = tuple(_failures(plan, parts))
+    done = len(order.digests) - len(failures)
+    wall = time.perf_counter() - begin
+    return Outcome(output, done, len(failures), reused, failures, used, workers, seconds, wall)
 
 
 def _solve_missing(
-    plan: Plan,
-    missing: dict[str, Scene],
-    responses: dict[str, Response],
-    parts: PartStore,
-    chosen: Engine,
-    progress: Progress,
-    solve: Solve | None,
-) -> Engine:
-    """Solve two scenes of every sort here, one to compile, one to price the rest; then solve the rest."""
+    plan: Plan, order: Order, parts: PartStore, chosen: Engine, progress: Progress, solve: Solve | None
+) -> tuple[str, float]:
+    """Solve two scenes of every sort here, one to compile and one to price the rest; then solve the rest.
+
+    Returns the engine's name and the time in the solver, all workers together [s].
+    """
     task = Task(solve or _default_solve(), plan.accuracy, plan.method, plan.estimate)
+    spent = 0.0
 
-    def keep(digest: str, response: Response) -> None:
-        responses[digest] = response
-        if response.status == "done":
-            parts.add(digest, response)
-        progress.step(response.status != "done")
+    def keep(finished: Finished, at_once: bool) -> None:
+        nonlocal spent
+        chunk = finished.chunk
+        parts.add(chunk, finished.content, at_once)
+        spent += float(chunk.seconds.sum())
+        done = sum(chunk.is_done)
+        progress.step(done, len(chunk) - done)
 
-    sorts: dict[tuple, list[str]] = {}
-    for digest, scene in missing.items():
-        sorts.setdefault(_sort(scene), []).append(digest)
+    def here(digest: str) -> float:
+        begin = time.perf_counter()
+        keep(Finished(Chunk.of({digest: task(plan.scenes[digest])})), False)
+        return time.perf_counter() - begin
+
     with _compile_notice(progress, solve):
-        for digests in sorts.values():
-            keep(digests[0], task(missing[digests[0]]))
-    expected = 0.0
-    for digests in sorts.values():
-        for digest in digests[1:2]:
-            keep(digest, task(missing[digest]))
-            expected += responses[digest].seconds * len(digests[2:])
-    rest = [(digest, missing[digest]) for digests in sorts.values() for digest in digests[2:]]
-    used = chosen if expected > WORTH_PROCESSES and chosen.workers > 1 else Serial()
-    with contextlib.closing(used.solve(rest, task, expected / max(1, len(rest)))) as solved:
-        for digest, response in solved:
-            keep(digest, response)
-    return used
-
-
-def _sort(scene: Scene) -> tuple:
-    """Scenes of one sort run the same compiled code and cost about the same."""
-    kinds = frozenset(str(link.kind) for link in scene.links)
-    founded = any(building.foundation is not None for building in scene.buildings)
-    return str(scene.analysis), kinds, founded, len(scene.buildings)
+        for digests in order.samples.values():
+            here(digests[0])
+    work = sum(here(digests[1]) * (order.counts[sort] - 2) for sort, digests in order.samples.items() if digests[1:])
+    sampled = set(itertools.chain.from_iterable(order.samples.values()))
+    rest = [digest for digest in order.digests if digest not in sampled]
+    # What takes a second need not touch the disk; of anything longer, every chunk does.
+    small = work < WORTH_WORKERS
+    used = Serial() if small or (chosen.workers == 1 and chosen.name != "dask") else chosen
+    if not small:
+        parts.flush()
+    queue = Queue(rest, used.workers, work / max(1, len(rest)))
+    with contextlib.closing(used.solve(queue, plan.scenes, task, parts.key)) as solved:
+        for finished in solved:
+            keep(finished, not small)
+    return used.name, spent
 
 
 def _default_solve() -> Solve:
@@ -174,10 +178,10 @@ def _compile_notice(progress: Progress, solve: Solve | None) -> Iterator[None]:
         notice.join()
 
 
-def _failures(plan: Plan, responses: dict[str, Response]) -> Iterator[Failure]:
+def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:
     """Every failed scene once, named by the first place in the study where it stands."""
-    named: set[str] = set()
-    for row in plan.rows:
+    failed = {digest for digest in plan.scenes if not parts.words(digest).is_done}
+    for row in plan.rows if failed else ():
         swept = [
             f"{name} = {value}"
             for axis, number in zip(plan.axes, row.point, strict=True)
@@ -186,11 +190,10 @@ def _failures(plan: Plan, responses: dict[str, Response]) -> Iterator[Failure]:
         places = [(row.scene, row.case)]
         places += [(key, f"{building} alone") for building, key in zip(plan.buildings, row.baselines, strict=True)]
         for digest, what in places:
-            response = responses[digest]
-            if response.status != "done" and digest not in named:
-                named.add(digest)
-                place = ", ".join([*swept, what, row.analysis, row.record])
-                yield Failure(place, response.status, response.advice)
+            if digest in failed:
+                failed.remove(digest)
+                facts = parts.words(digest).facts
+                yield Failure(", ".join([*swept, what, row.analysis, row.record]), facts["status"], facts["advice"])
 
 
 def _cores() -> int:

@@ -1,12 +1,13 @@
-"""The serial engine: one scene after another, in this process; the one to debug with."""
+"""The serial engine: scene after scene in this process, for small studies and for debugging."""
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Mapping
 
 from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.bundles import Queue, solve_bundle
+from pounding_cli.batch.engines import Finished
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import Response
 
 
 class Serial:
@@ -15,9 +16,11 @@ class Serial:
     name = "serial"
     workers = 1
 
-    def solve(
-        self, scenes: Iterable[tuple[str, Scene]], task: Task, expected: float
-    ) -> Generator[tuple[str, Response]]:
+    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Task, key: str) -> Generator[Finished]:
         """The scenes in their order."""
-        for digest, scene in scenes:
-            yield digest, task(scene)
+        while queue:
+            bundle = queue.take()
+            chunk, seconds = solve_bundle(bundle, scenes.__getitem__, task)
+            queue.give_back(bundle[len(chunk) :])
+            queue.learn(len(chunk), seconds)
+            yield Finished(chunk)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pounding_cli.store.files import check_output
+from pounding_cli.store.files import check_output, former_run, locked
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, solution_key
 from pounding_cli.store.overview import Overview, overview
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.results import Results, open_results
-from pounding_cli.store.solutions import stored_solutions
+from pounding_cli.store.solutions import stored_chunks
 from pounding_cli.store.write import Run, is_current, write_results
 
 __all__ = [
@@ -18,10 +18,12 @@ __all__ = [
     "Results",
     "Run",
     "check_output",
+    "former_run",
     "is_current",
+    "locked",
     "open_results",
     "overview",
     "solution_key",
-    "stored_solutions",
+    "stored_chunks",
     "write_results",
 ]

@@ -1,9 +1,12 @@
-"""A response as a line of JSON and a row of numbers, and back, bit for bit."""
+"""A response as words and numbers, and back, bit for bit.
+
+The words (status, sentences, which numbers follow) are the same for most scenes of a study, so they are kept once."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,46 +15,101 @@ from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 
 _BUILDING_ARRAYS = tuple(f.name for f in fields(BuildingResponse) if f.name not in ("sway", "rocking"))
 _LINK_ARRAYS = tuple(f.name for f in fields(LinkResponse))
-_ELSEWHERE = ("buildings", "links", "final")
-_HEAD = tuple(f.name for f in fields(Response) if f.name not in _ELSEWHERE)
-_SENTENCES = {f.name for f in fields(Response) if str(f.type).startswith("tuple[str")}
+_COUNTS = tuple(f.name for f in fields(Response) if f.type == "int")
+_SCALARS = tuple(f.name for f in fields(Response) if f.type in ("int", "float"))
+_WORDS = tuple(f.name for f in fields(Response) if f.type == "str")
+_SENTENCES = tuple(f.name for f in fields(Response) if str(f.type).startswith("tuple[str"))
+
+
+@dataclass(frozen=True)
+class Words:
+    """What one line of words says: the facts of a response, and where its numbers stand.
+
+    facts : status, advice, method; sentences as tuples
+    columns : place of every scalar, and of the energies as `energy_<name>`
+    buildings : for every building, the span of each of its arrays and of sway and rocking (spans of one)
+    links : the span of each array
+    size : numbers in all
+    """
+
+    facts: dict[str, Any]
+    columns: dict[str, int]
+    buildings: tuple[dict[str, slice], ...]
+    links: dict[str, slice]
+    size: int
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the scene has a result."""
+        return self.facts["status"] == "done"
 
 
 def encode(response: Response) -> tuple[str, np.ndarray]:
-    """Head (JSON: counts, status, cost, sentences) and numbers, shape (k,); the end state is not kept."""
-    head: dict[str, Any] = {name: getattr(response, name) for name in _HEAD}
-    head["storeys"] = [int(b.shear.size) for b in response.buildings]
-    head["n_links"] = int(response.links.impacts.size)
-    columns = [np.atleast_1d(getattr(b, name)) for b in response.buildings for name in _BUILDING_ARRAYS]
-    columns += [np.array([value for b in response.buildings for value in (b.sway, b.rocking)], float)]
+    """A line of words (JSON) and the numbers, shape (k,); the end state and the envelopes are not kept."""
+    words: dict[str, Any] = {name: str(getattr(response, name)) for name in _WORDS}
+    words |= {name: list(map(str, getattr(response, name))) for name in _SENTENCES}
+    words["energy"] = list(response.energy)
+    words["storeys"] = [int(b.shear.size) for b in response.buildings]
+    words["links"] = int(response.links.impacts.size)
+    scalars = [getattr(response, name) for name in _SCALARS] + list(response.energy.values())
+    columns = [np.array(scalars, float)]
+    for b in response.buildings:
+        columns += [np.atleast_1d(getattr(b, name)) for name in _BUILDING_ARRAYS]
+        columns.append(np.array([b.sway, b.rocking], float))
     columns += [np.atleast_1d(getattr(response.links, name)) for name in _LINK_ARRAYS]
-    return json.dumps(head, default=_plain), np.concatenate([c.astype(float) for c in columns])
+    return json.dumps(words), np.concatenate(columns, dtype=float)
 
 
-def decode(head: str, numbers: np.ndarray) -> Response:
+@lru_cache(maxsize=4096)
+def parse(text: str) -> Words:
+    """What a line of words says.
+
+    Raises
+    ------
+    ValueError, KeyError, TypeError : it is not one
+    """
+    facts: dict[str, Any] = json.loads(text)
+    names = [*_SCALARS, *(f"energy_{name}" for name in facts.pop("energy"))]
+    storeys, n_links = facts.pop("storeys"), facts.pop("links")
+    facts = {name: facts[name] for name in _WORDS} | {name: tuple(facts[name]) for name in _SENTENCES}
+    end = len(names)
+
+    def spans(sizes: dict[str, int]) -> dict[str, slice]:
+        nonlocal end
+        found = {}
+        for name, size in sizes.items():
+            found[name] = slice(end, end + size)
+            end += size
+        return found
+
+    buildings = tuple(spans(dict.fromkeys(_BUILDING_ARRAYS, n) | {"sway": 1, "rocking": 1}) for n in storeys)
+    links = spans(dict.fromkeys(_LINK_ARRAYS, n_links))
+    return Words(facts, {name: place for place, name in enumerate(names)}, buildings, links, end)
+
+
+def decode(text: str, numbers: np.ndarray) -> Response:
     """The response that `encode` took apart.
 
     Raises
     ------
-    ValueError, KeyError, TypeError : head and numbers do not belong together
+    ValueError, KeyError, TypeError : words and numbers do not belong together
     """
-    facts: dict[str, Any] = json.loads(head)
-    storeys, n_links = facts.pop("storeys"), facts.pop("n_links")
-    sizes = [n for n in storeys for _ in _BUILDING_ARRAYS] + [2 * len(storeys)]
-    sizes += [n_links] * len(_LINK_ARRAYS)
-    if numbers.shape != (sum(sizes),):
-        raise ValueError(f"expected {sum(sizes)} numbers, found {numbers.size}")
-    pieces = iter(np.split(numbers, np.cumsum(sizes)[:-1]))
-    arrays: list[dict[str, Any]] = [{name: next(pieces) for name in _BUILDING_ARRAYS} for _ in storeys]
-    feet = next(pieces).reshape(-1, 2)
+    words = parse(text)
+    if numbers.shape != (words.size,):
+        raise ValueError(f"expected {words.size} numbers, found {numbers.size}")
+    scalars: dict[str, Any] = {name: float(numbers[place]) for name, place in words.columns.items()}
+    energy = {name[len("energy_") :]: scalars.pop(name) for name in words.columns if name.startswith("energy_")}
+    scalars |= {name: int(scalars[name]) for name in _COUNTS}
     buildings = tuple(
-        BuildingResponse(**array, sway=float(foot[0]), rocking=float(foot[1]))
-        for array, foot in zip(arrays, feet, strict=True)
+        BuildingResponse(
+            **{name: numbers[spans[name]].copy() for name in _BUILDING_ARRAYS},
+            sway=float(numbers[spans["sway"]][0]),
+            rocking=float(numbers[spans["rocking"]][0]),
+        )
+        for spans in words.buildings
     )
-    links = LinkResponse(**{name: next(pieces) for name in _LINK_ARRAYS})
-    for name in _SENTENCES:
-        facts[name] = tuple(facts[name])
-    return Response(buildings=buildings, links=links, **facts)
+    links = LinkResponse(**{name: numbers[words.links[name]].copy() for name in _LINK_ARRAYS})
+    return Response(buildings=buildings, links=links, energy=energy, **scalars, **words.facts)
 
 
 def failed(storeys: list[int], n_links: int, status: str, advice: str, method: str, tolerance: float) -> Response:
@@ -60,8 +118,3 @@ def failed(storeys: list[int], n_links: int, status: str, advice: str, method: s
     buildings = tuple(BuildingResponse(**column) for column in columns)
     links = LinkResponse(**{name: np.full(n_links, np.nan) for name in _LINK_ARRAYS})
     return Response(buildings, links, status, advice, method, tolerance, steps=0, events=0, seconds=0.0)
-
-
-def _plain(value: object) -> object:
-    """NumPy scalars and str subclasses as what JSON knows."""
-    return value.item() if isinstance(value, np.generic) else str(value)

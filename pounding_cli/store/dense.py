@@ -1,188 +1,128 @@
-"""From the rows of a plan and the responses of its scenes to dense arrays, one a variable."""
+"""What a results file says of points and cases, whatever the scenes did: sizes, links, buildings, motions."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import Response
-from pounding_cli.store.layout import BUILDINGS, LINKS, RECORDS, RESPONSES, SCENES, STATISTICS, Variable
-from pounding_cli.store.statistics import over_records, ratio
+from pounding_cli.store.layout import BUILDINGS, LINKS, PLACE, RECORDS, Variable
 
 if TYPE_CHECKING:
-    from pounding_cli.study import Plan, Row
+    from pounding_cli.store.parts import PartStore
+    from pounding_cli.study import Plan
 
 LinkPlace = tuple[int, int, int]
 """Place of the left building, its floor, the floor of the right building."""
 
-STOREY_FIELDS = {"V": "shear", "mu": "ductility", "drift": "drift", "residual_drift": "residual_drift"}
-FLOOR_FIELDS = {name: name for name in ("acceleration", "displacement_max", "displacement_min")}
-LINK_FIELDS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
-ALONE = {"V0": "shear", "mu0": "ductility", "drift0": "drift", "acceleration0": "acceleration"}
-RATIOS = {"V": "V0", "mu": "mu0", "acceleration": "acceleration0"}
-ENERGIES = ("residual", "input", "kinetic", "stored", "damping", "hysteresis", "links")
+Data = dict[str, tuple[tuple[str, ...], np.ndarray]]
+"""Variable -> (dimensions, array)."""
 
 
 @dataclass(frozen=True)
-class Dense:
-    """The arrays of a study.
+class Shape:
+    """The dimensions of a study.
 
     axes : dimension name of every swept axis
     sizes : size of every dimension
     links : the link dimension, place by place
-    data : variable -> (dimensions, array)
     """
 
     axes: tuple[str, ...]
     sizes: dict[str, int]
     links: tuple[LinkPlace, ...]
-    data: dict[str, tuple[tuple[str, ...], np.ndarray]]
+
+    def of(self, dims: tuple[str, ...]) -> tuple[int, ...]:
+        """The sizes of some dimensions."""
+        return tuple(self.sizes[dim] for dim in dims)
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """The sizes along the rows: swept axes, case, analysis, record."""
+        return self.of((*self.axes, *PLACE))
 
 
-def assemble(plan: Plan, responses: Mapping[str, Response]) -> Dense:
-    """Fill every variable of the file.
-
-    Parameters
-    ----------
-    plan : rows and scenes
-    responses : by scene digest; every scene of the plan
-    """
+def shape_of(plan: Plan, responses: PartStore) -> Shape:
+    """The dimensions of a plan whose scenes are all in `responses`."""
     axes = tuple(axis.names[0] for axis in plan.axes)
-    scenes = [plan.scenes[row.scene] for row in plan.rows]
-    storeys = max(b.storeys for scene in scenes for b in scene.buildings)
-    links = tuple(sorted({_place(link) for scene in scenes for link in scene.links}))
+    seen = set(row.links for row in plan.rows)
+    links = tuple(sorted({(link.left, link.left_floor, link.right_floor) for some in seen for link in some}))
     sizes = {name: len(axis.values) for name, axis in zip(axes, plan.axes, strict=True)}
     sizes |= {"case": len(plan.cases), "analysis": len(plan.analyses), "record": len(plan.records)}
+    storeys = responses.storeys
     sizes |= {"building": len(plan.buildings), "storey": storeys, "floor": storeys, "link": len(links)}
-    arrays = {
-        v.name: _empty(v, tuple(sizes[d] for d in (*axes, *v.dims)))
-        for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS, *RECORDS)
-    }
-    places = {place: number for number, place in enumerate(links)}
-    seen_points: set[tuple[int, ...]] = set()
-    for row, scene in zip(plan.rows, scenes, strict=True):
-        at = (*row.point, *_index(plan, row))
-        _put_peaks(arrays, at, responses[row.scene], [responses[key] for key in row.baselines])
-        _put_links(arrays, at, len(axes), scene, responses[row.scene], places)
-        _put_scene(arrays, at, row, responses[row.scene])
-        if row.point not in seen_points:
-            seen_points.add(row.point)
-            _put_buildings(arrays, row.point, scene)
-            arrays["separation"][row.point] = plan.study.separations(row.point)
-            _put_records(arrays, row.point, plan)
-    for name, alone in RATIOS.items():
-        arrays[f"{name}_ratio"][:] = ratio(arrays[name], arrays[alone])
-    arrays["displacement"][:] = np.maximum(arrays["displacement_max"], -arrays["displacement_min"])
-    _put_refusals(arrays, plan, responses)
-    data = {v.name: ((*axes, *v.dims), arrays[v.name]) for v in (*RESPONSES, *SCENES, *LINKS)}
-    data |= _without_constant_axes(axes, arrays, BUILDINGS) | _without_constant_axes(axes, arrays, RECORDS)
-    data |= _statistics(axes, arrays)
-    return Dense(axes, sizes, links, data)
+    return Shape(axes, sizes, links)
 
 
-def _place(link) -> LinkPlace:
-    return link.left, link.left_floor, link.right_floor
-
-
-def _empty(variable: Variable, shape: tuple[int, ...]) -> np.ndarray:
+def empty(variable: Variable, shape: tuple[int, ...]) -> np.ndarray:
+    """An array of a variable with nothing in it."""
     if variable.kind == "s":
         return np.full(shape, "", dtype=object)
     return np.zeros(shape, np.int64) if variable.kind == "i" else np.full(shape, np.nan)
 
 
-def _index(plan: Plan, row: Row) -> tuple[int, int, int]:
-    return (
-        plan.cases.index(row.case),
-        plan.analyses.index(row.analysis),
-        plan.records.index(row.record),
-    )
+def facts(plan: Plan, shape: Shape) -> Data:
+    """The variables of links, buildings and motions; the latter two without the axes that leave them alone."""
+    return _links(plan, shape) | _buildings(plan, shape) | _records(plan, shape)
 
 
-def _put_peaks(arrays: dict[str, np.ndarray], at: tuple[int, ...], response: Response, alone: list[Response]) -> None:
-    """Peaks of the scenes that are done; those of another leave NaN, whatever it reached."""
-    for place, building in enumerate(response.buildings):
-        span: tuple = (*at, place, slice(building.shear.size))
-        if alone[place].status == "done":
-            for name, field in ALONE.items():
-                arrays[name][span] = getattr(alone[place].buildings[0], field)
-        if response.status == "done":
-            for name, field in (STOREY_FIELDS | FLOOR_FIELDS).items():
-                arrays[name][span] = getattr(building, field)
-            arrays["sway"][(*at, place)] = building.sway
-            arrays["rocking"][(*at, place)] = building.rocking
-
-
-def _put_links(
-    arrays: dict[str, np.ndarray],
-    at: tuple[int, ...],
-    n_axes: int,
-    scene: Scene,
-    response: Response,
-    places: dict[LinkPlace, int],
-) -> None:
-    if not scene.links:
-        return
-    chosen = [places[_place(link)] for link in scene.links]
-    if response.status == "done":
-        for name in LINK_FIELDS:
-            arrays[name][at][chosen] = getattr(response.links, name)
-    of_case = at[: n_axes + 1]
-    arrays["kind"][of_case][chosen] = [str(link.kind) for link in scene.links]
-    arrays["gap"][of_case][chosen] = [link.gap for link in scene.links]
-
-
-def _put_scene(arrays: dict[str, np.ndarray], at: tuple[int, ...], row: Row, response: Response) -> None:
-    arrays["scene"][at] = row.scene
-    for name in ("status", "advice", "method", "tolerance", "steps", "events", "orders", "seconds"):
-        arrays[name][at] = getattr(response, name)
-    for name in ("error_estimate", "sensitivity"):  # measured on request only
-        arrays[name][at] = getattr(response, name, np.nan)
-    for name in ENERGIES:
-        arrays[f"energy_{name}"][at] = response.energy.get(name, np.nan)
-    for name in ("effects", "dropped", "flags"):
-        arrays[name][at] = "\n".join(getattr(response, name))
-
-
-def _put_buildings(arrays: dict[str, np.ndarray], point: tuple[int, ...], scene: Scene) -> None:
-    for place, building in enumerate(scene.buildings):
-        span: tuple = (*point, place, slice(building.storeys))
-        for name in ("mass", "height", "stiffness", "yield_shear"):
-            arrays[name][span] = getattr(building, name)
-        arrays["period"][(*point, place)] = building.periods[0]
-
-
-def _put_records(arrays: dict[str, np.ndarray], point: tuple[int, ...], plan: Plan) -> None:
-    motions = plan.study.motions(point)
-    for number, name in enumerate(plan.records):
-        for variable in RECORDS:
-            field = variable.name.removeprefix("record_")
-            arrays[variable.name][(*point, number)] = getattr(motions[name].use, field)
-
-
-def _put_refusals(arrays: dict[str, np.ndarray], plan: Plan, responses: Mapping[str, Response]) -> None:
-    """Say in a scene's flags which of its ratios are missing and why."""
-    for alone in RATIOS.values():
-        zero = (arrays[alone] == 0).any(axis=(-2, -1))
-        for at in zip(*np.nonzero(zero), strict=True):
-            _flag(arrays["flags"], at, f"{alone} = 0: ratio refused")
+def _links(plan: Plan, shape: Shape) -> Data:
+    places = {place: number for number, place in enumerate(shape.links)}
+    case_number = {case: number for number, case in enumerate(plan.cases)}
+    arrays = {v.name: empty(v, shape.of((*shape.axes, *v.dims))) for v in LINKS}
+    last = None
     for row in plan.rows:
-        for building, key in zip(plan.buildings, row.baselines, strict=True):
-            if responses[key].status != "done":
-                at = (*row.point, *_index(plan, row))
-                _flag(arrays["flags"], at, f"{building} alone: {responses[key].status}, ratios refused")
+        at = (*row.point, case_number[row.case])
+        if at == last:
+            continue  # the same links for every analysis and record
+        last = at
+        for link in row.links:
+            column = places[link.left, link.left_floor, link.right_floor]
+            arrays["kind"][(*at, column)] = link.kind
+            arrays["gap"][(*at, column)] = link.gap
+    return {v.name: ((*shape.axes, *v.dims), arrays[v.name]) for v in LINKS}
 
 
-def _flag(flags: np.ndarray, at: tuple, sentence: str) -> None:
-    flags[at] = f"{flags[at]}\n{sentence}" if flags[at] else sentence
+def _buildings(plan: Plan, shape: Shape) -> Data:
+    kept = _touching(plan, shape, "buildings")
+    arrays = {v.name: empty(v, shape.of((*kept, *v.dims))) for v in BUILDINGS}
+    for at, point in _points(shape, kept):
+        for place, building in enumerate(plan.study.buildings(point)):
+            span = (*at, place, slice(building.storeys))
+            for name in ("mass", "height", "stiffness", "yield_shear"):
+                arrays[name][span] = getattr(building, name)
+            arrays["period"][(*at, place)] = building.periods[0]
+        arrays["separation"][at] = plan.study.separations(point)
+    return _without_constant_axes(kept, arrays, BUILDINGS)
+
+
+def _records(plan: Plan, shape: Shape) -> Data:
+    kept = _touching(plan, shape, "records")
+    arrays = {v.name: empty(v, shape.of((*kept, *v.dims))) for v in RECORDS}
+    for at, point in _points(shape, kept):
+        motions = plan.study.motions(point)
+        for number, name in enumerate(plan.records):
+            for variable in RECORDS:
+                value = getattr(motions[name].use, variable.name.removeprefix("record_"))
+                arrays[variable.name][(*at, number)] = value
+    return _without_constant_axes(kept, arrays, RECORDS)
+
+
+def _touching(plan: Plan, shape: Shape, section: str) -> tuple[str, ...]:
+    return tuple(axis for axis, touches in zip(shape.axes, plan.study.touching(section), strict=True) if touches)
+
+
+def _points(shape: Shape, kept: tuple[str, ...]):
+    """Every combination along the kept axes, and a point of the sweep that has it."""
+    number = {axis: place for place, axis in enumerate(kept)}
+    for at in np.ndindex(shape.of(kept)):
+        yield at, tuple(at[number[axis]] if axis in number else 0 for axis in shape.axes)
 
 
 def _without_constant_axes(
     axes: tuple[str, ...], arrays: dict[str, np.ndarray], variables: tuple[Variable, ...]
-) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
+) -> Data:
     """The variables without the swept axes that change none: a sweep of the gap leaves one building."""
     kept = list(axes)
     cut = {v.name: arrays[v.name] for v in variables}
@@ -197,13 +137,3 @@ def _without_constant_axes(
 
 def _same(one: np.ndarray, other: np.ndarray) -> bool:
     return np.array_equal(one, other, equal_nan=one.dtype != object)
-
-
-def _statistics(axes: tuple[str, ...], arrays: dict[str, np.ndarray]) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
-    found: dict[str, np.ndarray] = {}
-    for ratio_name in (f"{name}_ratio" for name in RATIOS):
-        found |= {
-            f"{ratio_name}_{statistic}": values
-            for statistic, values in over_records(arrays[ratio_name], axis=len(axes) + 2).items()
-        }
-    return {v.name: ((*axes, *v.dims), found[v.name]) for v in STATISTICS}

@@ -1,32 +1,28 @@
-"""The parts of an unfinished run in `FILE.h5.parts/`: files of solved scenes, each whole or not there."""
+"""The responses of a run: in memory while they are few, else in `FILE.h5.parts/`, each part whole or not there."""
 
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
 import os
 import shutil
-import time
 import uuid
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from pounding_cli.solve.response import Response
-from pounding_cli.store.codec import decode, encode
+from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.codec import Words, decode, parse
 
-_MAGIC = b"pound part 1\n"
-_SECONDS = 1.0
-_SCENES = 2000
+_SPAN = 1 << 24
+"""More than the scenes of one chunk."""
 
 
-class PartStore:
-    """Keeps solved scenes on disk so that a stopped run goes on where it was.
+class PartStore(Mapping[str, Response]):
+    """Responses by scene digest; a run that was stopped goes on from its parts.
 
-    A part is a magic line, a line with the SHA-256 of the rest, a line of JSON, and the numbers as
-    little-endian doubles.
-    Scenes are gathered for a second before they are written: a study that takes less never touches the disk.
+    Only where each response stands is held in memory once the chunks are on disk.
 
     Parameters
     ----------
@@ -37,72 +33,138 @@ class PartStore:
     def __init__(self, output: Path, key: str) -> None:
         self.folder = output.with_name(output.name + ".parts")
         self.key = key
-        self._waiting: dict[str, Response] = {}
-        self._last = time.monotonic()
+        self._chunks: list[_Held] = []
+        self._where: dict[str, int] = {}
 
-    def load(self) -> dict[str, Response]:
-        """Solved scenes by digest; a part that is damaged or of another key is passed over."""
-        found: dict[str, Response] = {}
+    @classmethod
+    def of(cls, responses: Mapping[str, Response]) -> PartStore:
+        """Responses at hand, in memory."""
+        store = cls(Path("-"), "")
+        store.add(Chunk.of(responses))
+        return store
+
+    def load(self, wanted: Mapping[str, object]) -> int:
+        """Find the wanted scenes that are done in the parts on disk; how many there are.
+
+        A part that is damaged or of another key is passed over.
+        """
         for path in sorted(self.folder.glob("*.part")):
-            with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
-                found.update(_read(path.read_bytes(), self.key))
-        return found
+            with contextlib.suppress(OSError, ValueError, KeyError, TypeError, IndexError):
+                chunk = Chunk.from_bytes(path.read_bytes(), self.key)
+                if chunk is not None:
+                    good = [d in wanted and done for d, done in zip(chunk.digests, chunk.is_done, strict=True)]
+                    self._note(_Held(chunk, path), chunk.digests, good)
+        return len(self)
 
-    def add(self, digest: str, response: Response) -> None:
-        """Keep a solved scene; it is on disk after a second, or after `flush`."""
-        self._waiting[digest] = response
-        if len(self._waiting) >= _SCENES or time.monotonic() - self._last > _SECONDS:
-            self.flush()
+    def add(self, chunk: Chunk, content: bytes | None = None, keep: bool = False) -> None:
+        """Take a chunk in; with `keep` it is on disk when this returns.
+
+        content : its bytes, where they are at hand
+
+        Raises
+        ------
+        OSError : the disk is full, or the folder cannot be written; no part is left half written
+        """
+        path = self._write(content or chunk.to_bytes(self.key)) if keep and len(chunk) else None
+        self._note(_Held(chunk, path), chunk.digests, [True] * len(chunk))
 
     def flush(self) -> None:
-        """Write what waits."""
-        self._last = time.monotonic()
-        if not self._waiting:
-            return
-        self.folder.mkdir(parents=True, exist_ok=True)
-        name = uuid.uuid4().hex
-        hidden = self.folder / f".{name}.tmp"
-        with hidden.open("wb") as stream:
-            stream.write(_bytes(self._waiting, self.key))
-            stream.flush()
-            os.fsync(stream.fileno())
-        hidden.replace(self.folder / f"{name}.part")
-        self._waiting = {}
+        """Bring to disk what is in memory only.  Raises OSError as `add` does."""
+        for number, held in enumerate(self._chunks):
+            if held.chunk is not None:
+                self._chunks[number] = _Held(held.chunk, self._write(held.chunk.to_bytes(self.key)))
 
     def remove(self) -> None:
         """Delete the parts: the results file has everything."""
-        self._waiting = {}
         shutil.rmtree(self.folder, ignore_errors=True)
 
+    # What is there
 
-def _bytes(responses: dict[str, Response], key: str) -> bytes:
-    coded = {digest: encode(response) for digest, response in responses.items()}
-    facts = {
-        "key": key,
-        "digests": list(coded),
-        "heads": [head for head, _ in coded.values()],
-        "counts": [int(numbers.size) for _, numbers in coded.values()],
-    }
-    numbers = np.concatenate([numbers for _, numbers in coded.values()]).astype("<f8")
-    body = json.dumps(facts).encode() + b"\n" + numbers.tobytes()
-    return _MAGIC + hashlib.sha256(body).hexdigest().encode() + b"\n" + body
+    def __len__(self) -> int:
+        return len(self._where)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._where)
+
+    def __contains__(self, digest: object) -> bool:
+        return digest in self._where
+
+    def __getitem__(self, digest: str) -> Response:
+        ((text, numbers),) = self.take([digest])
+        return decode(text, numbers)
+
+    def line(self, digest: str) -> str:
+        """The words of a response as they are written."""
+        chunk, place = divmod(self._where[digest], _SPAN)
+        return self._chunks[chunk].words[place]
+
+    def words(self, digest: str) -> Words:
+        """What is known of a response without its numbers."""
+        return parse(self.line(digest))
+
+    def seconds(self, digest: str) -> float:
+        """Time of a scene in the solver [s]."""
+        chunk, place = divmod(self._where[digest], _SPAN)
+        return float(self._chunks[chunk].seconds[place])
+
+    @property
+    def storeys(self) -> int:
+        """Storeys of the tallest building."""
+        lines = {line for held in self._chunks for line in held.words}
+        spans = (spans["shear"] for line in lines for spans in parse(line).buildings)
+        return max((span.stop - span.start for span in spans), default=0)
+
+    def take(self, digests: Sequence[str]) -> list[tuple[str, np.ndarray]]:
+        """Words and numbers of many responses; every part is read once."""
+        by_chunk: dict[int, list[int]] = {}
+        for number, digest in enumerate(digests):
+            by_chunk.setdefault(self._where[digest] // _SPAN, []).append(number)
+        found: list[tuple[str, np.ndarray]] = [("", np.zeros(0))] * len(digests)
+        for chunk, asked in sorted(by_chunk.items()):
+            held = self._chunks[chunk]
+            numbers = held.numbers()
+            for number in asked:
+                place = self._where[digests[number]] % _SPAN
+                row = numbers[held.starts[place] : held.starts[place + 1]]
+                found[number] = held.words[place], row.copy()
+        return found
+
+    def _note(self, held: _Held, digests: Sequence[str], good: Iterable[bool]) -> None:
+        number = len(self._chunks) * _SPAN
+        self._chunks.append(held)
+        for place, (digest, is_good) in enumerate(zip(digests, good, strict=True)):
+            if is_good:
+                self._where[digest] = number + place
+
+    def _write(self, content: bytes) -> Path:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        name = uuid.uuid4().hex
+        hidden, path = self.folder / f".{name}.tmp", self.folder / f"{name}.part"
+        try:
+            with hidden.open("wb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+            hidden.replace(path)
+        except OSError:
+            hidden.unlink(missing_ok=True)
+            raise
+        return path
 
 
-def _read(content: bytes, key: str) -> dict[str, Response]:
-    magic, sha, body = (
-        content[: len(_MAGIC)],
-        content[len(_MAGIC) : len(_MAGIC) + 64],
-        content[len(_MAGIC) + 65 :],
-    )
-    if magic != _MAGIC or hashlib.sha256(body).hexdigest().encode() != sha:
-        raise ValueError("damaged part")
-    line, _, rest = body.partition(b"\n")
-    facts = json.loads(line)
-    if facts["key"] != key:
-        return {}
-    numbers = np.frombuffer(rest, "<f8").astype(float)
-    pieces = np.split(numbers, np.cumsum(facts["counts"])[:-1])
-    return {
-        digest: decode(head, piece)
-        for digest, head, piece in zip(facts["digests"], facts["heads"], pieces, strict=True)
-    }
+class _Held:
+    """A chunk in memory, or where it is on disk."""
+
+    def __init__(self, chunk: Chunk, path: Path | None) -> None:
+        self.path = path
+        self.chunk = chunk if path is None else None
+        self.words, self.starts, self.seconds = chunk.words, chunk.starts, chunk.seconds
+
+    def numbers(self) -> np.ndarray:
+        """The numbers of all its scenes, one after another."""
+        if self.chunk is not None:
+            return self.chunk.numbers
+        assert self.path is not None
+        with self.path.open("rb") as stream:
+            stream.seek(-8 * int(self.starts[-1]), os.SEEK_END)
+            return np.frombuffer(stream.read(), "<f8")

@@ -19,11 +19,13 @@ import numpy as np
 from pounding_cli.errors import InputError
 from pounding_cli.solve.histories import History
 from pounding_cli.solve.response import Response
-from pounding_cli.store.dense import Dense, assemble
+from pounding_cli.store.blocks import blocks
+from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import opened
 from pounding_cli.store.histories import write_histories
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
 from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES
+from pounding_cli.store.parts import PartStore
 from pounding_cli.store.solutions import write_solutions
 
 if TYPE_CHECKING:
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
 
 _PACKED_ABOVE = 1 << 15
 """Arrays above this size [bytes] are compressed; smaller ones are not worth the chunk index."""
+
+_PACKED = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 
 _SOFTWARE = ("numpy", "scipy", "numba", "h5py")
 
@@ -68,9 +72,10 @@ def write_results(
     OSError : the disk is full, or the folder went away; `path` is as it was
     """
     hidden = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    store = responses if isinstance(responses, PartStore) else PartStore.of(responses)
     try:
         with h5py.File(hidden, "w", libver=("v110", "latest")) as file:
-            _write(file, plan, responses, run or Run())
+            _write(file, plan, store, run or Run())
             write_histories(file, plan, histories)
         _sync(hidden)
         hidden.replace(path)
@@ -97,33 +102,57 @@ def content_digest(plan: Plan) -> str:
         plan.study.text,
         _json(plan.study.resolved()),
         repr((plan.axes, plan.cases, plan.analyses, plan.records, plan.buildings, plan.motions)),
-        repr([(row.point, row.case, row.analysis, row.record, row.scene, row.baselines) for row in plan.rows]),
         repr(([(row.point, row.case, row.analysis, row.record) for row in plan.kept], plan.every)),
     ):
         sha.update(part.encode() + b"\0")
+    for row in plan.rows:
+        sha.update(f"{row.scene} {' '.join(row.baselines)}\0".encode())
     return sha.hexdigest()
 
 
-def _write(file: h5py.File, plan: Plan, responses: Mapping[str, Response], run: Run) -> None:
-    dense = assemble(plan, responses)
-    scales = _write_coordinates(file, plan, dense)
-    for name, (dims, array) in dense.data.items():
-        if array.size == 0:  # no case has a link
-            continue
-        variable = VARIABLES[name]
-        _dataset(file, name, dims, array, variable.unit, variable.text, scales)
+def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run) -> None:
+    shape = shape_of(plan, responses)
+    scales = _write_coordinates(file, plan, shape)
+    for name, (dims, array) in facts(plan, shape).items():
+        if array.size:  # no case has a link
+            _dataset(file, name, dims, array, VARIABLES[name].unit, VARIABLES[name].text, scales)
+    _write_tables(file, plan, responses, shape, scales)
     study = file.create_group("study")
     study.attrs["title"] = plan.study.title
     study["text"] = plan.study.text
     study["resolved"] = _json(plan.study.resolved())
-    write_solutions(file, {key: responses[key] for key in plan.scenes})
+    write_solutions(file, list(plan.scenes), responses)
     _write_attributes(file, plan, responses, run)
 
 
-def _write_coordinates(file: h5py.File, plan: Plan, dense: Dense) -> dict[str, h5py.Dataset]:
+def _write_tables(
+    file: h5py.File, plan: Plan, responses: PartStore, shape: Shape, scales: dict[str, h5py.Dataset]
+) -> None:
+    """Write what the scenes did, a block of rows at a time; a block is one compressed piece of each variable."""
+    for block in blocks(plan, responses, shape):
+        alone = tuple(1 for place in block.at if not isinstance(place, slice))
+        for name, array in block.data.items():
+            if array.size == 0:  # no case has a link
+                continue
+            variable = VARIABLES[name]
+            dims = (*shape.axes, *variable.dims)
+            whole = shape.of(dims)
+            piece = (*alone, *array.shape)
+            if piece == whole:
+                _dataset(file, name, dims, array.reshape(whole), variable.unit, variable.text, scales)
+                continue
+            if name not in file:
+                kind = _PACKED if array.dtype != object else {}
+                dataset = file.create_dataset(name, whole, _dtype(array), chunks=piece, **kind)
+                _describe(dataset, variable.unit, variable.text)
+                _attach(dataset, dims, scales)
+            file[name][block.at] = array
+
+
+def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h5py.Dataset]:
     """Write the coordinate variables; the dimension scales, by dimension."""
     scales: dict[str, h5py.Dataset] = {}
-    numbers = {dim: np.arange(1, dense.sizes[dim] + 1) for dim in ("storey", "floor")}
+    numbers = {dim: np.arange(1, shape.sizes[dim] + 1) for dim in ("storey", "floor")}
     texts = {
         "case": plan.cases,
         "analysis": plan.analyses,
@@ -143,26 +172,25 @@ def _write_coordinates(file: h5py.File, plan: Plan, dense: Dense) -> dict[str, h
             values = _axis_values([value[number] for value in axis.values])
             _dataset(file, name, (axis.names[0],), values, "", f"swept with {axis.names[0]}", scales)
             beside.append(name)
-    if dense.links:
-        labels = [_link_label(plan.buildings, place) for place in dense.links]
+    if shape.links:
+        labels = [_link_label(plan.buildings, place) for place in shape.links]
         scales["link"] = _scale(file, "link", _text(labels), *COORDINATES["link"])
-        left, left_floor, right_floor = (np.array(column) for column in zip(*dense.links, strict=True))
-        facts = {
+        left, left_floor, right_floor = (np.array(column) for column in zip(*shape.links, strict=True))
+        beside_links = {
             "link_left": _text([plan.buildings[place] for place in left]),
             "link_right": _text([plan.buildings[place + 1] for place in left]),
             "link_floor": left_floor,
             "link_right_floor": right_floor,
         }
-        for name, array in facts.items():
+        for name, array in beside_links.items():
             _dataset(file, name, ("link",), array, *COORDINATES[name], scales)
-        beside += facts
+        beside += beside_links
     beside += [variable.name for variable in RECORDS]
     file.attrs["coordinates"] = " ".join(beside)  # xarray then takes them for coordinates
     return scales
 
 
-def _write_attributes(file: h5py.File, plan: Plan, responses: Mapping[str, Response], run: Run) -> None:
-    solutions = [responses[key] for key in plan.scenes]
+def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Run) -> None:
     file.attrs.update(
         {
             "format": FORMAT,
@@ -173,11 +201,11 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: Mapping[str, Respo
             "solution_key": solution_key(plan.accuracy, plan.method, plan.estimate),
             "accuracy": plan.accuracy,
             "method": plan.method,
-            "scenes": len(solutions),
-            "scenes_failed": sum(response.status != "done" for response in solutions),
+            "scenes": len(plan.scenes),
+            "scenes_failed": sum(not responses.words(digest).is_done for digest in plan.scenes),
             "scenes_solved_last": run.solved,
             "scenes_reused_last": run.reused,
-            "solver_seconds": float(sum(response.seconds for response in solutions)),
+            "solver_seconds": sum(responses.seconds(digest) for digest in plan.scenes),
             "wall_seconds_last": run.wall_seconds,
             "engine": run.engine,
             "workers": run.workers,
@@ -214,10 +242,13 @@ def _dataset(
     text: str,
     scales: dict[str, h5py.Dataset],
 ) -> None:
-    packed = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
     big = array.dtype != object and array.nbytes > _PACKED_ABOVE
-    dataset = file.create_dataset(name, data=array, dtype=_dtype(array), **(packed if big else {}))
+    dataset = file.create_dataset(name, data=array, dtype=_dtype(array), **(_PACKED if big else {}))
     _describe(dataset, unit, text)
+    _attach(dataset, dims, scales)
+
+
+def _attach(dataset: h5py.Dataset, dims: tuple[str, ...], scales: dict[str, h5py.Dataset]) -> None:
     for number, dim in enumerate(dims):
         dataset.dims[number].attach_scale(scales[dim])
 

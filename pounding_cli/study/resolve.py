@@ -9,6 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from pounding_cli.errors import Problem
@@ -219,6 +220,17 @@ class Resolver:
             return building
 
         return self._once(("type", name), point, (("buildings", name),), work)
+
+    def design_displacements(self, point: Point, name: str) -> np.ndarray | None:
+        """Displacements a building type is designed for [m], shape (n,), from the ground up; None without a code."""
+        spec, building = self.entry(point, "buildings", name), self.type(point, name)
+        assert building is not None
+        return self._once(
+            ("design", name),
+            point,
+            (("buildings", name),),
+            lambda faults: building_room.design_displacements(spec, building),
+        )
 
     def group(self, point: Point) -> Street | None:
         """The buildings by place, their common floors, and the impact element."""

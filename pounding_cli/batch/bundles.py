@@ -1,0 +1,79 @@
+"""Bundles: the scenes that go to a worker at a time, and the chunk that comes back and is kept whole."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+
+from pounding_cli.batch.attempt import Task
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.response import Response
+from pounding_cli.store.chunk import Chunk
+
+CHUNK_SECONDS = 0.5
+"""Work in one chunk: long against sending and keeping it (milliseconds), little to lose."""
+
+MOST = 1000
+"""Scenes in one bundle at most."""
+
+_LATE = 2.0
+"""A worker that has been at a bundle for so many times the work wanted gives the rest of it back."""
+
+
+class Queue:
+    """The scenes still to be solved, in order; says how many make half a second of work.
+
+    Parameters
+    ----------
+    digests : in the order in which they are to be solved
+    workers : that take from it
+    seconds : expected time of one scene [s]
+    """
+
+    def __init__(self, digests: Sequence[str], workers: int, seconds: float) -> None:
+        self._rest = list(reversed(digests))
+        self._workers = workers
+        self._seconds, self._scenes = max(seconds, 1e-6), 1
+
+    def __len__(self) -> int:
+        return len(self._rest)
+
+    def take(self, work: float | None = None) -> list[str]:
+        """The next bundle, of about `work` seconds; towards the end smaller ones, so that all workers end together."""
+        each = self._seconds / self._scenes
+        size = min((CHUNK_SECONDS if work is None else work) / each, MOST, math.ceil(len(self) / (3 * self._workers)))
+        bundle = self._rest[: -max(1, int(size)) - 1 : -1]
+        del self._rest[len(self._rest) - len(bundle) :]
+        return bundle
+
+    def give_back(self, digests: Sequence[str]) -> None:
+        """Scenes that were taken and not solved; they come next."""
+        self._rest.extend(reversed(digests))
+
+    def learn(self, scenes: int, seconds: float) -> None:
+        """Some scenes took so long [s]."""
+        self._scenes += scenes
+        self._seconds += seconds
+
+
+def solve_bundle(
+    bundle: Sequence[str],
+    scene_of: Callable[[str], Scene],
+    task: Task,
+    begins: Callable[[int], None] = lambda place: None,
+    stopped: Callable[[], bool] = lambda: False,
+    work: float = CHUNK_SECONDS,
+) -> tuple[Chunk, float]:
+    """Solve scenes until they end, or time is up, or `stopped`; what came of them and the time it took [s].
+
+    begins : told the place in the bundle of every scene before it is solved
+    """
+    found: dict[str, Response] = {}
+    begin = time.perf_counter()
+    for place, digest in enumerate(bundle):
+        begins(place)
+        found[digest] = task(scene_of(digest))
+        if stopped() or time.perf_counter() - begin > _LATE * work:
+            break
+    return Chunk.of(found), time.perf_counter() - begin

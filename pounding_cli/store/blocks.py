@@ -1,0 +1,172 @@
+"""The tables of a results file, block by block of rows, so that a study of any size takes little memory."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pounding_cli.store.codec import parse
+from pounding_cli.store.dense import Shape, empty
+from pounding_cli.store.layout import RESPONSES, SCENES, STATISTICS
+from pounding_cli.store.parts import PartStore
+from pounding_cli.store.statistics import over_records, ratio
+
+if TYPE_CHECKING:
+    from pounding_cli.study import Plan, Row
+
+BLOCK_BYTES = 8 << 20
+"""Numbers gathered at a time [bytes], about."""
+
+STOREY_FIELDS = {"V": "shear", "mu": "ductility", "drift": "drift", "residual_drift": "residual_drift"}
+FLOOR_FIELDS = {name: name for name in ("acceleration", "displacement_max", "displacement_min")}
+LINK_FIELDS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
+ALONE = {"V0": "shear", "mu0": "ductility", "drift0": "drift", "acceleration0": "acceleration"}
+RATIOS = {"V": "V0", "mu": "mu0", "acceleration": "acceleration0"}
+
+_OVER_RECORDS = frozenset(v.name for v in STATISTICS)
+
+Arrays = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Cut:
+    """How the rows are cut: whole in the dimensions after the first `before + 1`, `step` at a time in that one.
+
+    Records are never parted: their statistics need them together.
+    """
+
+    before: int
+    step: int
+
+
+@dataclass(frozen=True)
+class Block:
+    """The values of consecutive rows.
+
+    at : where they stand along the swept axes, case, analysis and record (the last ones whole)
+    data : variable -> array with what is left of the dimensions
+    """
+
+    at: tuple[int | slice, ...]
+    data: Arrays
+
+
+def cut_of(shape: Shape) -> Cut:
+    """Blocks of about BLOCK_BYTES."""
+    dims = shape.rows
+    doubles = sum(math.prod(shape.of(v.dims[3:])) for v in (*RESPONSES, *SCENES))
+    most = max(1, BLOCK_BYTES // (8 * max(1, doubles)))
+    for before in range(len(dims) - 1):
+        whole = math.prod(dims[before + 1 :])
+        if whole <= most:
+            return Cut(before, min(dims[before], most // whole))
+    return Cut(len(dims) - 2, 1)
+
+
+def blocks(plan: Plan, responses: PartStore, shape: Shape) -> Iterator[Block]:
+    """Every variable of RESPONSES, SCENES and STATISTICS for all rows in their order."""
+    cut, dims = cut_of(shape), shape.rows
+    rows = iter(plan.rows)
+    whole = dims[cut.before + 1 :]
+    for at in np.ndindex(dims[: cut.before]):
+        for begin in range(0, dims[cut.before], cut.step):
+            end = min(begin + cut.step, dims[cut.before])
+            some = list(islice(rows, (end - begin) * math.prod(whole)))
+            data = _filled(plan, some, responses, shape)
+            for name, array in data.items():
+                ahead = whole[:-1] if name in _OVER_RECORDS else whole
+                data[name] = array.reshape(end - begin, *ahead, *array.shape[1:])
+            yield Block((*at, slice(begin, end)), data)
+
+
+def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> Arrays:
+    """The block's variables, rows first; statistics have one row for all records."""
+    digests = list(dict.fromkeys(digest for row in rows for digest in (row.scene, *row.baselines)))
+    taken = dict(zip(digests, responses.take(digests), strict=True))
+    arrays = {v.name: empty(v, (len(rows), *shape.of(v.dims[3:]))) for v in (*RESPONSES, *SCENES)}
+    arrays["scene"][:] = [row.scene for row in rows]
+    columns = {place: number for number, place in enumerate(shape.links)}
+    alike: dict[tuple, list[int]] = {}
+    for number, row in enumerate(rows):
+        alike.setdefault((taken[row.scene][0], row.links), []).append(number)
+    for (line, links), numbers in alike.items():
+        values = np.stack([taken[rows[number].scene][1] for number in numbers])
+        _put_scene(arrays, np.array(numbers), line, values)
+        _put_peaks(arrays, np.array(numbers), line, values)
+        chosen = [columns[link.left, link.left_floor, link.right_floor] for link in links]
+        _put_links(arrays, np.array(numbers), line, values, chosen)
+    for place, building in enumerate(plan.buildings):
+        free: dict[str, list[int]] = {}
+        for number, row in enumerate(rows):
+            free.setdefault(taken[row.baselines[place]][0], []).append(number)
+        for line, numbers in free.items():
+            values = np.stack([taken[rows[number].baselines[place]][1] for number in numbers])
+            _put_alone(arrays, np.array(numbers), place, line, values)
+            status = parse(line).facts["status"]
+            if status != "done":
+                _flag(arrays["flags"], numbers, f"{building} alone: {status}, ratios refused")
+    arrays["displacement"][:] = np.maximum(arrays["displacement_max"], -arrays["displacement_min"])
+    for name, alone in RATIOS.items():
+        arrays[f"{name}_ratio"][:] = ratio(arrays[name], arrays[alone])
+        zero = (arrays[alone] == 0).any(axis=(-2, -1))
+        _flag(arrays["flags"], np.flatnonzero(zero).tolist(), f"{alone} = 0: ratio refused")
+    return arrays | _statistics(arrays, shape)
+
+
+def _put_scene(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray) -> None:
+    """Status, cost, energies and sentences, as far as the response has them."""
+    words = parse(line)
+    for variable in SCENES:
+        name = variable.name
+        if name in words.columns:
+            arrays[name][numbers] = values[:, words.columns[name]]
+        elif name in words.facts:
+            fact = words.facts[name]
+            arrays[name][numbers] = "\n".join(fact) if isinstance(fact, tuple) else fact
+
+
+def _put_peaks(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray) -> None:
+    """Peaks of scenes that are done; those of another leave NaN, whatever it reached."""
+    words = parse(line)
+    if not words.is_done:
+        return
+    for place, spans in enumerate(words.buildings):
+        for name, field in (STOREY_FIELDS | FLOOR_FIELDS).items():
+            found = values[:, spans[field]]
+            arrays[name][numbers, place, : found.shape[1]] = found
+        for name in ("sway", "rocking"):
+            arrays[name][numbers, place] = values[:, spans[name].start]
+
+
+def _put_links(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray, chosen: list[int]) -> None:
+    words = parse(line)
+    if words.is_done and chosen:
+        for name in LINK_FIELDS:
+            arrays[name][numbers[:, None], chosen] = values[:, words.links[name]]
+
+
+def _put_alone(arrays: Arrays, numbers: np.ndarray, place: int, line: str, values: np.ndarray) -> None:
+    words = parse(line)
+    if words.is_done:
+        for name, field in ALONE.items():
+            found = values[:, words.buildings[0][field]]
+            arrays[name][numbers, place, : found.shape[1]] = found
+
+
+def _flag(flags: np.ndarray, numbers: list[int], sentence: str) -> None:
+    """Say in a scene's flags which of its ratios are missing and why."""
+    for number in numbers:
+        flags[number] = f"{flags[number]}\n{sentence}" if flags[number] else sentence
+
+
+def _statistics(arrays: Arrays, shape: Shape) -> Arrays:
+    found: Arrays = {}
+    for name in (f"{ratio_name}_ratio" for ratio_name in RATIOS):
+        values = arrays[name].reshape(-1, shape.sizes["record"], *arrays[name].shape[1:])
+        found |= {f"{name}_{statistic}": v for statistic, v in over_records(values, axis=1).items()}
+    return {v.name: found[v.name] for v in STATISTICS}

@@ -1,0 +1,106 @@
+"""Some responses as one block of bytes: what a worker sends, and what a part file holds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pounding_cli.solve.response import Response
+from pounding_cli.store.codec import encode, parse
+
+_MAGIC = b"pound part 2\n"
+_SHA = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Responses taken apart.
+
+    digests : of the scenes; words : one line a scene (see `codec`), equal lines being one object
+    numbers : of one scene after another, shape (k,)
+    """
+
+    digests: Sequence[str]
+    words: Sequence[str]
+    numbers: np.ndarray
+
+    @classmethod
+    def of(cls, responses: Mapping[str, Response]) -> Chunk:
+        """The chunk of responses by scene digest."""
+        coded = [encode(response) for response in responses.values()]
+        same: dict[str, str] = {}
+        words = [same.setdefault(text, text) for text, _ in coded]
+        return cls(list(responses), words, np.concatenate([numbers for _, numbers in coded] or [np.zeros(0)]))
+
+    def __len__(self) -> int:
+        return len(self.digests)
+
+    @cached_property
+    def starts(self) -> np.ndarray:
+        """Where the numbers of each scene begin, and where the last end; shape (scenes + 1,)."""
+        return np.cumsum([0, *(parse(text).size for text in self.words)])
+
+    @property
+    def seconds(self) -> np.ndarray:
+        """Time in the solver [s], shape (scenes,)."""
+        places = [parse(text).columns["seconds"] for text in self.words]
+        return self.numbers[self.starts[:-1] + np.array(places, int)]
+
+    @property
+    def is_done(self) -> list[bool]:
+        """Whether each scene has a result."""
+        return [parse(text).is_done for text in self.words]
+
+    def row(self, place: int) -> np.ndarray:
+        """The numbers of one scene."""
+        return self.numbers[self.starts[place] : self.starts[place + 1]]
+
+    def only(self, places: Sequence[int]) -> Chunk:
+        """The chunk of some of the scenes."""
+        rows = [self.row(place) for place in places]
+        return Chunk(
+            [self.digests[place] for place in places],
+            [self.words[place] for place in places],
+            np.concatenate(rows or [np.zeros(0)]),
+        )
+
+    def to_bytes(self, key: str) -> bytes:
+        """A magic line, the SHA-256 of the rest, a line of JSON, the numbers as little-endian doubles."""
+        lines = list(dict.fromkeys(self.words))
+        number = {text: place for place, text in enumerate(lines)}
+        head = {
+            "key": key,
+            "digests": list(self.digests),
+            "lines": lines,
+            "words": [number[text] for text in self.words],
+        }
+        body = json.dumps(head).encode() + b"\n" + self.numbers.astype("<f8").tobytes()
+        return _MAGIC + hashlib.sha256(body).hexdigest().encode() + b"\n" + body
+
+    @classmethod
+    def from_bytes(cls, content: bytes, key: str) -> Chunk | None:
+        """The chunk, or None where it was made under another key.
+
+        Raises
+        ------
+        ValueError, KeyError, TypeError, IndexError : damaged
+        """
+        begin = len(_MAGIC) + _SHA + 1
+        sha = hashlib.sha256(memoryview(content)[begin:]).hexdigest()
+        if content[:begin] != _MAGIC + sha.encode() + b"\n":
+            raise ValueError("damaged part")
+        end = content.index(b"\n", begin)
+        head = json.loads(content[begin:end])
+        if head["key"] != key:
+            return None
+        lines = head["lines"]
+        numbers = np.frombuffer(content, "<f8", offset=end + 1)
+        chunk = cls(head["digests"], [lines[place] for place in head["words"]], numbers)
+        if len(chunk.digests) != len(chunk.words) or chunk.starts[-1] != numbers.size:
+            raise ValueError("damaged part")
+        return chunk

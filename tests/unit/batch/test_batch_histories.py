@@ -1,0 +1,164 @@
+"""Histories in a run: kept beside the peaks, taken again from the file, never a reason to solve peaks anew."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from study_plans import known, small_plan
+
+from pounding_cli.batch import histories, run_plan
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.solve import solve
+from pounding_cli.solve.histories import history
+from pounding_cli.store import is_current, open_results
+
+
+@pytest.fixture
+def plan():
+    plan = small_plan()
+    return replace(plan, kept=tuple(r for r in plan.rows if r.case == "touching"), every=0.01)
+
+
+@pytest.fixture
+def output(tmp_path):
+    return tmp_path / "r.h5"
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """The scenes whose histories are run."""
+    digests: list[str] = []
+
+    def counted(scene, accuracy, every):
+        digests.append(scene.digest)
+        return history(scene, accuracy, every)
+
+    monkeypatch.setattr(histories, "history", counted)
+    return digests
+
+
+class Peaks:
+    """`known`, counting its calls."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, scene, accuracy, method, **_):
+        self.calls += 1
+        return known(scene, accuracy, method)
+
+
+def run(plan, output, **options):
+    return run_plan(plan, output, solve=options.pop("solve", known), engine_name="serial", **options)
+
+
+def test_adding_keep_solves_no_peak_again(plan, output, made):
+    run(replace(plan, kept=()), output)
+    assert made == []
+    assert not is_current(output, plan)
+    peaks = Peaks()
+    outcome = run(plan, output, solve=peaks)
+    assert (peaks.calls, outcome.done, outcome.reused) == (0, 0, len(plan.scenes))
+    assert made == [row.scene for row in plan.kept]
+    assert len(open_results(output).histories()) == 4
+
+
+def test_a_second_run_does_nothing(plan, output, made):
+    run(plan, output)
+    stamp = output.stat().st_mtime_ns
+    assert is_current(output, plan)
+    run(plan, output)
+    assert len(made) == 4
+    assert output.stat().st_mtime_ns == stamp
+
+
+def test_histories_that_are_there_are_not_run_again(plan, output, made):
+    run(plan, output)
+    before = open_results(output).history("touching", "inelastic", "strong")
+    wider = replace(plan, kept=plan.rows, study=replace(plan.study, text="all of them"))
+    run(wider, output)
+    assert made == [row.scene for row in wider.rows if row.case == "touching"] + [
+        row.scene for row in wider.rows if row.case == "gap"
+    ]
+    after = open_results(output).history("touching", "inelastic", "strong")
+    for name in ("shear", "displacement", "link_force", "total_acceleration"):
+        assert np.array_equal(getattr(before, name), getattr(after, name), equal_nan=True), name
+    assert (before.energy["input"] == after.energy["input"]).all()
+    fewer = replace(plan, kept=plan.kept[:1])
+    run(fewer, output)
+    assert len(made) == 8
+    assert len(open_results(output).histories()) == 1
+
+
+@pytest.mark.parametrize("change", [{"every": 0.005}, {"accuracy": 1e-9}])
+def test_another_step_or_accuracy_runs_them_again(plan, output, made, change):
+    run(plan, output)
+    run(replace(plan, **change), output)
+    assert len(made) == 8
+
+
+def test_renamed_buildings_run_them_again(plan, output, made):
+    """Links are known by their buildings' names."""
+    run(plan, output)
+    run(replace(plan, buildings=("one", "other")), output)
+    assert len(made) == 8
+
+
+def test_the_peaks_of_the_tables_are_those_of_the_histories(plan, output):
+    run(replace(plan, every=1e-4), output, solve=solve)
+    results = open_results(output)
+    storey, floor, link = results.storey(), results.floor(), results.link()
+    for case, analysis, record in {(row.case, row.analysis, row.record) for row in plan.kept}:
+        found = results.history(case, analysis, record)
+        for table, column, values in (
+            (storey, "V", found.shear),
+            (storey, "drift", found.drift),
+            (floor, "acceleration", found.total_acceleration),
+        ):
+            rows = table[(table.case == case) & (table.analysis == analysis) & (table.record == record)]
+            peaks = np.abs(values).max(axis=0)
+            share = peaks[np.isfinite(peaks)] / rows[column].to_numpy()
+            assert (share <= 1 + 1e-6).all()
+            assert (share > 0.99).all()
+        rows = link[(link.case == case) & (link.analysis == analysis) & (link.record == record)]
+        reached = np.abs(found.link_force).max(axis=0)
+        assert reached == pytest.approx(rows.peak_force.to_numpy(), rel=0.05, abs=1e-3)
+
+
+def test_a_scene_that_failed_has_no_history(plan, output, made):
+    def fails(scene, accuracy, method, **_):
+        response = known(scene, accuracy, method)
+        return replace(response, status="stalled") if scene.digest == plan.kept[0].scene else response
+
+    run(plan, output, solve=fails)
+    assert len(made) == 3
+    assert len(open_results(output).histories()) == 3
+
+
+def test_a_history_that_cannot_be_run_is_told_and_the_file_is_written(plan, output, monkeypatch):
+    def fails(scene, accuracy, every):
+        raise InputError(Problem("no history of this scene: stalled", "check"))
+
+    class Listening:
+        def __init__(self) -> None:
+            self.said: list[str] = []
+
+        def start(self, total, reused): ...
+
+        def step(self, done, failed): ...
+
+        def say(self, sentence):
+            self.said.append(sentence)
+
+        def stop(self): ...
+
+    monkeypatch.setattr(histories, "history", fails)
+    progress = Listening()
+    run(plan, output, progress=progress)
+    assert len(progress.said) == 4
+    assert progress.said[0].startswith("touching, elastic, weak: no history of this scene")
+    with h5py.File(output) as file:
+        assert "histories" not in file
