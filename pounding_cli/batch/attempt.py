@@ -10,7 +10,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.assess import assess
 from pounding_cli.solve.groups import GroupSolver
-from pounding_cli.solve.methods import METHODS
+from pounding_cli.solve.methods import chosen_method
 from pounding_cli.solve.response import Response
 from pounding_cli.store.codec import failed
 
@@ -53,7 +53,7 @@ class Task:
 
     def _falls_apart(self) -> bool:
         """Whether scenes may be solved in groups: a user of fixed steps wants those steps in every scene."""
-        return not self.all_effects and not METHODS[self.method].takes_step
+        return not self.all_effects and not chosen_method(self.method, self.accuracy).takes_step
 
     def _is_assessed(self, scene: Scene) -> bool:
         """Whether this scene is solved twice more; a sample is one scene in eight, the same ones in every run."""

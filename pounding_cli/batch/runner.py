@@ -70,7 +70,7 @@ def run_plan(
     check_output(output)
     if is_current(output, plan):
         return Outcome(output, 0, 0, len(plan.scenes), (), "none", 0, 0.0, time.perf_counter() - begin)
-    key = solution_key(plan.accuracy, plan.method, plan.estimate)
+    key = solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects)
     parts = PartStore(output, key)
     try:
         with locked(output):
@@ -120,7 +120,7 @@ def _solve_missing(
 
     Returns the engine's name and the time in the solver, all workers together [s].
     """
-    task = Task(solve or _default_solve(), plan.accuracy, plan.method, plan.estimate)
+    task = Task(solve or _default_solve(), plan.accuracy, plan.method, plan.estimate, plan.all_effects)
     spent = 0.0
 
     def keep(finished: Finished, at_once: bool) -> None:

@@ -59,14 +59,16 @@ def change(first: Response, second: Response) -> float:
 def assess(scene: Scene, response: Response, accuracy: float, run: Callable[..., Response] = solve) -> Response:
     """The same response with its estimated error [-], its sensitivity [-] and, if that is large, a flag that says so.
 
-    error_estimate : change against a Taylor run at an accuracy a thousand times finer
+    error_estimate : change against a run at an accuracy a thousand times finer; of a fixed-step method, against Taylor
     sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene
     """
     if response.status != "done":
         return response
-    tight = max(accuracy * TIGHTER, FINEST) if not METHODS[response.method].takes_step else BESIDE_FIXED_STEPS
-    finer = run(scene, accuracy=tight, method="taylor")
-    nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method="taylor")
+    fixed_steps = METHODS[response.method].takes_step
+    tight = BESIDE_FIXED_STEPS if fixed_steps else max(accuracy * TIGHTER, FINEST)
+    method = "taylor" if fixed_steps else response.method
+    finer = run(scene, accuracy=tight, method=method)
+    nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method=method)
     error, sensitivity = change(response, finer), change(finer, nudged) / NUDGE
     flags = response.flags
     if sensitivity > ILL_CONDITIONED:

@@ -14,15 +14,16 @@ from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve import central_difference, exponential, taylor
+from pounding_cli.solve import central_difference, taylor
 from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
+from pounding_cli.solve.choice import AUTO, cheapest_method
 from pounding_cli.solve.energy import balance, held
 from pounding_cli.solve.exponential import EXPONENTIAL
 from pounding_cli.solve.flags import flags_of
 from pounding_cli.solve.generalized_alpha import GENERALIZED_ALPHA, HHT_ALPHA
 from pounding_cli.solve.ground import segments_of
 from pounding_cli.solve.linear import central_difference_limit
-from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Method, is_linear, step_taken
+from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Method, step_taken
 from pounding_cli.solve.newmark import NEWMARK
 from pounding_cli.solve.response import Envelope, Response
 from pounding_cli.solve.runge_kutta import RUNGE_KUTTA, RUNGE_KUTTA_EVENTS
@@ -110,7 +111,7 @@ def is_compiled() -> bool:
 def solve(
     scene: Scene,
     accuracy: float = 1e-6,
-    method: str = "taylor",
+    method: str = AUTO,
     initial: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] | None = None,
     bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
     *,
@@ -123,7 +124,7 @@ def solve(
     ----------
     scene : in SI units
     accuracy : wanted relative error of the peaks [-]; for methods whose setting is a time step, that step [s]
-    method : a key of METHODS
+    method : a key of METHODS, or "auto" for the cheapest that keeps the accuracy
     initial : floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; None is
         rest
     bounds : most steps, most events
@@ -144,7 +145,7 @@ def solve(
         hint = "write `method: taylor`, which runs every scene"
         raise InputError(Problem(f"method {method} does not run this scene: {reason}", hint))
     arrays = pack(scene)
-    if chosen is TAYLOR and is_linear(scene) and exponential.pays(scene, arrays):
+    if method == AUTO and not all_effects and cheapest_method(scene, arrays) == EXPONENTIAL.name:
         chosen = EXPONENTIAL
         condensing += ("event location: nothing in the scene can change its stiffness, so it is stepped exactly",)
     state, peaks = at_rest(arrays), no_peaks(arrays, segments_of(scene) if watch else 0)
@@ -202,14 +203,16 @@ def _compile(chosen: Method, scene: Scene, setting: float) -> None:
 
 
 def chosen_method(name: str, setting: float) -> Method:
-    """The method of that name, its setting checked.
+    """The method of that name, its setting checked; "auto" is the one that runs every scene.
 
     Raises
     ------
     InputError : no such method, or a setting that is not above zero
     """
+    if name == AUTO:
+        name = TAYLOR.name
     if name not in METHODS:
-        raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
+        raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join((AUTO, *METHODS))}"))
     if not (np.isfinite(setting) and setting > 0):
         what = METHODS[name].setting
         raise InputError(Problem(f"{what} is {setting:g}; it must be above zero", f"write e.g. `{what}: 1e-4`"))

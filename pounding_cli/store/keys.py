@@ -37,7 +37,8 @@ def solver_version() -> str:
     return f"{package_version()}+{sha.hexdigest()[:12]}"
 
 
-def solution_key(accuracy: float, method: str, estimate: str = "none") -> str:
+def solution_key(accuracy: float, method: str, estimate: str = "none", all_effects: bool = False) -> str:
     """The key two solutions of one scene share exactly when they are the same number for number."""
     solver = f"format {FORMAT_VERSION} | solver {solver_version()}"
-    return f"{solver} | method {method} | accuracy {accuracy!r} | estimate {estimate}"
+    everything = " | all effects" if all_effects else ""
+    return f"{solver} | method {method} | accuracy {accuracy!r} | estimate {estimate}{everything}"

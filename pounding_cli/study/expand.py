@@ -15,6 +15,7 @@ from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
 from pounding_cli.study.resolve import Point, Resolver, places
 from pounding_cli.study.scenes import Frame, Rows, Scenes, seen
+from pounding_cli.study.schema import StudyModel
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
@@ -63,7 +64,6 @@ def expand(study: Study) -> Plan:
     if problems:
         raise InputError(sorted(problems, key=lambda p: (p.line, p.column, p.message)))
     kept, every = kept_rows(model, resolver.root, resolver.axes, rows, scenes, resolver.file)
-    fixed_step = model.time_step
     return Plan(
         study=study,
         axes=study.axes,
@@ -74,12 +74,23 @@ def expand(study: Study) -> Plan:
         scenes=scenes,
         rows=rows,
         motions=tuple(used.use for used in study.motions((0,) * len(study.axes)).values()),
-        accuracy=model.accuracy if fixed_step is None else fixed_step,
+        accuracy=_setting(model),
         method=model.method,
         estimate=model.estimate,
         kept=kept,
         every=every,
     )
+
+
+def _setting(model: StudyModel) -> float:
+    """The accuracy [-], or the time step [s] of a fixed-step method."""
+    if model.time_step is not None:
+        return model.time_step
+    if isinstance(model.accuracy, str):
+        from pounding_cli.solve.choice import cheap_accuracy  # here, so that checking a study loads no solver
+
+        return cheap_accuracy()
+    return model.accuracy
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.scene import Scene
-from pounding_cli.study.plan import Row
+from pounding_cli.study.plan import Plan, Row
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.schema import HistoriesSpec, KeepSpec, StudyModel
 from pounding_cli.study.source import Node
@@ -40,9 +41,9 @@ def check_keep(
     if spec is None:
         return
     path = ("keep", "histories")
-    if model.method != "taylor":
-        hint = "write `method: taylor`, or remove `keep`"
-        faults.at(root, ("keep",), f"method: {model.method} keeps no histories, only taylor does", hint, key=True)
+    if model.method not in ("auto", "taylor"):
+        hint = "write `method: auto`, or remove `keep`"
+        faults.at(root, ("keep",), f"method: {model.method} keeps no histories, only auto and taylor do", hint, key=True)
     known: dict[str, list[str]] = {
         "cases": list(model.cases),
         "analyses": list(model.analyses),
@@ -149,15 +150,37 @@ def _places(axis: SweepAxis, column: int, wanted: Node) -> list[int]:
 def _same(one: Node, other: Node) -> bool:
     if one.plain() == other.plain():
         return True
-    left, right = _amount(one), _amount(other)
+    left, right = amount(one.plain()), amount(other.plain())
     return left is not None and right is not None and abs(left - right) <= 1e-9 * max(abs(left), abs(right))
 
 
-def _amount(node: Node) -> float | None:
-    """A quantity in SI, whatever its unit."""
+def amount(value: Any) -> float | None:
+    """A quantity in SI, whatever its unit; None for what is none."""
     for unit in _UNITS:
         try:
-            return float(Quantity("value", unit, "").read(node.plain()))
+            return float(Quantity("value", unit, "").read(value))
         except (PydanticCustomError, TypeError, ValueError):
             continue
     return None
+
+
+def meant_rows(plan: Plan, place: Mapping[str, Any]) -> list[tuple[Row, dict[str, float | str]]]:
+    """The rows of a plan that stand at `place` (case, analysis, record, swept keys; what is not given does not
+    matter), each with its swept values."""
+    found = []
+    for row in plan.rows:
+        swept = {
+            name: value
+            for axis, number in zip(plan.axes, row.point, strict=True)
+            for name, value in zip(axis.names, axis.values[number], strict=True)
+        }
+        here = {"case": row.case, "analysis": row.analysis, "record": row.record, **swept}
+        if all(name in here and _equal(here[name], value) for name, value in place.items()):
+            found.append((row, swept))
+    return found
+
+
+def _equal(one: Any, other: Any) -> bool:
+    if isinstance(one, float) and isinstance(other, int | float):
+        return abs(one - other) <= 1e-9 * max(abs(one), abs(other))
+    return one == other

@@ -70,6 +70,7 @@ class Plan:
     motions : one per record; where the sweep changes them, those of its first point
     accuracy : relative error wanted [-]; the time step [s] for a fixed-step method
     estimate : which scenes are solved twice more for error and sensitivity: none, sample or all
+    all_effects : whether to simulate what cannot matter too
     kept : rows whose scenes are kept over time, every `every` seconds
     """
 
@@ -85,5 +86,6 @@ class Plan:
     accuracy: float
     method: str
     estimate: str = "none"
+    all_effects: bool = False
     kept: tuple[Row, ...] = ()
     every: float = 0.002

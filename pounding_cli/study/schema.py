@@ -13,9 +13,17 @@ from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, limited
 
 Method = Literal[
-    "taylor", "rk4-events", "rk4", "central-difference", "newmark", "hht-alpha", "generalized-alpha", "exponential"
+    "auto",
+    "taylor",
+    "rk4-events",
+    "rk4",
+    "central-difference",
+    "newmark",
+    "hht-alpha",
+    "generalized-alpha",
+    "exponential",
 ]
-ADAPTIVE = ("taylor", "exponential")
+ADAPTIVE = ("auto", "taylor", "exponential")
 """Methods that take an accuracy; the others take a time step."""
 
 Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
@@ -251,10 +259,12 @@ class StudyModel(Model):
     analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
         ("elastic", "inelastic"), description="whether storeys may yield"
     )
-    accuracy: Annotated[float, Quantity("accuracy", "", "1e-6", 1e-14, 0.1)] = optional(
-        1e-6, description="relative error wanted of the peaks [-]"
+    accuracy: Annotated[float | str, Quantity("accuracy", "", "1e-6", 1e-14, 0.1, words=("auto",))] = optional(
+        1e-6, description="relative error wanted of the peaks [-]; `auto`: every digit that costs next to nothing"
     )
-    method: Method = optional("taylor", description="how the equations of motion are solved")
+    method: Method = optional(
+        "auto", description="how the equations of motion are solved; `auto`: the cheapest that keeps the accuracy"
+    )
     time_step: Annotated[float, limited(units.TIME, name="time step", example="1e-4 s")] | None = optional(
         None, description="time step of a fixed-step method [s]"
     )

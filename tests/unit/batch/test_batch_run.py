@@ -8,7 +8,6 @@ import time
 from dataclasses import replace
 
 import h5py
-import numpy as np
 import pytest
 from study_plans import Axis, FakeStudy, known, small_plan
 

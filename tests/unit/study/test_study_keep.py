@@ -77,7 +77,7 @@ def test_refused_keep(name, refused):
 def test_methods_without_histories_are_refused(refused):
     step = ("[elastic]", "[elastic]\nmethod: newmark\ntime_step: 1 ms")
     old, new = keeping("histories")
-    refused(step, (old, new.replace("keep", "§keep")), message="newmark keeps no histories", hint="method: taylor")
+    refused(step, (old, new.replace("keep", "§keep")), message="newmark keeps no histories", hint="method: auto")
 
 
 def test_more_than_two_gigabytes_are_refused_before_anything_runs(study):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import typing
 
 from pounding_cli.solve import METHODS
+from pounding_cli.solve.choice import AUTO
 from pounding_cli.study import schema
 
 
 def test_methods_are_the_solver_s():
-    assert set(typing.get_args(schema.Method)) == set(METHODS)
+    assert set(typing.get_args(schema.Method)) == {AUTO, *METHODS}
