@@ -36,7 +36,7 @@ FIELDS = {
 }
 """Dataset -> dimensions, unit, meaning."""
 
-_FACTS = ("scene", "every", "times")
+_FACTS = ("number", "scene", "every", "times")
 """What is known of a kept scene besides its place."""
 
 
@@ -92,21 +92,18 @@ def stored_history(file: h5py.File, row: Row, every: float) -> History | None:
     return None
 
 
-def kept_places(file: h5py.File) -> list[tuple[str, dict[str, Any]]]:
-    """Number and attributes (with `times`, their count) of every kept scene, in the order of the tables."""
+def kept_places(file: h5py.File) -> list[dict[str, Any]]:
+    """Every kept scene in the order of the tables: its attributes, its `number` and how many `times` it has."""
     groups = file.get(GROUP, {})
     return [
-        (
-            number,
-            {name: _plain(value) for name, value in groups[number].attrs.items()}
-            | {"times": groups[number]["time"].size},
-        )
+        {name: _plain(value) for name, value in groups[number].attrs.items()}
+        | {"number": int(number), "times": groups[number]["time"].size}
         for number in sorted(groups, key=int)
     ]
 
 
-def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> str:
-    """The number of the one kept scene whose attributes are `wanted`.
+def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """The one of `kept_places` whose attributes are `wanted`; `name`: what errors call the file.
 
     Raises
     ------
@@ -116,11 +113,11 @@ def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> str:
     if not places:
         hint = "add `keep: histories` to the study and run it again; what is solved stays"
         raise InputError(Problem("keeps no histories", hint, name))
-    meant = [(number, facts) for number, facts in places if all(_same(facts.get(k), v) for k, v in wanted.items())]
+    meant = [facts for facts in places if all(_same(facts.get(key), value) for key, value in wanted.items())]
     if len(meant) == 1:
-        return meant[0][0]
+        return meant[0]
     said = ", ".join(f"{key} {value}" for key, value in wanted.items())
-    shown = [_in_words(facts) for _, facts in (meant or places)]
+    shown = [_in_words(facts) for facts in (meant or places)]
     listed = "; ".join(shown[:12]) + (f"; ... {len(shown)} in all" if len(shown) > 12 else "")
     what = (f"keeps {len(meant)} histories" if meant else "keeps no history") + (f" of {said}" if said else "")
     raise InputError(Problem(what, f"{'say which of' if meant else 'kept are'}: {listed}", name))

@@ -160,8 +160,16 @@ class Results:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
         names = (*self.axes, *PLACE, "number", "scene", "every", "times")
         with opened(self.path) as file:
-            rows = [facts | {"number": number} for number, facts in kept_places(file)]
+            rows = kept_places(file)
         return _frame({name: [row[name] for row in rows] for name in names})
+
+    def kept(
+        self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
+    ) -> dict[str, Any]:
+        """The one kept scene that is meant, as a row of `histories`; arguments and errors as those of `history`."""
+        given = {"case": case, "analysis": analysis, "record": record, **swept}
+        with opened(self.path) as file:
+            return chosen_place(file, {k: v for k, v in given.items() if v is not None}, str(self.path))
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
@@ -177,10 +185,9 @@ class Results:
         ------
         InputError : no kept scene, or more than one, is meant
         """
-        given = {"case": case, "analysis": analysis, "record": record, **swept}
-        wanted = {name: value for name, value in given.items() if value is not None}
+        number = self.kept(case, analysis, record, **swept)["number"]
         with opened(self.path) as file:
-            return read_history(file[GROUP][chosen_place(file, wanted, str(self.path))])
+            return read_history(file[f"{GROUP}/{number}"])
 
     @cached_property
     def buildings(self) -> pd.DataFrame:

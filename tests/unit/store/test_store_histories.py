@@ -1,0 +1,159 @@
+"""Kept histories in the results file: their layout by h5py and xarray, and how one is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from study_plans import Axis, known, small_plan
+
+from pounding_cli.errors import InputError
+from pounding_cli.solve.histories import ENERGIES, History
+from pounding_cli.store import open_results, write_results
+from pounding_cli.store.histories import FIELDS
+
+TIMES, STOREYS = 7, 3
+
+
+def made_up(row, links=("stiff|soft floor 2", "stiff|soft floor 1")) -> History:
+    """Numbers that tell where they belong: seed by row; the soft building has no third storey."""
+    noise = np.random.default_rng(abs(hash((row.point, row.case, row.analysis, row.record))))
+    by_storey = [noise.normal(size=(TIMES, 2, STOREYS)) for _ in range(4)]
+    for values in by_storey:
+        values[:, 1, 2] = np.nan
+    return History(
+        0.002 * np.arange(TIMES), *noise.normal(size=(2, TIMES)), *by_storey, *noise.normal(size=(2, TIMES, 2)),
+        noise.normal(size=(TIMES, len(links))), {name: noise.normal(size=TIMES) for name in ENERGIES},
+        ("stiff", "soft"), tuple(links),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """A sweep of two axes, the first of two keys; all rows of the case gap under the strong motion are kept."""
+    axes = (
+        Axis(("impact.damping_ratio", "impact.label"), ((0.1, "low"), (0.3, "high"))),
+        Axis(("records.scale",), ((1.0,), (2.0,))),
+    )
+    plan = small_plan(axes=axes)
+    plan = replace(plan, kept=tuple(r for r in plan.rows if r.case == "gap" and r.record == "strong"))
+    path = tmp_path / "kept.h5"
+    responses = {digest: known(scene) for digest, scene in plan.scenes.items()}
+    write_results(path, plan, responses, histories=((row, made_up(row)) for row in plan.kept))
+    return path, plan
+
+
+def test_a_history_comes_back_as_it_was(kept):
+    """Links in the file's order, in 32 bits. Fails if the links keep the scene's order."""
+    path, plan = kept
+    results = open_results(path)
+    row = next(r for r in plan.kept if r.point == (1, 0) and r.analysis == "inelastic")
+    found = results.history(analysis="inelastic", **{"impact.label": "high", "records.scale": 1})
+    expected = made_up(row)
+    assert found.buildings == ("stiff", "soft")
+    assert found.links == ("stiff|soft floor 1", "stiff|soft floor 2")
+    assert (found.link_force == expected.link_force[:, ::-1].astype(np.float32)).all()
+    assert (found.time == expected.time).all()
+    for name in FIELDS:
+        if name != "link_force" and not name.startswith("energy"):
+            ours = getattr(expected, name).astype(np.float32)
+            assert np.array_equal(getattr(found, name), ours, equal_nan=True), name
+    for name in ENERGIES:
+        assert (found.energy[name] == expected.energy[name].astype(np.float32)).all()
+
+
+def test_the_frame_says_which_are_kept(kept):
+    path, _ = kept
+    frame = open_results(path).histories()
+    assert list(frame.columns) == [
+        "impact.damping_ratio", "impact.label", "records.scale", "case", "analysis", "record", "number", "scene",
+        "every", "times",
+    ]  # fmt: skip
+    assert len(frame) == 2 * 2 * 2
+    assert list(frame["number"]) == list(range(8))
+    assert set(frame["case"]) == {"gap"}
+    assert set(frame["every"]) == {0.002}
+    assert set(frame["times"]) == {TIMES}
+    assert list(frame["records.scale"][:4]) == [1.0, 1.0, 2.0, 2.0]
+
+
+def test_h5py_alone_reads_it(kept):
+    path, plan = kept
+    with h5py.File(path) as file:
+        assert sorted(file["histories"], key=int) == [str(i) for i in range(8)]
+        group = file["histories/5"]
+        assert {k: group.attrs[k] for k in ("case", "analysis", "record")} == {
+            "case": "gap", "analysis": "inelastic", "record": "strong",
+        }  # fmt: skip
+        assert (group.attrs["impact.damping_ratio"], group.attrs["impact.label"]) == (0.3, "high")
+        assert group.attrs["scene"] == plan.kept[5].scene
+        for name, (dims, unit, _) in FIELDS.items():
+            dataset = group[name]
+            assert [scale[0].name.rsplit("/", 1)[1] for scale in dataset.dims] == list(dims)
+            assert (dataset.attrs["units"], dataset.dtype, dataset.compression) == (unit, np.float32, "gzip")
+            assert dataset.attrs["long_name"]
+
+
+def test_xarray_opens_a_group(kept):
+    xarray = pytest.importorskip("xarray")
+    path, plan = kept
+    with xarray.open_dataset(path, engine="h5netcdf", group="histories/0") as data:
+        found = data["shear"].sel(building="stiff", storey=3).to_numpy()
+        assert (found == made_up(plan.kept[0]).shear[:, 0, 2].astype(np.float32)).all()
+        assert data["time"].to_numpy()[1] == 0.002
+        assert data["link_force"].dims == ("time", "link")
+
+
+def test_a_scene_with_fewer_links_or_storeys_is_padded(tmp_path):
+    """The case far has no links."""
+    plan = small_plan(cases=(("gap", 0.05), ("far", None)))
+    plan = replace(plan, kept=plan.rows)
+    path = tmp_path / "padded.h5"
+    responses = {digest: known(scene) for digest, scene in plan.scenes.items()}
+
+    def shorter(row):
+        whole = made_up(row, () if row.case == "far" else ("stiff|soft floor 2",))
+        return replace(whole, shear=whole.shear[:, :, :2], drift=whole.drift[:, :, :2])
+
+    write_results(path, plan, responses, histories=((row, shorter(row)) for row in plan.kept))
+    results = open_results(path)
+    far = results.history(case="far", analysis="elastic", record="weak")
+    assert far.link_force.shape == (TIMES, 2)
+    assert np.isnan(far.link_force).all()
+    assert np.isnan(far.shear[:, :, 2]).all()
+    assert np.isfinite(far.shear[:, :, :2]).all()
+    gap = results.history(case="gap", analysis="elastic", record="weak")
+    assert np.isnan(gap.link_force[:, 0]).all()
+    assert np.isfinite(gap.link_force[:, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("wanted", "message", "hint"),
+    [
+        ({}, "keeps 8 histories", "say which of: impact.damping_ratio = 0.1, impact.label = low, records.scale = 1.0"),
+        ({"case": "touching"}, "keeps no history of case touching", "gap, elastic, strong"),
+        (
+            {"analysis": "elastic", "impact.label": "low"},
+            "keeps 2 histories of analysis elastic",
+            "records.scale = 2.0",
+        ),
+        ({"records.skale": 1.0}, "keeps no history of records.skale 1.0", "kept are"),
+    ],
+)
+def test_what_is_not_one_history_is_refused_with_what_is_there(kept, wanted, message, hint):
+    with pytest.raises(InputError) as refused:
+        open_results(kept[0]).history(**wanted)
+    (problem,) = refused.value.problems
+    assert message in problem.message
+    assert hint in problem.hint
+
+
+def test_a_file_without_histories_says_how_to_get_them(tmp_path):
+    plan = small_plan()
+    write_results(tmp_path / "r.h5", plan, {digest: known(scene) for digest, scene in plan.scenes.items()})
+    results = open_results(tmp_path / "r.h5")
+    assert len(results.histories()) == 0
+    with pytest.raises(InputError, match="keep: histories"):
+        results.history()
