@@ -117,10 +117,16 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
         if given is None and kind not in PLAIN:
             raise text.refuse("the file does not state its unit", "say it: unit: cm/s2, or --unit cm/s2", samples.line)
         return (given, "you") if given else ("g", "nobody")
+    if quantity_of(stated) == "counts":
+        if given is None:
+            raise text.refuse(
+                "the file holds recorder counts, and no scale that makes them an acceleration",
+                "fetch the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal",
+                samples.unit_line,
+            )
+        return given, "you"
     factor = acceleration_unit(stated)
     if factor is None:
-        if quantity_of(stated) == "counts":
-            raise text.counts(samples.unit_line)
         raise text.refuse(
             f"the file's unit '{stated}' is none of acceleration",
             f"correct it there: one of {', '.join(UNITS)}",

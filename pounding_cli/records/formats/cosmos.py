@@ -20,7 +20,7 @@ _DATA = re.compile(
     r"\s*(\d{1,9})\s+(\w+)\s+(?:data\s+)?(?:pts|points).*?units?\s*=\s*([^,(]+?)\s*(?:\(\s*\d+\s*\))?\s*,",
     re.IGNORECASE,
 )
-_CHANNEL = re.compile(r"sta\s+chan\s*(.*?)\s*(?:\(|location|\Z)", re.IGNORECASE)
+_CHANNEL = re.compile(r"sta\s+chan?\s*:?\s*(.*?)\s*(?:\(|location|\Z)", re.IGNORECASE)
 _QUANTITIES = {1: "acceleration", 2: "velocity", 3: "displacement"}
 _UNITS = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
 _TYPE, _UNIT = 1, 2
@@ -47,14 +47,12 @@ def recognises(text: Text) -> bool:
 
 
 def read(text: Text, asked: Asked) -> Samples:
-    """The samples of one channel; raises `InputError` for counts, velocities, or several channels and none named."""
+    """The samples of one channel; raises `InputError` for velocities, or several channels and none named."""
     blocks = _blocks(text)
     found = [block for block in blocks if block.quantity == "acceleration"]
     if not found:
         raise text.wrong_quantity(blocks[0].quantity, blocks[0].line)
     block = found[text.channel(asked, [block.label for block in found], found[0].line)]
-    if block.unit == "counts":
-        raise text.counts(block.line)
     step = text.same_step(asked.dt, text.step(block.step, block.line), block.line)
     values, _ = text.fixed(block.line, block.count, *block.columns)
     return Samples(step, values, block.line + 1, block.unit, block.line)

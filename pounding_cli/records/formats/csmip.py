@@ -2,7 +2,8 @@
 
 V2: text, integers and reals, then a line such as `4000 points of accel data equally spaced at .020 sec, in cm/sec2.
 (8f10.3)` and the samples; velocity and displacement follow.  V1: 13 lines of text, 7 of integers (16I5), 7 of reals
-(8F10.3), then time and acceleration in turns, ten columns of seven, or samples alone behind a line of words
+(8F10.3), then time and acceleration in turns, ten columns of seven, or samples alone behind a line such as
+`13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)`
 (Shakal and Huang, 1985, Standard tape format for CSMIP strong-motion data tapes, report OSMS 85-03).
 """
 
@@ -19,7 +20,8 @@ _V3 = re.compile(r"\s*RESPONSE\s+AND\s+FOURIER\s+AMPLITUDE\s+SPECTRA", re.IGNORE
 _END = re.compile(r"END\s+OF\s+DATA\s+FOR\s+CHAN", re.IGNORECASE)
 _DATA = re.compile(r"\s*(\d{1,9})\s+points\s+of\s+(?:\w+\s+)?(accel|veloc|displ)\w*", re.IGNORECASE)
 _SPACED = re.compile(r"(?:spaced\s+at|at)\s+(\d*\.?\d+)\s*sec", re.IGNORECASE)
-_CHANNEL = re.compile(r"\bCHAN(?:NEL)?\s*(\d+\s*:?.*?)(?:\s{2,}|\Z)", re.IGNORECASE)
+_RATE = re.compile(r"at\s+(\d+\.?\d*)\s*(?:pts|points|samples)\s*/\s*sec", re.IGNORECASE)
+_CHANNEL = re.compile(r"\bCHAN(?:NEL)?\s*(\d+\s*:\s*\S+(?:\s\S+)*)", re.IGNORECASE)
 _UNITS = re.compile(
     r"(?P<tenth>g\s*/\s*10)|(?P<cm>cm\s*/\s*s(?:ec)?(?:\s*/\s*s(?:ec)?|\s*\*\*\s*2|\^?2))|(?P<gal>\bgals?\b)|(?P<g>\bg\b)",
     re.IGNORECASE,
@@ -116,11 +118,12 @@ def _behind_words(
     line = text.lines[data]
     said, spaced = _DATA.match(line), _SPACED.search(line)
     count = int(said[1]) if said else count
+    rated = _RATE.search(line)
     written = number(spaced[1]) if spaced else None
     if written is None:
-        # Without a spacing: the samples a second are a whole number, and the length is printed with few digits.
-        rate = round((count - 1) / length) if length > 0 else 0
-        written = 1.0 / rate if rate else 0.0
+        # Without either: the samples a second are a whole number, and the length is printed with few digits.
+        rate = float(rated[1]) if rated else round((count - 1) / length) if length > 0 else 0
+        written = float(f"{1.0 / rate:.9g}") if rate else 0.0
     step = text.same_step(asked.dt, text.step(written, data + 1), data + 1)
     own = _unit(line[spaced.end() :] if spaced else line)
     values, _ = text.fixed(data + 1, count, *(fortran(line) or (8, 9)))

@@ -35,8 +35,6 @@ def read(text: Text, asked: Asked) -> Samples:
     unit, unit_line = _need(text, keys, "UNITS", "cm/s^2")
     if quantity_of(unit) in ("velocity", "displacement"):
         raise text.wrong_quantity(quantity_of(unit), unit_line)
-    if quantity_of(unit) == "counts":
-        raise text.counts(unit_line)
     count, count_line = _need(text, keys, "NDATA", "12000")
     rows = text.rows(start)
     values = [value for _, row in rows for value in row]

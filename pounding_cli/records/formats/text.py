@@ -95,14 +95,6 @@ class Text:
             line,
         )
 
-    def counts(self, line: int) -> InputError:
-        """The refusal of recorder counts that nothing turns into an acceleration."""
-        return self.refuse(
-            "the file holds recorder counts, and no scale that makes them an acceleration",
-            "fetch the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal",
-            line,
-        )
-
     def channel(self, asked: Asked, labels: list[str], line: int) -> int:
         """Index of the channel asked for; refused where there are several and none was named."""
         listed = "; ".join(f"{place}: {label}" for place, label in enumerate(labels, 1))
