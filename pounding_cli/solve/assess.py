@@ -13,7 +13,7 @@ import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve.methods import METHODS, solve
+from pounding_cli.solve.methods import TAYLOR, chosen_method, solve
 from pounding_cli.solve.response import Response
 
 NUDGE = 1e-6
@@ -64,9 +64,9 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
     """
     if response.status != "done":
         return response
-    fixed_steps = METHODS[response.method].takes_step
+    fixed_steps = chosen_method(response.method, accuracy).takes_step
     tight = BESIDE_FIXED_STEPS if fixed_steps else max(accuracy * TIGHTER, FINEST)
-    method = "taylor" if fixed_steps else response.method
+    method = TAYLOR.name if fixed_steps else response.method
     finer = run(scene, accuracy=tight, method=method)
     nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method=method)
     error, sensitivity = change(response, finer), change(finer, nudged) / NUDGE
