@@ -50,6 +50,10 @@ def read(text: Text, asked: Asked) -> Samples:
     """The samples of one channel; raises `InputError` for velocities, or several channels and none named."""
     blocks = _blocks(text)
     found = [block for block in blocks if block.quantity == "acceleration"]
+    if not blocks:
+        raise text.refuse(
+            "no line names the format's version", "a COSMOS file begins with e.g. '... (Format v01.20'", 1
+        )
     if not found:
         raise text.wrong_quantity(blocks[0].quantity, blocks[0].line)
     block = found[text.channel(asked, [block.label for block in found], found[0].line)]

@@ -53,6 +53,7 @@ class Text:
 
     def refuse(self, message: str, hint: str, line: int = 0, column: int = 1) -> InputError:
         """The error that says so at a place of this file."""
+        line = min(line, len(self.lines))
         return InputError(Problem(message, hint, str(self.path), line, column if line else 0))
 
     def first(self) -> int:

@@ -10,8 +10,9 @@ from pounding_cli.records.formats.text import Text
 
 _UNEVEN = 0.02
 # Times are often printed with few digits; a sample may stand off its even place by this part of a step,
-_DIGITS = 0.51
-# or by this part of the last digit printed, where the steps themselves are rounded to it.
+_DIGITS = 1.02
+# or by the last digit printed (half of it for the sample, half for the last, which the step comes from),
+# where that is less than a quarter of a step.
 _LATEST = 1e6
 
 
@@ -42,14 +43,12 @@ def even_step(
             lines[falling[0] + 1] + 1,
         )
     step = float(f"{(t[-1] - t[0]) / (t.size - 1):.9g}")
-    if given is None:
-        step = text.step(step, lines[0] + 1)
-    else:
-        # A given step is the exact one; times printed with few digits only have to agree with it.
-        mean = text.same_step(given, step, lines[0] + 1)
-        step = given if abs(given - mean) * (t.size - 1) <= _UNEVEN * mean else mean
+    step = text.step(step, lines[0] + 1) if given is None else text.same_step(given, step, lines[0] + 1)
     allowed = max(_UNEVEN * step, 0.0 if digits is None else min(_DIGITS * 10.0**-digits, 0.25 * step))
-    off = np.abs(t - t[0] - step * np.arange(t.size))
+    places = np.arange(t.size)
+    if given is not None and np.abs(t - t[0] - given * places).max() <= allowed:
+        return given  # exact, where the times are rounded
+    off = np.abs(t - t[0] - step * places)
     if off.max() > allowed:
         gaps = np.diff(t)
         usual = float(np.median(gaps))
