@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pounding_cli.batch.progress import Progress
@@ -11,34 +12,37 @@ if TYPE_CHECKING:
     from pounding_cli.study import Study
 
 
-def load_study(path: str | Path) -> Study:
-    """Read and check a study file.
+def load_study(source: str | Path | Mapping[str, Any]) -> Study:
+    """Read and check a study: a file, or a dict with the keys and units of one.
 
     Raises
     ------
-    InputError : with every problem found, each with line and column
+    InputError : with every problem found, each with line and column, or in a dict with its key
     """
     from pounding_cli.study import load_study as load
+    from pounding_cli.study import study_of
 
-    return load(Path(path))
+    return study_of(source) if isinstance(source, Mapping) else load(Path(source))
 
 
 def run(
-    study: Study | str | Path,
+    study: Study | str | Path | Mapping[str, Any],
     output: str | Path | None = None,
     *,
     workers: int | None = None,
     engine: str = "processes",
+    scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Results:
     """Run what a study still lacks and open its results.
 
     Parameters
     ----------
-    study : a loaded study or the path of its file
+    study : a loaded study, the path of its file, or a dict as `load_study` takes
     output : the results file; `results/<study stem>.h5` unless given
     workers : scenes side by side; the cores of this machine unless given
-    engine : "processes" or "serial"
+    engine : "processes", "threads", "serial" or "dask": the same rows from each
+    scheduler : address of a Dask scheduler, for the dask engine; a cluster on this machine unless given
     progress : as in `pounding_cli.batch.progress`; nothing is shown unless given
 
     Raises
@@ -50,9 +54,9 @@ def run(
     from pounding_cli.batch import run_plan
     from pounding_cli.study import expand
 
-    loaded = load_study(study) if isinstance(study, str | Path) else study
+    loaded = load_study(study) if isinstance(study, str | Path | Mapping) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path))
-    run_plan(expand(loaded), path, progress=progress, workers=workers, engine_name=engine)
+    run_plan(expand(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler)
     return open_results(path)
 
 

@@ -115,6 +115,7 @@ def _from_study(file: Path, place: dict[str, Any]) -> tuple[History, Picture, st
     from pounding_cli.solve.histories import history
     from pounding_cli.study import expand, load_study
     from pounding_cli.study.keep import meant_rows
+    from pounding_cli.study.schema import ADAPTIVE
 
     plan = expand(load_study(file))
     rows = meant_rows(plan, place)
@@ -126,7 +127,7 @@ def _from_study(file: Path, place: dict[str, Any]) -> tuple[History, Picture, st
         raise InputError(Problem(what, f"say one with --case, --analysis, --record, --at: {listed}", str(file)))
     ((row, swept),) = rows
     scene = plan.scenes[row.scene]
-    accuracy = plan.accuracy if plan.method == "taylor" else 1e-6
+    accuracy = plan.accuracy if plan.method in ADAPTIVE else 1e-6
     words = in_words(swept, {"case": row.case, "analysis": row.analysis, "record": row.record}, scene.motion.source)
     picture = picture_of_scene(scene, plan.study.title, words)
     return history(scene, accuracy, plan.every), picture, "-".join((file.stem, row.case, row.analysis, row.record))

@@ -13,6 +13,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import layout
+from pounding_cli.model.condense import condensed
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import taylor
@@ -81,6 +82,7 @@ def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> Histo
     """
     if not (np.isfinite(every) and every > 0):
         raise InputError(Problem(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`"))
+    scene, _ = condensed(scene, accuracy)
     arrays = pack(scene)
     times = output_times(scene, every)
     states = _march(scene, arrays, times, accuracy)

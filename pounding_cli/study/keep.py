@@ -42,8 +42,8 @@ def check_keep(
         return
     path = ("keep", "histories")
     if model.method not in ("auto", "taylor"):
-        hint = "write `method: auto`, or remove `keep`"
-        faults.at(root, ("keep",), f"method: {model.method} keeps no histories, only auto and taylor do", hint, key=True)
+        message = f"method: {model.method} keeps no histories, only auto and taylor do"
+        faults.at(root, ("keep",), message, "write `method: auto`, or remove `keep`", key=True)
     known: dict[str, list[str]] = {
         "cases": list(model.cases),
         "analyses": list(model.analyses),

@@ -28,7 +28,11 @@ from pounding_cli.study.sweep import SweepAxis, read_axes
 class Study:
     """A validated study.
 
-    path : the file; text : the file as written; title : its title or its name
+    Attributes
+    ----------
+    path : the file
+    text : the file as written
+    title : its title or its name
     axes : the axes of the sweep
     warnings : what is allowed but should be known
     model, resolver : the study as written, and what answers for every point of the sweep
@@ -103,7 +107,11 @@ def load_study(path: str | Path) -> Study:
     study as written is checked, and every value of every axis on its own; `expand` checks their combinations.
     """
     path = Path(path)
-    text, root = read_source(path)
+    return validated(path, *read_source(path))
+
+
+def validated(path: Path, text: str, root: Node) -> Study:
+    """The study of a tree; `text` is what it says, record files are sought beside `path`. Raises as `load_study`."""
     file = str(path)
     refuse_other_kinds(root, file)
     faults = Faults(file)

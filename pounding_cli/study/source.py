@@ -103,6 +103,11 @@ class Node:
 def read_source(path: Path) -> tuple[str, Node]:
     """The text of a YAML file and its tree; raises `InputError` at its place for what is no YAML mapping."""
     text = _read_text(path)
+    return text, parse(text, path)
+
+
+def parse(text: str, path: Path) -> Node:
+    """The tree of a YAML text; `path` is what errors call it, which are those of `read_source`."""
     try:
         composed = yaml.compose(text, Loader=_LOADER)
     except yaml.MarkedYAMLError as error:
@@ -137,7 +142,7 @@ def read_source(path: Path) -> tuple[str, Node]:
         )
     if reader.problems:
         raise InputError(reader.problems)
-    return text, root
+    return root
 
 
 def _read_text(path: Path) -> str:
