@@ -20,7 +20,7 @@ class Finished:
     """A chunk as it comes from a worker; `content`: its bytes, where it came as bytes."""
 
     chunk: Chunk
-    content: bytes | None = None
+    content: bytes = b""
 
 
 class Engine(Protocol):

@@ -32,8 +32,10 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
     taken = held = 0
     for chunk in stored_chunks(output, parts.key, plan.scenes):
         new = chunk.only([place for place, digest in enumerate(chunk.digests) if digest not in parts])
-        parts.add(new, keep=held > IN_MEMORY)
+        parts.add(new)
         held += new.numbers.nbytes
+        if held > IN_MEMORY:
+            parts.flush()
         taken += len(chunk)
     if former.differs:
         say(

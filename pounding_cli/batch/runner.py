@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pounding_cli.batch.attempt import Solve, Task
-from pounding_cli.batch.bundles import Queue
+from pounding_cli.batch.bundles import CHUNK_SECONDS, Queue
 from pounding_cli.batch.engines import Engine, Finished, engine
 from pounding_cli.batch.families import Order, order_of
 from pounding_cli.batch.histories import kept_histories
@@ -121,19 +121,22 @@ def _solve_missing(
     Returns the engine's name and the time in the solver, all workers together [s].
     """
     task = Task(solve or _default_solve(), plan.accuracy, plan.method, plan.estimate, plan.all_effects)
-    spent = 0.0
+    spent, saved = 0.0, time.monotonic()
 
-    def keep(finished: Finished, at_once: bool) -> None:
-        nonlocal spent
+    def keep(finished: Finished, small: bool = True) -> None:
+        nonlocal spent, saved
         chunk = finished.chunk
-        parts.add(chunk, finished.content, at_once)
+        parts.add(chunk, finished.content)
+        if not small or time.monotonic() - saved > CHUNK_SECONDS:
+            parts.flush()
+            saved = time.monotonic()
         spent += float(chunk.seconds.sum())
         done = sum(chunk.is_done)
         progress.step(done, len(chunk) - done)
 
     def here(digest: str) -> float:
         begin = time.perf_counter()
-        keep(Finished(Chunk.of({digest: task(plan.scenes[digest])})), False)
+        keep(Finished(Chunk.of({digest: task(plan.scenes[digest])})))
         return time.perf_counter() - begin
 
     with _compile_notice(progress, solve):
@@ -142,15 +145,13 @@ def _solve_missing(
     work = sum(here(digests[1]) * (order.counts[sort] - 2) for sort, digests in order.samples.items() if digests[1:])
     sampled = set(itertools.chain.from_iterable(order.samples.values()))
     rest = [digest for digest in order.digests if digest not in sampled]
-    # What takes a second need not touch the disk; of anything longer, every chunk does.
+    # What takes no time need not touch the disk; of anything longer, every chunk does.
     small = work < WORTH_WORKERS
     used = Serial() if small or (chosen.workers == 1 and chosen.name != "dask") else chosen
-    if not small:
-        parts.flush()
     queue = Queue(rest, used.workers, work / max(1, len(rest)))
     with contextlib.closing(used.solve(queue, plan.scenes, task, parts.key)) as solved:
         for finished in solved:
-            keep(finished, not small)
+            keep(finished, small)
     return used.name, spent
 
 

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from pounding_cli.batch import Outcome
+    from pounding_cli.batch.progress import JsonLines
     from pounding_cli.store import Overview
     from pounding_cli.store.overview import Trust
 
@@ -36,48 +37,101 @@ FEW_POINTS = 8
 )
 @click.option(
     "--engine",
-    type=click.Choice(("serial", "processes")),
+    type=click.Choice(("serial", "threads", "processes", "dask")),
     default="processes",
     show_default=True,
-    help="Where scenes are solved; small studies are solved serially either way.",
+    help="Where scenes are solved, with the same results; small studies are solved serially whatever it is.",
 )
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Dask scheduler, e.g. tcp://node:8786, for --engine dask; a cluster on this machine unless given.",
+)
+@click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines, and nothing else.")
 @click.pass_context
 def command(
-    ctx: click.Context, study: Path, output: Path | None, quiet: bool, workers: int | None, engine: str
+    ctx: click.Context,
+    study: Path,
+    output: Path | None,
+    quiet: bool,
+    workers: int | None,
+    engine: str,
+    scheduler: str | None,
+    log_json: bool,
 ) -> None:
     """Run what STUDY still lacks, write one results file, print a summary.
 
     Scenes that an earlier run solved are reused, also after the study was changed, and the count is printed.
-    Ctrl-C keeps what is solved; the same command goes on from there.
+    Ctrl-C keeps what is solved; the same command goes on from there, also after a crash or a full disk.
     Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
 
     \b
     Example:
       pound run configs/fig6.yaml
       pound run configs/fig6.yaml -o results/fig6.h5 --workers 4
+      pound run sweep.yaml --engine dask --scheduler tcp://node:8786
     """
+    _alone_on_its_core()
     from pounding_cli.api import default_output, load_study
     from pounding_cli.batch import run_plan
-    from pounding_cli.batch.progress import chosen
+    from pounding_cli.batch.progress import JsonLines, chosen
     from pounding_cli.study import expand
 
+    quiet = quiet or log_json
+    log = JsonLines() if log_json else None
     loaded = load_study(study)
-    if not quiet:
-        for warning in loaded.warnings:
+    for warning in loaded.warnings:
+        if log:
+            log.tell("warning", text=str(warning))
+        elif not quiet:
             click.echo(f"warning: {warning}", err=True)
     plan = expand(loaded)
     path = output or default_output(study)
-    outcome = run_plan(plan, path, progress=chosen(quiet), workers=workers, engine_name=engine)
-    if not quiet:
+    outcome = run_plan(
+        plan, path, progress=log or chosen(quiet), workers=workers, engine_name=engine, scheduler=scheduler
+    )
+    if log:
+        _log(log, outcome)
+    elif not quiet:
         from pounding_cli.store import overview
 
         _print(overview(path), outcome)
-    for failure in outcome.failures:
+    for failure in () if log else outcome.failures:
         click.echo(f"failed: {failure.place}: {failure.status}", err=True)
         if failure.advice:
             click.echo(f"    {failure.advice}", err=True)
     if outcome.failures:
         ctx.exit(1)
+
+
+def _alone_on_its_core() -> None:
+    """Linear algebra in one thread: scenes are solved side by side, and their matrices are small. SIGTERM, which batch
+    systems send when time is up, stops a run as Ctrl-C does."""
+    import os
+    import signal
+    import threading
+
+    for name in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
+        os.environ.setdefault(f"{name}_NUM_THREADS", "1")
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
+def _log(log: JsonLines, outcome: Outcome) -> None:
+    """The failed scenes and the end of a run as JSON lines."""
+    for failure in outcome.failures:
+        log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
+    log.tell(
+        "end",
+        done=outcome.done,
+        failed=outcome.failed,
+        reused=outcome.reused,
+        results=str(outcome.path),
+        engine=outcome.engine,
+        workers=outcome.workers,
+        solver_seconds=round(outcome.solver_seconds, 3),
+        wall_seconds=round(outcome.wall_seconds, 3),
+    )
 
 
 def _print(found: Overview, outcome: Outcome) -> None:

@@ -34,6 +34,7 @@ class PartStore(Mapping[str, Response]):
         self.folder = output.with_name(output.name + ".parts")
         self.key = key
         self._chunks: list[_Held] = []
+        self._unsaved: dict[int, bytes] = {}
         self._where: dict[str, int] = {}
 
     @classmethod
@@ -56,23 +57,24 @@ class PartStore(Mapping[str, Response]):
                     self._note(_Held(chunk, path), chunk.digests, good)
         return len(self)
 
-    def add(self, chunk: Chunk, content: bytes | None = None, keep: bool = False) -> None:
-        """Take a chunk in; with `keep` it is on disk when this returns.
+    def add(self, chunk: Chunk, content: bytes = b"") -> None:
+        """Take a chunk in, for now in memory; `content`: its bytes, where they are at hand."""
+        if len(chunk):
+            self._unsaved[len(self._chunks)] = content
+            self._note(_Held(chunk, None), chunk.digests, [True] * len(chunk))
 
-        content : its bytes, where they are at hand
+    def flush(self) -> None:
+        """Bring to disk what is in memory only.
 
         Raises
         ------
         OSError : the disk is full, or the folder cannot be written; no part is left half written
         """
-        path = self._write(content or chunk.to_bytes(self.key)) if keep and len(chunk) else None
-        self._note(_Held(chunk, path), chunk.digests, [True] * len(chunk))
-
-    def flush(self) -> None:
-        """Bring to disk what is in memory only.  Raises OSError as `add` does."""
-        for number, held in enumerate(self._chunks):
-            if held.chunk is not None:
-                self._chunks[number] = _Held(held.chunk, self._write(held.chunk.to_bytes(self.key)))
+        for number, content in list(self._unsaved.items()):
+            chunk = self._chunks[number].chunk
+            assert chunk is not None
+            self._chunks[number] = _Held(chunk, self._write(content or chunk.to_bytes(self.key)))
+            del self._unsaved[number]
 
     def remove(self) -> None:
         """Delete the parts: the results file has everything."""

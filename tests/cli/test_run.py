@@ -210,7 +210,7 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
 
 
 def test_the_solver_gives_the_same_rows_in_processes_and_in_this_one(folder, pound, monkeypatch):
-    monkeypatch.setattr("pounding_cli.batch.runner.WORTH_PROCESSES", 0.0)
+    monkeypatch.setattr("pounding_cli.batch.runner.WORTH_WORKERS", 0.0)
     for engine in ("serial", "processes"):
         code, out, _ = pound("run", "two.yaml", "-o", f"{engine}.h5", "--engine", engine, "--workers", 2, solve=None)
         assert code == 0
