@@ -38,9 +38,9 @@ _LABELS = {
     "window": "duration", "right_floor": "floor right",
 }  # fmt: skip
 _TEXTS = {
-    "V_ratio": "storey shear over that of the building alone", "mu": "ductility",
-    "mu_ratio": "ductility over that of the building alone", "drift": "largest storey drift",
-    "acceleration_ratio": "floor acceleration over that of the building alone", "displacement": "largest, either way",
+    "V_ratio": "storey shear over that alone", "mu": "ductility",
+    "mu_ratio": "ductility over that alone", "drift": "largest storey drift",
+    "acceleration_ratio": "floor acceleration over that alone", "displacement": "largest, either way",
     "impacts": "times the link closed", "V_ratio_mean": "mean over the motions",
 }  # fmt: skip
 _ASIDE = {

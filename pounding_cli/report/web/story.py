@@ -81,7 +81,7 @@ def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFra
         found.append(Tile("Largest link force", f"{digits(force.max() / 1e3)} kN", where))
     error = scene["error_estimate"].dropna()
     number = digits(error.max(), 2) if len(error) else "not measured"
-    where = f"largest of {len(error)} runs" if len(error) else "`estimate: all` in the study measures it"
+    where = f"largest of {len(error)} runs" if len(error) else "estimate: all in the study measures it"
     found.append(Tile("Numerical error", number, where))
     sensitivity = scene["sensitivity"].dropna()
     if len(sensitivity):

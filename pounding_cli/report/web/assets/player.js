@@ -1,9 +1,11 @@
 // The player: which scene, which instant, how fast; buttons, keys, and what they say.
 
 const SPEEDS = [['1', 'real time'], ['0.5', '1/2'], ['0.2', '1/5'], ['0.1', '1/10'], ['0.02', '1/50'], ['0.005', '1/200']];
+/** Speed of slow motion. */
 const SLOW = 0.01;
-/** An impact counts for the buttons and for slow motion from this share of the hardest one. */
-const HARD = 0.1;
+/** Slow motion lasts from this long before the largest force of an impact to as long after it [s]. */
+const AROUND = 0.012;
+/** In this time the light of an impact falls to a third [s]. */
 const FADE = 0.15;
 
 function playerView() {
@@ -49,7 +51,7 @@ function playerView() {
     state.scene = new Scene(data.players.scenes[number]);
     state.glow = state.scene.links.map(() => 0);
     scrub.max = state.scene.count - 1;
-    const hard = hardImpacts().length > 0;
+    const hard = state.scene.impacts.length > 0;
     for (const button of [before, after, hardest]) button.disabled = !hard;
     arrange();
     go(hard ? strongest().at : 0);
@@ -64,12 +66,11 @@ function playerView() {
     const times = state.at.scale === 1 ? 'to the scale of the heights' : `${state.at.scale} times larger than heights`;
     const thinned = scene.stride > 1 ? ` Every ${scene.stride}th sample is here; of forces the largest.` : '';
     root.querySelector('.key').textContent = `Displacements and gaps are drawn ${times}. Columns turn red and thick where a storey’s drift is at or beyond its yield drift. `
-      + `Stars: floors pressing on each other; bars: connectors, orange pushing, blue pulling. Impacts from ${100 * HARD} % of the hardest count for the buttons and for slow motion.${thinned}`;
+      + `Stars: floors pressing on each other; bars: connectors, orange pushing, blue pulling. Contacts from ${100 * HARD} % of the hardest force count as impacts for the buttons and for slow motion.${thinned}`;
     canvas.setAttribute('aria-label', `${scene.buildings.map(({ name }) => name).join(', ')} moving: ${scene.label}; displacements drawn ${times}`);
     draw();
   }
 
-  const hardImpacts = () => state.scene.impacts.filter(({ force }) => force >= HARD * state.scene.mostForce);
   const strongest = () => state.scene.impacts.reduce((most, one) => (one.force > most.force ? one : most));
 
   function go(time, aloud = false) {
@@ -84,7 +85,7 @@ function playerView() {
 
   function toImpact(way) {
     pause();
-    const hard = hardImpacts(), slack = state.scene.dt / 2;
+    const hard = state.scene.impacts, slack = state.scene.dt / 2;
     const next = way > 0 ? hard.find(({ at }) => at > state.time + slack) : hard.findLast(({ at }) => at < state.time - slack);
     if (next) go(next.at, true);
     else say('No further impact');
@@ -116,7 +117,7 @@ function playerView() {
     const passed = state.clock === undefined ? 0 : Math.min((now - state.clock) / 1e3, 0.1);
     state.clock = now;
     const { scene } = state;
-    const slowed = state.slow && hardImpacts().some(({ from, to }) => state.time > from - 0.005 && state.time < to + 0.01);
+    const slowed = state.slow && scene.impacts.some((impact) => Math.abs(impact.at - state.time) < AROUND);
     const next = Math.min(state.time + passed * (slowed ? Math.min(state.speed, SLOW) : state.speed), scene.end);
     scene.links.forEach((_, number) => {
       const pressed = Math.abs(scene.force(number, state.time, next)) / (scene.mostForce || 1);
@@ -158,9 +159,9 @@ function playerView() {
     const forces = scene.links.map((link, number) => [link, scene.between(scene.forces[number], time)]);
     const most = forces.reduce((one, other) => (Math.abs(other[1]) > Math.abs(one[1]) ? other : one), [null, 0]);
     const where = most[0] ? ` at floor ${most[0].floor}` : '';
-    const soFar = scene.impacts.filter(({ from }) => from <= time).length;
+    const soFar = scene.contacts.filter(({ from }) => from <= time).length;
     return [['time', `${time.toFixed(3)} s`], ['ground', `${asText(scene.between(scene.ground, time))} m/s²`], ...roofs,
-      ['link force', `${asText(most[1] / 1e3)} kN${where}`], ['impacts so far', `${soFar} of ${scene.impacts.length}`]];
+      ['link force', `${asText(most[1] / 1e3)} kN${where}`], ['contacts so far', `${soFar} of ${scene.contacts.length}`]];
   }
 
   const tell = () => readout.replaceChildren(...facts().map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value))));

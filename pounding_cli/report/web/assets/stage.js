@@ -1,5 +1,8 @@
 // A kept scene: its series, its impacts, and the drawing of its buildings at one instant.
 
+/** A contact is an impact from this share of the hardest one. */
+const HARD = 0.1;
+
 /** The series of one scene, read from base64 when first shown. */
 class Scene {
   constructor(raw) {
@@ -19,6 +22,7 @@ class Scene {
     this.mostGround = extremes(this.ground);
     this.mostMoved = Math.max(1e-9, ...this.motions.flatMap(({ floors }) => floors.map(extremes)));
     this.mostForce = Math.max(0, ...this.forces.map(extremes));
+    this.contacts = this.findContacts();
     this.impacts = this.findImpacts();
   }
 
@@ -51,22 +55,35 @@ class Scene {
     return most;
   }
 
-  /** Impacts: spells in which links that can open press, those less than 10 ms apart taken as one. */
-  findImpacts() {
-    const opening = this.forces.filter((_, number) => this.links[number].kind !== 'connector');
+  /** Contacts: spells in which a link that can open presses; from, to, at (its largest force) [s], force [N]. */
+  findContacts() {
     const spells = [];
-    const apart = Math.max(1, Math.round(0.01 / this.dt));
-    for (let place = 0; place < this.count; place++) {
-      let most = 0;
-      for (const series of opening) most = Math.max(most, Math.abs(series[place]) || 0);
-      if (most === 0) continue;
-      const last = spells.at(-1);
-      if (last && place - last.to <= apart) {
-        last.to = place;
-        if (most > last.force) [last.force, last.at] = [most, place];
-      } else spells.push({ from: place, to: place, at: place, force: most });
+    this.forces.forEach((series, number) => {
+      if (this.links[number].kind === 'connector') return;
+      let spell = null;
+      for (let place = 0; place < this.count; place++) {
+        const size = Math.abs(series[place]);
+        if (!(size > 0)) spell = null;
+        else if (!spell) spells.push((spell = { from: place * this.dt, to: place * this.dt, at: place * this.dt, force: size }));
+        else {
+          spell.to = place * this.dt;
+          if (size > spell.force) [spell.force, spell.at] = [size, place * this.dt];
+        }
+      }
+    });
+    return spells.sort((one, other) => one.at - other.at);
+  }
+
+  /** Impacts for the buttons and for slow motion: hard contacts, of those within 10 ms the hardest. */
+  findImpacts() {
+    const found = [];
+    for (const contact of this.contacts) {
+      if (contact.force < HARD * this.mostForce) continue;
+      const last = found.at(-1);
+      if (!last || contact.at - last.at > 0.01) found.push(contact);
+      else if (contact.force > last.force) found[found.length - 1] = contact;
     }
-    return spells.map(({ from, to, at, force }) => ({ from: from * this.dt, to: to * this.dt, at: at * this.dt, force }));
+    return found;
   }
 }
 
@@ -84,7 +101,7 @@ function layout(scene, width, scale) {
     const own = scene.links.filter((link) => link.left === number);
     return own.length ? Math.max(...own.map((link) => link.gap)) : null;
   });
-  const widest = Math.min(0.62 * tallest * up, ((width - 2 * room.side) / count) * 0.72);
+  const widest = Math.min(0.62 * tallest * up, ((width - 2 * room.side) / count) * (count > 4 ? 0.85 : 0.72));
   const fits = (one) => scene.mostMoved * one * up <= 0.45 * widest && gaps.reduce((sum, gap) => sum + (gap ?? 0), 0) * one * up <= 0.25 * width;
   const chosen = scale ?? SCALES.filter(fits).at(-1) ?? 1;
   const sideways = chosen * up;
@@ -218,7 +235,8 @@ function drawBuilding(pen, scene, at, number, time, ink) {
     pen.fillText(name, middle, at.ground + 25);
     pen.font = '12px system-ui, sans-serif';
     pen.fillStyle = ink.soft;
-    pen.fillText(`${period.toFixed(2)} s`, middle, at.ground + 40);
+    const text = `${period.toFixed(2)} s`;
+    if (pen.measureText(text).width < at.wide) pen.fillText(text, middle, at.ground + 40);
   }
 }
 
