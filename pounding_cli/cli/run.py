@@ -149,12 +149,17 @@ def _print(found: Overview, outcome: Outcome) -> None:
     for analysis, ratio in found.ratios.items():
         table.add_column(f"{analysis}\n{ratio} at roof", justify="right")
         table.add_column("\nlargest (storey)", justify="right")
+        if found.trust.assessed:
+            table.add_column("\n± numerical", justify="right")
+            table.add_column("\nsensitivity", justify="right")
     for case in dict.fromkeys(line.case for line in found.lines):
         lines = [line for line in found.lines if line.case == case]
         for place, building in enumerate(found.buildings):
             cells = []
             for line in lines:
                 cells += [_number(line.roof[place]), _number(line.largest[place], line.at[place])]
+                if found.trust.assessed:
+                    cells += [_worth(line.error[place], ".0e"), _worth(line.sensitivity[place], ".2g")]
             table.add_row("" if place else case, building, *cells, end_section=len(found.points) > 1)
     # Away from a terminal nothing is cut or wrapped, whatever the width a pipe claims to have.
     Console(width=None if sys.stdout.isatty() else 250).print(table)
@@ -184,9 +189,14 @@ def _print_trust(trust: Trust) -> None:
         return
     of = "all" if trust.assessed == trust.scenes else f"{trust.assessed} of {trust.scenes}"
     click.echo(
-        f"Peaks carry a numerical error of at most {trust.error:.0e} ({of} scenes assessed); a motion that grows "
-        f"by 0.1 % on its way\nmoves them by at most {trust.sensitivity * 0.1:.2g} % ({trust.where})."
+        f"No peak has a numerical error above {trust.error:.0e} ({of} scenes assessed) or a sensitivity above "
+        f"{trust.sensitivity:.2g} ({trust.where}).\nSensitivity 4: a motion that grows by 1 % on its way moves a peak "
+        "by 4 %."
     )
+
+
+def _worth(value: float, form: str) -> str:
+    return f"{value:{form}}" if value == value else "-"
 
 
 def _number(values: np.ndarray, at: np.ndarray | None = None) -> str:

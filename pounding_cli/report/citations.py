@@ -8,6 +8,7 @@ from typing import Any
 
 from pounding_cli.records import Entry, catalogue
 from pounding_cli.report.references import REFERENCES, Reference, named_in
+from pounding_cli.solve.choice import AUTO
 from pounding_cli.solve.methods import METHODS
 
 
@@ -112,9 +113,12 @@ def _scaling(scale: Any, used) -> None:
 
 
 def _methods(resolved: Mapping[str, Any], used) -> None:
-    method = METHODS[resolved["method"]]
-    for reference in named_in(method.source):
-        used(reference.key, f"the method of solution, {method.title}")
+    names = [resolved["method"]]
+    if names == [AUTO]:
+        names = ["taylor", "exponential"] if "elastic" in resolved["analyses"] else ["taylor"]
+    for method in (METHODS[name] for name in names):
+        for reference in named_in(method.source):
+            used(reference.key, f"the method of solution, {method.title}")
     if resolved["estimate"] != "none":
         for reference in named_in(METHODS["taylor"].source):
             used(reference.key, "the finer runs that error and sensitivity are estimated by")

@@ -14,7 +14,7 @@ from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, empty
 from pounding_cli.store.layout import RESPONSES, SCENES, STATISTICS
 from pounding_cli.store.parts import PartStore
-from pounding_cli.store.statistics import over_records, ratio
+from pounding_cli.store.statistics import over_records, ratio, trust_of_means
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan, Row
@@ -100,6 +100,7 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
         _put_peaks(arrays, np.array(numbers), line, values)
         chosen = [columns[link.left, link.left_floor, link.right_floor] for link in links]
         _put_links(arrays, np.array(numbers), line, values, chosen)
+    alone_errors = np.full((len(rows), len(plan.buildings)), np.nan)
     for place, building in enumerate(plan.buildings):
         free: dict[str, list[int]] = {}
         for number, row in enumerate(rows):
@@ -107,6 +108,7 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
         for line, numbers in free.items():
             values = np.stack([taken[rows[number].baselines[place]][1] for number in numbers])
             _put_alone(arrays, np.array(numbers), place, line, values)
+            alone_errors[numbers, place] = values[:, parse(line).columns["error_estimate"]]
             status = parse(line).facts["status"]
             if status != "done":
                 _flag(arrays["flags"], numbers, f"{building} alone: {status}, ratios refused")
@@ -115,7 +117,7 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
         arrays[f"{name}_ratio"][:] = ratio(arrays[name], arrays[alone])
         zero = (arrays[alone] == 0).any(axis=(-2, -1))
         _flag(arrays["flags"], np.flatnonzero(zero).tolist(), f"{alone} = 0: ratio refused")
-    return arrays | _statistics(arrays, shape)
+    return arrays | _statistics(arrays, alone_errors, shape)
 
 
 def _put_scene(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray) -> None:
@@ -164,9 +166,15 @@ def _flag(flags: np.ndarray, numbers: list[int], sentence: str) -> None:
         flags[number] = f"{flags[number]}\n{sentence}" if flags[number] else sentence
 
 
-def _statistics(arrays: Arrays, shape: Shape) -> Arrays:
+def _statistics(arrays: Arrays, alone_errors: np.ndarray, shape: Shape) -> Arrays:
     found: Arrays = {}
+    records = shape.sizes["record"]
+    # a ratio is at most as wrong as both of its peaks together
+    errors = (arrays["error_estimate"][:, None] + alone_errors).reshape(-1, records, len(alone_errors[0]), 1)
+    sensitivities = arrays["sensitivity"].reshape(-1, records, 1, 1)
     for name in (f"{ratio_name}_ratio" for ratio_name in RATIOS):
-        values = arrays[name].reshape(-1, shape.sizes["record"], *arrays[name].shape[1:])
+        values = arrays[name].reshape(-1, records, *arrays[name].shape[1:])
         found |= {f"{name}_{statistic}": v for statistic, v in over_records(values, axis=1).items()}
+        trust = trust_of_means(values, errors, sensitivities, axis=1)
+        found |= {f"{name}_mean_{what}": v for what, v in trust.items()}
     return {v.name: found[v.name] for v in STATISTICS}

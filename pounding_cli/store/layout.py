@@ -116,6 +116,8 @@ STATISTICS = tuple(
         ("min", "smallest"),
         ("max", "largest"),
         ("count", "number"),
+        ("mean_error", "numerical error of the mean"),
+        ("mean_sensitivity", "mean relative change of the peaks under a small change of the motion"),
     )
 )
 

@@ -24,6 +24,8 @@ class Line:
     roof : in the top storey [-]
     largest : the largest of a building's storeys [-]
     at : the storey it stands in, from 1; 0 where nothing is known
+    error, sensitivity : numerical error and sensitivity of those means, the largest over storeys and points, one a
+        building; nan where none was estimated [-]
     """
 
     case: str
@@ -31,6 +33,8 @@ class Line:
     roof: tuple[np.ndarray, ...]
     largest: tuple[np.ndarray, ...]
     at: tuple[np.ndarray, ...]
+    error: tuple[float, ...]
+    sensitivity: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,10 @@ def overview(path: Path) -> Overview:
         )
         sources = list(file["record_source"].asstr()[()].reshape(-1, len(records))[0])
         swept = json.loads(file.attrs["swept"])
-        means = {ratio: file[f"{ratio}_mean"][()] for ratio, _ in MEASURES.values()}
+        means, errors, sensitivities = (
+            {ratio: file[f"{ratio}_{what}"][()] for ratio, _ in MEASURES.values()}
+            for what in ("mean", "mean_error", "mean_sensitivity")
+        )
         # Storeys of a building, in whichever point of the sweep it has most of them.
         mass = file["mass"][()]
         there = np.isfinite(mass).any(axis=tuple(range(mass.ndim - 2)))
@@ -97,7 +104,11 @@ def overview(path: Path) -> Overview:
                 values = means[ratio].reshape(-1, *means[ratio].shape[len(swept) :])[:, c, a]
                 each = [_building(values[:, b], int(there[b].sum())) for b in range(len(buildings))]
                 roof, largest, at = zip(*each, strict=True)
-                lines.append(Line(case, analysis, roof, largest, at))
+                trust = (
+                    tuple(_worst(worth[ratio][..., c, a, b, :]) for b in range(len(buildings)))
+                    for worth in (errors, sensitivities)
+                )
+                lines.append(Line(case, analysis, roof, largest, at, *trust))
         flags = Counter(flag for cell in file["flags"].asstr()[()].flat for flag in cell.splitlines())
         return Overview(
             str(file.attrs["title"]),

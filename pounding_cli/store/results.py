@@ -37,7 +37,7 @@ _ACCURACY = (
 )  # fmt: skip
 _RECORD = ("source", "digest", "scale", "window", "pga", "arias")
 _RATIOS = ("V_ratio", "mu_ratio", "acceleration_ratio")
-_MEASURES = ("mean", "std", "min", "max")
+_MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
 
 
 def open_results(path: str | Path) -> Results:
@@ -131,7 +131,8 @@ class Results:
         return frame[frame["status"] != ""].reset_index(drop=True)
 
     def summary(self) -> pd.DataFrame:
-        """Statistics over the records of every ratio [-]; floor i stands with storey i.
+        """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
+        storey i.
 
         Standard deviations are with n - 1; `records_used` counts the records with a V_ratio.
         """

@@ -26,5 +26,26 @@ def over_records(values: np.ndarray, axis: int) -> dict[str, np.ndarray]:
     }
 
 
+def trust_of_means(
+    values: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray, axis: int
+) -> dict[str, np.ndarray]:
+    """What the means along `axis` are worth; records that were not assessed are left out, NaN where none was.
+
+    Parameters
+    ----------
+    values : ratios
+    errors : their relative numerical errors [-]; the mean's is at most the mean of their sizes, whatever their signs
+    sensitivities : relative change of a ratio over that of the motion [-], weighted by the ratios
+    """
+    found = {}
+    for name, share in (("error", errors), ("sensitivity", sensitivities)):
+        known = np.isfinite(values) & np.isfinite(share)
+        weight = np.where(known, np.abs(values), 0.0)
+        total = (weight * np.where(known, share, 0.0)).sum(axis=axis)
+        over = known.sum(axis=axis) if name == "error" else weight.sum(axis=axis)
+        found[name] = _over(total, over)
+    return found
+
+
 def _over(total: np.ndarray, count: np.ndarray) -> np.ndarray:
     return np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)

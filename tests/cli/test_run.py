@@ -46,7 +46,7 @@ def known(scene, accuracy=1e-6, method="taylor", **_):
         found.append(BuildingResponse(1e6 * one, 0.01 * one, one, one, one, -one, 0 * one))
     n = np.ones(len(scene.links))
     flags = ("a sentence to know",) if scene.links and scene.links[0].gap else ()
-    return Response(tuple(found), LinkResponse(n, n, n, n, n), "done", "", method, accuracy, 1, 1, 1e-4, flags=flags)
+    return Response(tuple(found), LinkResponse(n, n, n, n, n), "done", "", "taylor", accuracy, 1, 1, 1e-4, flags=flags)
 
 
 def fails(scene, accuracy=1e-6, method="taylor", **_):
