@@ -209,6 +209,14 @@ def _target(
         return None
     if isinstance(scale.target, dict):
         points = sorted(scale.target.items())
+        if len(points) < 2:
+            faults.at(
+                root,
+                (*path, "target"),
+                "a target spectrum needs two points at least",
+                "write {0.1 s: 0.8 g, 2 s: 0.2 g}",
+            )
+            return None
         if not points[0][0] <= scale.low or not scale.high <= points[-1][0]:
             message = f"the target is given from {points[0][0]:g} to {points[-1][0]:g} s, not over the whole range"
             faults.at(root, (*path, "target"), message, f"give it from {scale.low:g} to {scale.high:g} s at least")

