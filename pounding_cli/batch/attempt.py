@@ -34,7 +34,7 @@ class Task:
     def __call__(self, scene: Scene) -> Response:
         """The response; an exception becomes a failed response that names it."""
         try:
-            return _group_solver(self)(scene) if self._falls_apart() else self.respond(scene, False)
+            return _group_solver(self)(scene) if self.falls_apart() else self.respond(scene, False)
         except InputError as refused:  # the method does not run this scene
             problem = refused.problems[0]
             return self.without(scene, f"refused: {problem.message}", problem.hint)
@@ -51,7 +51,7 @@ class Task:
             return response
         return assess(scene, response, self.accuracy, functools.partial(self.solve, all_effects=self.all_effects))
 
-    def _falls_apart(self) -> bool:
+    def falls_apart(self) -> bool:
         """Whether scenes may be solved in groups: a user of fixed steps wants those steps in every scene."""
         return not self.all_effects and not chosen_method(self.method, self.accuracy).takes_step
 

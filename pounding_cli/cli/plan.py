@@ -9,51 +9,83 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from pounding_cli.batch.forecast import Forecast
     from pounding_cli.study import Plan
 
 
-@click.command("plan")
+WORTH_PROVING = 5.0
+"""Buildings alone are run to prove what falls away if that takes no longer than this [s], or if asked."""
+
+
+@click.command("plan", short_help="Show what would run and what would not, before running.")
 @click.argument("study", type=click.Path(path_type=Path))
-def command(study: Path) -> None:
-    """Show what STUDY would run: scenes, baselines shared, links by kind, effects kept and dropped, motions.
+@click.option("--prove/--no-prove", default=None, help="Run the buildings alone, to see which rows then need no run.")
+@click.option("--all-effects", is_flag=True, help="Show the plan of a run that leaves nothing out.")
+def command(study: Path, prove: bool | None, all_effects: bool) -> None:
+    """Show what STUDY would run and what not: scenes by method, effects kept and dropped with the reason, baselines
+    shared, rows answered by their buildings alone, expected time.
 
-    Nothing is computed or written.
+    Nothing is written. The buildings alone are run where that takes a few seconds, because whether a gap ever closes
+    follows from them.
 
-    Example: pound plan configs/fig6.yaml
+    \b
+    Example:
+      pound plan configs/fig6.yaml
+      pound plan sweep.yaml --prove
     """
+    import dataclasses
+
     from pounding_cli.study import expand, load_study
 
     read = load_study(study)
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
-    for line in _lines(expand(read)):
+    plan = dataclasses.replace(expand(read), all_effects=all_effects)
+    for line in _lines(plan, prove):
         click.echo(line)
 
 
-def _lines(plan: Plan) -> list[str]:
+def _lines(plan: Plan, prove: bool | None) -> list[str]:
+    from pounding_cli.batch.forecast import ALONE, forecast
     from pounding_cli.study.schema import ADAPTIVE
 
+    found = forecast(plan, prove=bool(prove))
+    alone = sum(seconds for (what, _), seconds in found.seconds.items() if what == ALONE)
+    if prove is None and not plan.all_effects and alone < WORTH_PROVING:
+        found = forecast(plan, prove=True)
     baselines = {digest for row in plan.rows for digest in row.baselines}
-    linked = {row.scene for row in plan.rows} - baselines
     wanted = sum(len(row.baselines) for row in plan.rows)
+    repeated = len(plan.rows) - len({row.scene for row in plan.rows})
     setting = "accuracy" if plan.method in ADAPTIVE else "time step [s]"
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
         f"rows       {len(plan.rows)}: {_counted(plan)}",
-        f"scenes     {len(plan.scenes)}: {len(linked)} of the group, {len(baselines)} of buildings alone",
-        f"shared     {wanted} baselines asked for, {len(baselines)} run; "
-        f"{len(plan.rows) - len({row.scene for row in plan.rows})} rows repeat another's scene",
-        f"method     {plan.method}, {setting} {plan.accuracy:g}",
     ]
     for axis in plan.axes:
         shown = [", ".join(str(value) for value in values) for values in axis.values]
         listed = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
         lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
+    lines += [
+        f"method     {plan.method}, {setting} {plan.accuracy:g}",
+        f"scenes     {len(plan.scenes)}, on one core about {_time(found.total)} with estimate: {plan.estimate}"
+        " (reference core; stiff links take longer)",
+    ]
+    if found.looked_at < 1:
+        lines.append(f"           judged by one scene in {1 / found.looked_at:.0f}")
+    for (what, method), count in sorted(found.scenes.items()):
+        lines.append(f"  run      {count:6d} {what}, {method}, about {_time(found.seconds[what, method])}")
+    for case, count in found.spared.items():
+        lines.append(f"  spared   {count:6d} of {case}: gaps that the buildings alone never close")
+    lines.append(
+        f"  shared   {wanted} baselines asked for, {len(baselines)} run; {repeated} rows repeat another's scene"
+    )
+    if not found.proven and not plan.all_effects and plan.method in ADAPTIVE:
+        lines.append("  more scenes may be spared: --prove runs the buildings alone to find out")
     lines.append("cases")
     lines += [f"  {case:<16} {_links(plan, case)}" for case in plan.cases]
     lines.append("effects    (in scenes of the group)")
-    lines += _effects(plan, linked)
+    lines += _effects(found)
     lines.append("motions    (as used)")
     lines += [
         f"  {use.name:<16} {use.source}, first {use.window:g} s x {use.scale:.3f}: "
@@ -63,6 +95,12 @@ def _lines(plan: Plan) -> list[str]:
     return lines
 
 
+def _time(seconds: float) -> str:
+    if seconds < 1:
+        return f"{1000 * seconds:.0f} ms"
+    return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"
+
+
 def _counted(plan: Plan) -> str:
     parts = [f"{len(axis.values)} x {', '.join(axis.names)}" for axis in plan.axes]
     for names, word in ((plan.cases, "cases"), (plan.analyses, "analyses"), (plan.records, "records")):
@@ -70,26 +108,17 @@ def _counted(plan: Plan) -> str:
     return ", ".join(parts)
 
 
-def _effects(plan: Plan, linked: set[str]) -> list[str]:
+def _effects(found: Forecast) -> list[str]:
     """In how many scenes each effect is simulated, and why it is dropped in the others."""
-    from pounding_cli.model.effects import effects_of
-
-    kept: Counter[str] = Counter()
-    dropped: Counter[str] = Counter()
-    for digest in plan.scenes:
-        if digest in linked:
-            effects = effects_of(plan.scenes[digest])
-            kept.update(effects.kept)
-            dropped.update(effects.dropped)
-    names = dict.fromkeys((*kept, *(text.split(": ", 1)[0] for text in dropped)))
+    names = dict.fromkeys((*found.kept, *(text.split(": ", 1)[0] for text in found.dropped)))
     lines = []
     for name in names:
         reasons = [
             f"dropped in {count}: {text.split(': ', 1)[1]}"
-            for text, count in dropped.items()
+            for text, count in found.dropped.items()
             if text.split(": ", 1)[0] == name
         ]
-        parts = [f"kept in {kept[name]}"] * bool(kept[name]) + reasons
+        parts = [f"kept in {found.kept[name]}"] * bool(found.kept[name]) + reasons
         lines.append(f"  {name:<30} {'; '.join(parts)}")
     return lines
 

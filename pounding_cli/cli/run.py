@@ -47,6 +47,7 @@ FEW_POINTS = 8
     metavar="ADDRESS",
     help="Dask scheduler, e.g. tcp://node:8786, for --engine dask; a cluster on this machine unless given.",
 )
+@click.option("--all-effects", is_flag=True, help="Simulate what cannot matter too: a check of the pruning, slower.")
 @click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines, and nothing else.")
 @click.pass_context
 def command(
@@ -57,6 +58,7 @@ def command(
     workers: int | None,
     engine: str,
     scheduler: str | None,
+    all_effects: bool,
     log_json: bool,
 ) -> None:
     """Run what STUDY still lacks, write one results file, print a summary.
@@ -71,6 +73,8 @@ def command(
       pound run configs/fig6.yaml -o results/fig6.h5 --workers 4
       pound run sweep.yaml --engine dask --scheduler tcp://node:8786
     """
+    import dataclasses
+
     _alone_on_its_core()
     from pounding_cli.api import default_output, load_study
     from pounding_cli.batch import run_plan
@@ -85,7 +89,7 @@ def command(
             log.tell("warning", text=str(warning))
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
-    plan = expand(loaded)
+    plan = dataclasses.replace(expand(loaded), all_effects=all_effects)
     path = output or default_output(study)
     outcome = run_plan(
         plan, path, progress=log or chosen(quiet), workers=workers, engine_name=engine, scheduler=scheduler
@@ -172,6 +176,8 @@ def _print(found: Overview, outcome: Outcome) -> None:
     _print_trust(found.trust)
     for flag, scenes in found.flags.items():
         click.echo(f"Note, {scenes} scenes: {flag}")
+    if found.spared:
+        click.echo(f"Spared, {found.spared} scenes: their gaps never close, so their buildings alone are the answer")
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
     click.echo(
         f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "

@@ -48,11 +48,15 @@ class GroupSolver:
         """The response of a scene."""
         if not scene.links and len(scene.buildings) == 1:
             return dataclasses.replace(self._watched(scene), envelopes=())
+        return self.by_proof(scene) or self._respond(scene, False)
+
+    def by_proof(self, scene: Scene) -> Response | None:
+        """The response of a row that falls apart, from the groups it falls into; None if all of it may meet."""
         groups = _merged([range(b, b + 1) for b in range(len(scene.buildings))], _sure_to_meet(scene))
         while len(groups) > 1:
             parts = [self._watched(_cut_out(scene, group)) for group in groups]
             if any(part.status != "done" for part in parts):
-                break
+                return None
             reach = [
                 _reach(scene, left, right, a, b, self._accuracy)
                 for (left, right), (a, b) in zip(pairwise(groups), pairwise(parts), strict=True)
@@ -61,7 +65,7 @@ class GroupSolver:
             if not meeting:
                 return _composed(scene, groups, parts, [bounds for bounds in reach if bounds is not None])
             groups = _merged(groups, meeting)
-        return self._respond(scene, False)
+        return None
 
     def _watched(self, scene: Scene) -> Response:
         """The response with its envelopes, from memory if it is there."""

@@ -62,6 +62,7 @@ class Overview:
     motions : source ("real", "stand-in", "user") -> names
     flags : sentence -> number of scenes
     ratios : analysis -> the ratio shown of it
+    spared : scenes answered by proof from smaller groups, none of them simulated
     points : every point of the sweep in words; one, empty, where nothing is swept
     """
 
@@ -71,6 +72,7 @@ class Overview:
     ratios: dict[str, str]
     motions: dict[str, list[str]]
     flags: dict[str, int]
+    spared: int
     points: tuple[str, ...]
     records: int
     solver_seconds: float
@@ -117,6 +119,7 @@ def overview(path: Path) -> Overview:
             {analysis: MEASURES[analysis][1] for analysis in analyses},
             {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
             dict(flags.most_common()),
+            int(np.sum((file["status"].asstr()[()] == "done") & (file["steps"][()] == 0))),
             _points([{name: _values(file[name]) for name in names} for names in swept]),
             len(records),
             float(file.attrs["solver_seconds"]),

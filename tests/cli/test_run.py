@@ -88,20 +88,15 @@ def test_summary_shows_ratios_motions_flags_counts_and_times(folder, pound):
     assert code == 0
     lines = [line.split() for line in out.splitlines()]
     assert lines[0] == ["Two", "small", "buildings"]
-    assert [word for word in lines[3] if word not in ("case", "building")] == [
-        "V/V0",
-        "at",
-        "roof",
-        "largest",
-        "(storey)",
-        "mu/mu0",
-        "at",
-        "roof",
-        "largest",
-        "(storey)",
-    ]
-    assert ["touching", "stiff", "2.000", "2.000", "(3)", "2.000", "2.000", "(3)"] in lines
-    assert ["soft", "2.000", "2.000", "(2)", "2.000", "2.000", "(2)"] in lines
+    columns = "{} at roof largest (storey) ± numerical sensitivity"
+    assert " ".join(lines[3]) == f"case building {columns.format('V/V0')} {columns.format('mu/mu0')}"
+    # this solver's peaks follow the motion's largest sample, which stands after half a second's sixth part
+    touching = next(line for line in lines if line[:1] == ["touching"])
+    assert touching[:6] == ["touching", "stiff", "2.000", "2.000", "(3)", "0e+00"]
+    assert touching[7:11] == ["2.000", "2.000", "(3)", "0e+00"]
+    assert 0 < float(touching[6]) < 1
+    soft = next(line for line in lines if line[:1] == ["soft"])
+    assert soft[:5] == ["soft", "2.000", "2.000", "(2)", "0e+00"]
     assert "Motions, user: weak, strong" in out
     assert "Note, 4 scenes: a sentence to know" in out
     assert "Scenes: 16 solved, 0 reused, 0 failed; solver 2 ms, in all" in out
@@ -144,7 +139,8 @@ def test_failed_scenes_are_listed_and_the_exit_code_is_1(folder, pound):
     ]
     code, out, _ = pound("run", "two.yaml", solve=fails)
     assert code == 1
-    assert ["gap", "stiff", "-", "-", "2.000", "2.000", "(3)"] in [line.split() for line in out.splitlines()]
+    gap = next(line.split() for line in out.splitlines() if line.strip().startswith("gap"))
+    assert gap[:9] == ["gap", "stiff", "-", "-", "-", "-", "2.000", "2.000", "(3)"]
     assert "Scenes: 0 solved, 14 reused, 2 failed" in out
 
 

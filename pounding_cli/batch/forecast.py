@@ -1,0 +1,93 @@
+"""What a plan will do before it does it: which scenes run and how, which are answered by proof, and what that costs."""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter, defaultdict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from pounding_cli.batch.attempt import Task
+from pounding_cli.model.condense import condensed
+from pounding_cli.model.effects import effects_of
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.choice import AUTO
+from pounding_cli.solve.groups import GroupSolver
+from pounding_cli.solve.price import ASSESSED, BESIDE, method_of, price
+
+if TYPE_CHECKING:
+    from pounding_cli.study import Plan
+
+MOST_SCENES = 2000
+"""Scenes that are looked at; of more, as many spread evenly."""
+
+ALONE, GROUP = "buildings alone", "of the group"
+
+
+@dataclass
+class Forecast:
+    """What will run.
+
+    scenes, seconds : (ALONE or GROUP, method) -> number of scenes and their expected time on one core [s]
+    spared : case -> scenes of the group that are answered by smaller groups, where that was looked into
+    kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
+    looked_at, proven : share of the scenes looked at; whether the buildings alone were run
+    """
+
+    scenes: Counter[tuple[str, str]] = field(default_factory=Counter)
+    seconds: defaultdict[tuple[str, str], float] = field(default_factory=lambda: defaultdict(float))
+    spared: Counter[str] = field(default_factory=Counter)
+    kept: Counter[str] = field(default_factory=Counter)
+    dropped: Counter[str] = field(default_factory=Counter)
+    looked_at: float = 1.0
+    proven: bool = False
+
+    @property
+    def total(self) -> float:
+        """Expected time on one core [s]."""
+        return sum(self.seconds.values())
+
+
+def forecast(plan: Plan, prove: bool) -> Forecast:
+    """Look at the scenes of a plan, and, to prove that rows fall apart, run their buildings alone.
+
+    Everything is found as a run will find it; only the whole rows are not solved.
+    """
+    found = Forecast(proven=prove and not plan.all_effects)
+    baselines = {digest for row in plan.rows for digest in row.baselines}
+    cases = {row.scene: row.case for row in reversed(plan.rows)}
+    every = max(1, len(plan.scenes) // MOST_SCENES)
+    digests = list(itertools.islice(plan.scenes, 0, None, every))
+    found.looked_at = len(digests) / max(1, len(plan.scenes))
+    solver = _prover(plan) if found.proven else None
+    runs = {"none": 1.0, "sample": 1 + (ASSESSED - 1) / 8, "all": float(ASSESSED)}[plan.estimate]
+    for digest in digests:
+        scene = plan.scenes[digest]
+        what = ALONE if digest in baselines else GROUP
+        if what == GROUP:
+            _count_effects(found, plan, scene)
+            if solver is not None and solver.by_proof(scene) is not None:
+                found.spared[cases[digest]] += every
+                continue
+        method = plan.method
+        if method == AUTO:
+            method = "taylor" if plan.all_effects else method_of(scene)
+        found.scenes[what, method] += every
+        found.seconds[what, method] += every * (runs * price(scene, method, plan.accuracy) + BESIDE)
+    return found
+
+
+def _prover(plan: Plan) -> GroupSolver | None:
+    """What proves that a row falls apart, as a run does; None where it does not."""
+    from pounding_cli.solve import solve
+
+    task = Task(solve, plan.accuracy, plan.method)
+    return GroupSolver(task.respond, plan.accuracy) if task.falls_apart() else None
+
+
+def _count_effects(found: Forecast, plan: Plan, scene: Scene) -> None:
+    effects = effects_of(scene)
+    found.kept.update(effects.kept)
+    found.dropped.update(effects.dropped)
+    if not plan.all_effects:
+        found.dropped.update(condensed(scene, plan.accuracy)[1])

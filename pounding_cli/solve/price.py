@@ -1,0 +1,51 @@
+"""What a scene will cost, before it is solved: from its size, its motion and its links."""
+
+from __future__ import annotations
+
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.arrays import pack
+from pounding_cli.solve.choice import cheapest_method
+from pounding_cli.solve.ground import segments_of
+from pounding_cli.solve.method import steps_a_sample
+from pounding_cli.solve.methods import METHODS
+
+SERIES = 90e-9
+"""Time of a Taylor run a floor and record sample [s], on one core of an AMD EPYC at an accuracy of 1e-6; median over
+Figs 6 and 7."""
+
+LINKED = 1.5
+"""The same with links over without. Links far stiffer than the storeys cost more."""
+
+EXACT = 30e-9, 2e-9
+"""Time of exact steps a floor and sample, and a floor squared and sample [s]."""
+
+STEP = 25e-9
+"""Time of a fixed step a floor [s]; implicit methods take more."""
+
+BESIDE = 0.4e-3
+"""Time a scene spends outside the solver [s]: arrays in, peaks out, kept on disk."""
+
+ASSESSED = 3
+"""Runs of a scene whose error and sensitivity are asked for."""
+
+
+def method_of(scene: Scene) -> str:
+    """Key in METHODS of what `method: auto` takes for a scene."""
+    return cheapest_method(scene, pack(scene))
+
+
+def price(scene: Scene, method: str, setting: float) -> float:
+    """Expected time of one run on one core [s].
+
+    Parameters
+    ----------
+    scene : in SI units
+    method : a key of METHODS
+    setting : accuracy [-], which hardly matters, or the time step of a fixed-step method [s], which does
+    """
+    floors = sum(building.storeys for building in scene.buildings)
+    if METHODS[method].takes_step:
+        return steps_a_sample(scene, setting) * segments_of(scene) * STEP * floors
+    if method == "exponential":
+        return segments_of(scene) * (EXACT[0] + EXACT[1] * floors) * floors
+    return segments_of(scene) * SERIES * floors * (LINKED if scene.links else 1.0)

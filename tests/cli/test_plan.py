@@ -1,0 +1,69 @@
+"""`pound plan`: what runs, what is spared by proof, what is dropped and why; the same run with nothing left out."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from click.testing import CliRunner
+from test_run import STUDY, folder, pound  # noqa: F401
+
+from pounding_cli.cli.main import cli
+from pounding_cli.store import open_results
+
+WIDE = STUDY.replace("gap: 1 cm", "gap: 50 cm")
+
+
+def planned(*words: str) -> str:
+    result = CliRunner().invoke(cli, ["plan", "two.yaml", *words], catch_exceptions=False)
+    assert result.exit_code == 0
+    return result.output
+
+
+def test_scenes_by_method_and_what_is_spared(folder):  # noqa: F811
+    """Four rows with a gap no building reaches. Fails if a plan says something else than the run then does."""
+    (folder / "two.yaml").write_text(WIDE + "estimate: none\n")
+    said = planned()
+    assert re.search(r"run +4 buildings alone, exponential, about", said)
+    assert re.search(r"run +4 buildings alone, taylor", said)
+    assert re.search(r"run +4 of the group, taylor", said)
+    assert re.search(r"spared +4 of gap: gaps that the buildings alone never close", said)
+    assert re.search(r"shared +16 baselines asked for, 8 run; 0 rows repeat", said)
+    assert re.search(r"yielding storeys +kept in 4; dropped in 4: the analysis is elastic", said)
+
+
+def test_without_proof_the_plan_says_what_it_does_not_know(folder):  # noqa: F811
+    (folder / "two.yaml").write_text(WIDE)
+    said = planned("--no-prove")
+    assert "of gap" not in said
+    assert "--prove runs the buildings alone to find out" in said
+
+
+def test_all_effects_leave_nothing_out(folder):  # noqa: F811
+    (folder / "two.yaml").write_text(WIDE)
+    said = planned("--all-effects")
+    assert re.search(r"run +8 buildings alone, taylor", said)
+    assert re.search(r"run +8 of the group, taylor", said)
+    assert "exponential" not in said
+    assert "spared" not in said
+
+
+def test_the_results_keep_what_was_dropped_and_all_effects_agree(folder, pound):  # noqa: F811
+    """Fails if `--all-effects` is not passed on, or its results are taken for those of a pruned run."""
+    (folder / "two.yaml").write_text(WIDE + "estimate: none\n")
+    code, out, _ = pound("run", "two.yaml", "-o", "a.h5", solve=None)
+    assert code == 0
+    assert "Spared, 4 scenes" in out
+    code, out, _ = pound("run", "two.yaml", "-o", "b.h5", "--all-effects", solve=None)
+    assert code == 0
+    assert "Spared" not in out
+    pruned, full = open_results("a.h5"), open_results("b.h5")
+    scenes = pruned.scene()
+    gap = scenes[scenes.case == "gap"]
+    assert gap.dropped.str.contains("the gap never closes, at least").all()
+    assert (gap.steps == 0).all()
+    assert (full.scene().steps > 0).all()
+    assert set(full.scene().method) == {"taylor"}
+    storeys, every = pruned.storey(), full.storey()
+    for name in ("V", "V0", "mu", "mu0"):
+        assert storeys[name].to_numpy() == pytest.approx(every[name].to_numpy(), rel=1e-6)
