@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -85,20 +86,24 @@ def _links(plan: Plan, shape: Shape) -> Data:
 
 
 def _buildings(plan: Plan, shape: Shape) -> Data:
-    kept = _touching(plan, shape, "buildings")
+    kept = _named(shape, plan.study.touching("buildings"))
     arrays = {v.name: empty(v, shape.of((*kept, *v.dims))) for v in BUILDINGS}
-    for at, point in _points(shape, kept):
-        for place, building in enumerate(plan.study.buildings(point)):
-            span = (*at, place, slice(building.storeys))
+    for place in range(len(plan.buildings)):
+        own = _named(shape, plan.study.touching("buildings", place))
+        for at, point in _points(shape, own):
+            building = plan.study.building(point, place)
+            indices = dict(zip(own, at, strict=True))
+            everywhere = tuple(indices.get(axis, slice(None)) for axis in kept)
             for name in ("mass", "height", "stiffness", "yield_shear"):
-                arrays[name][span] = getattr(building, name)
-            arrays["period"][(*at, place)] = building.periods[0]
+                arrays[name][(*everywhere, place, slice(building.storeys))] = getattr(building, name)
+            arrays["period"][(*everywhere, place)] = building.periods[0]
+    for at, point in _points(shape, kept):
         arrays["separation"][at] = plan.study.separations(point)
     return _without_constant_axes(kept, arrays, BUILDINGS)
 
 
 def _records(plan: Plan, shape: Shape) -> Data:
-    kept = _touching(plan, shape, "records")
+    kept = _named(shape, plan.study.touching("records"))
     arrays = {v.name: empty(v, shape.of((*kept, *v.dims))) for v in RECORDS}
     for at, point in _points(shape, kept):
         motions = plan.study.motions(point)
@@ -109,11 +114,11 @@ def _records(plan: Plan, shape: Shape) -> Data:
     return _without_constant_axes(kept, arrays, RECORDS)
 
 
-def _touching(plan: Plan, shape: Shape, section: str) -> tuple[str, ...]:
-    return tuple(axis for axis, touches in zip(shape.axes, plan.study.touching(section), strict=True) if touches)
+def _named(shape: Shape, chosen: tuple[bool, ...]) -> tuple[str, ...]:
+    return tuple(axis for axis, is_chosen in zip(shape.axes, chosen, strict=True) if is_chosen)
 
 
-def _points(shape: Shape, kept: tuple[str, ...]):
+def _points(shape: Shape, kept: tuple[str, ...]) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
     """Every combination along the kept axes, and a point of the sweep that has it."""
     number = {axis: place for place, axis in enumerate(kept)}
     for at in np.ndindex(shape.of(kept)):

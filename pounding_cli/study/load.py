@@ -46,15 +46,18 @@ class Study:
     model: StudyModel
     resolver: Resolver
 
-    def buildings(self, point: tuple[int, ...]) -> tuple[Building, ...]:
-        """The buildings of the group by place at a point of the sweep (one index an axis)."""
-        street = self.resolver.group(point)
-        assert street is not None  # the study was validated at every point
-        return tuple(street.group)
+    def building(self, point: tuple[int, ...], place: int) -> Building:
+        """The building at a place of the group, from 0, at a point of the sweep (one index an axis)."""
+        building = self.resolver.type(point, self.model.group[place])
+        assert building is not None  # the study was validated at every point
+        return building
 
-    def touching(self, section: str) -> tuple[bool, ...]:
-        """For every axis of the sweep, whether it can change what a section of the file (`records`, ...) says."""
-        return self.resolver.touching(section)
+    def touching(self, section: str, place: int | None = None) -> tuple[bool, ...]:
+        """For every axis of the sweep, whether it can change a section of the file (`buildings`, `records`, ...).
+
+        place : of a building in the group; then whether it can change that one
+        """
+        return self.resolver.touching(section if place is None else (section, self.model.group[place]))
 
     def motions(self, point: tuple[int, ...]) -> Mapping[str, Used]:
         """The motions by name at a point of the sweep (one index an axis), cut and scaled."""

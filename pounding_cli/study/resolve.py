@@ -34,7 +34,7 @@ Subject = str | tuple[str, str]
 FEWEST, MOST = 2, 20
 """Buildings in a group."""
 
-MOST_KEPT = 20_000
+MOST_KEPT = 10_000
 """Answers kept at a time: many points share one answer, but not the memory of all of them."""
 
 

@@ -31,10 +31,10 @@ class FakeStudy:
     def resolved(self) -> dict:
         return self.facts
 
-    def buildings(self, point) -> tuple[Building, ...]:
-        return self.group
+    def building(self, point, place) -> Building:
+        return self.group[place]
 
-    def touching(self, section) -> tuple[bool, ...]:
+    def touching(self, section, place=None) -> tuple[bool, ...]:
         return (True,) * self.swept
 
     def separations(self, point) -> np.ndarray:
