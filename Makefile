@@ -8,7 +8,7 @@ STUDIES := fig6 fig7
 SYSTEMS := fig5 fig8
 PAGES := $(patsubst %,results/%/summary.md,$(STUDIES) $(SYSTEMS))
 
-.PHONY: all setup figures studies pages test lint lock peers mutants fuzz clean
+.PHONY: all setup figures studies pages test lint lock docs peers mutants fuzz clean
 
 all: figures
 
@@ -55,6 +55,12 @@ lock:
 	uv pip compile --generate-hashes --python-version 3.11 --python-platform x86_64-manylinux_2_28 --extra test --extra dev --extra peers -c requirements/dev.txt -o requirements/peers.txt pyproject.toml
 	uv pip compile --universal --generate-hashes --python-version 3.11 --extra test --extra dev --extra docs -c requirements/dev.txt -o requirements/docs.txt pyproject.toml
 
+# The site, into site/: every warning is an error.
+docs: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/docs.txt
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "The site: site/index.html"
+
 # The strangers that the solver is checked against (OpenSeesPy needs Debian's libblas3).
 peers: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
@@ -70,4 +76,4 @@ fuzz: setup
 	nice -n 5 $(BIN)/python -m tests.hard.fuzz --scenes $(SCENES)
 
 clean:
-	rm -rf results .venv
+	rm -rf results site .venv

@@ -9,17 +9,26 @@ import click
 
 @click.command("schema")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write to this file; to the screen unless given.")
-def command(output: Path | None) -> None:
+@click.option("--keys", is_flag=True, help="Print every key as a table for reading instead.")
+def command(output: Path | None, keys: bool) -> None:
     """Print the JSON Schema of study files: editors complete keys and mark mistakes with it.
 
     A study that begins with `# yaml-language-server: $schema=pound.schema.json` is checked while it is typed.
 
-    Example: pound schema -o configs/pound.schema.json
+    \b
+    Example:
+      pound schema -o pound.schema.json
+      pound schema --keys
     """
     from pounding_cli.errors import InputError, Problem
     from pounding_cli.study.template import schema_text
 
-    text = schema_text()
+    if keys:
+        from pounding_cli.study.keys import key_tables
+
+        text = key_tables() + "\n"
+    else:
+        text = schema_text()
     if output is None:
         click.echo(text, nl=False)
         return

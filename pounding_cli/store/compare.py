@@ -53,6 +53,8 @@ _GIVEN: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 class Comparison:
     """What changed from a first results file to a second.
 
+    Attributes
+    ----------
     lines : of the study as written, "-" gone and "+" new
     keys : of the study with every default filled in: key, before, after
     software : name, before, after

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-import typing
 from pathlib import Path
 
 import pytest
 
 from pounding_cli.study import load_study, record_schema, schema
-from pounding_cli.study.rules import StiffnessRule
-from pounding_cli.study.units import Quantity, TextForm
+from pounding_cli.study.keys import table
 
 PAGE = Path("docs/study-file.md")
 MODELS = {
@@ -31,67 +29,6 @@ MODELS = {
     "`report`": schema.ReportSpec,
     "`keep.histories`": schema.HistoriesSpec,
 }
-
-
-def forms(annotation: object) -> str:
-    """The values a field takes, in a few words."""
-    found: list[str] = []
-
-    def visit(kind: object) -> None:
-        if typing.get_origin(kind) is typing.Annotated:
-            inner, *extras = typing.get_args(kind)
-            for extra in extras:
-                if isinstance(extra, Quantity):
-                    found.append(
-                        ", ".join(filter(None, [extra.si or "-", extra.range, *map("`{}`".format, extra.words)]))
-                    )
-                    return
-                if isinstance(extra, TextForm):
-                    found.append("N/m, or a multiple of a storey's")
-                    return
-            visit(inner)
-        elif typing.get_origin(kind) is typing.Literal:
-            found.extend(f"`{word}`" for word in typing.get_args(kind))
-        elif typing.get_origin(kind) is tuple:
-            before = len(found)
-            visit(typing.get_args(kind)[0])
-            found[before:] = [f"list of {' / '.join(found[before:])}"]
-        elif typing.get_origin(kind) is dict:
-            found.append("mapping")
-        elif typing.get_args(kind):
-            for part in typing.get_args(kind):
-                visit(part)
-        elif isinstance(kind, type) and kind is not type(None) and kind is not StiffnessRule:
-            word = {"str": "text", "int": "whole number", "bool": "`true`, `false`", "float": "number"}
-            found.append(word.get(kind.__name__, "mapping"))
-
-    visit(annotation)
-    return "; ".join(dict.fromkeys(found)) or "mapping or list"
-
-
-def default(field: object) -> str:
-    """The default as a user would write it."""
-    if field.is_required():
-        return "required"
-    value = field.default
-    if value is None or value in ("", {}):
-        return ""
-    if isinstance(value, schema.Model):
-        return "see below"
-    if isinstance(value, bool):
-        return f"`{str(value).lower()}`"
-    if isinstance(value, tuple):
-        return f"`[{', '.join(value)}]`"
-    return f"`{value:g}`" if isinstance(value, float) else f"`{value}`"
-
-
-def table(model: type[schema.Model]) -> list[str]:
-    lines = ["| key | value | default | what it is |", "|---|---|---|---|"]
-    for name, field in model.model_fields.items():
-        annotation = typing.get_type_hints(model, include_extras=True)[name]
-        cells = (f"`{field.alias or name}`", forms(annotation), default(field), field.description)
-        lines.append(f"| {' | '.join(cells)} |")
-    return lines
 
 
 @pytest.mark.parametrize("heading", MODELS)

@@ -1,0 +1,87 @@
+"""Pages of the site that are written from the code: the commands, the study's keys, the API."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+
+import click
+
+from pounding_cli.cli.main import COMMANDS, cli
+
+API = {
+    "Load, run, open": (
+        "pounding_cli.api.load_study",
+        "pounding_cli.api.run",
+        "pounding_cli.api.open_results",
+    ),
+    "A study": ("pounding_cli.study.load.Study",),
+    "Results": ("pounding_cli.store.results.Results",),
+    "Exporting and comparing": (
+        "pounding_cli.store.export.export",
+        "pounding_cli.store.compare.compare",
+        "pounding_cli.store.compare.Comparison",
+    ),
+    "Errors": ("pounding_cli.errors.InputError", "pounding_cli.errors.Problem"),
+}
+"""Headings of the API's page, and what stands under each."""
+
+
+def commands_page() -> str:
+    """Every command: its help, its arguments and options, and its subcommands."""
+    parts = ["# Commands", "What `pound COMMAND --help` says. Exit codes: 0 done; 1 some scenes failed, or two files "
+             "differ; 2 the input was refused; 130 stopped.", _help("pound", cli)]  # fmt: skip
+    for name in COMMANDS:
+        command = cli.get_command(click.Context(cli), name)
+        assert command is not None
+        parts += [f"## pound {name}", _help(f"pound {name}", command)]
+        for inner, sub in getattr(command, "commands", {}).items():
+            parts += [f"### pound {name} {inner}", _help(f"pound {name} {inner}", sub)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _help(path: str, command: click.Command) -> str:
+    context = click.Context(command, info_name=path, terminal_width=100, max_content_width=100)
+    return f"```text\n{command.get_help(context).rstrip()}\n```"
+
+
+def keys_page() -> str:
+    """Every key of a study file: what it takes, its default, what it is."""
+    from pounding_cli.study.keys import key_tables
+
+    about = """\
+# Keys of a study
+
+Written from the schema that reads the file; `pound schema --keys` prints the same.
+[The study file](../study-file.md) explains them.
+"""
+    return f"{about}\n{key_tables()}\n"
+
+
+def api_page() -> str:
+    """The Python API, drawn from its docstrings."""
+    parts = [
+        "# Python",
+        textwrap.dedent("""\
+        What `from pounding_cli import load_study, run, open_results` offers, and what it returns. The words are those
+        of the study file. [How to use it from Python](../how-to/python.md) shows it at work."""),
+    ]
+    for heading, names in API.items():
+        parts += [f"# {heading}", *(f"::: {name}" for name in names)]
+    return "\n\n".join(parts) + "\n"
+
+
+def pages() -> Iterator[tuple[str, str]]:
+    """Place in the site and text of every written page."""
+    yield "reference/commands.md", commands_page()
+    yield "reference/study-keys.md", keys_page()
+    yield "reference/api.md", api_page()
+
+
+def on_files(files, config):
+    """Called by mkdocs: adds the written pages to those that stand in docs/."""
+    from mkdocs.structure.files import File
+
+    for path, text in pages():
+        files.append(File.generated(config, path, content=text))
+    return files
