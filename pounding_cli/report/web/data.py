@@ -46,9 +46,10 @@ def chosen_points(evidences: Sequence[Evidence], shown_point: Evidence) -> list[
     fit = max(1, min(MOST_POINTS, MOST_ROWS // max(largest, 1)))
     if len(evidences) <= fit:
         return list(evidences)
-    keep = set(np.linspace(0, len(evidences) - 1, fit).round().astype(int)[: fit - 1]) if fit > 1 else set()
     here = next(number for number, evidence in enumerate(evidences) if evidence is shown_point)
-    return [evidence for number, evidence in enumerate(evidences) if number in keep or number == here]
+    spread = np.linspace(0, len(evidences) - 1, fit).round().astype(int)
+    spread[np.abs(spread - here).argmin()] = here
+    return [evidences[number] for number in spread]
 
 
 def tables(results: Tables, chosen: Sequence[Evidence]) -> dict[str, dict[str, Any]]:

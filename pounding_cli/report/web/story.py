@@ -115,7 +115,7 @@ def _floors(links: pd.DataFrame) -> str:
     floors = sorted(
         {
             str(left) if left == right else f"{left}|{right}"
-            for left, right in zip(links["floor"], links.get("right_floor", links["floor"]), strict=True)
+            for left, right in zip(links["floor"], links["right_floor"], strict=True)
         },
         key=lambda name: [int(part) for part in name.split("|")],
     )  # fmt: skip

@@ -184,6 +184,6 @@ def _links(
                     "impacts": 7,
                     "peak_force": 1e6 * PUSH[case] * floor * (1 + 0.1 * place),
                 }
-                | {"max_closing": 0.8 * gap, "impulse": 1e5, "contact_time": 0.3}
+                | {"max_closing": 0.8 * gap, "impulse": 1e5, "contact_time": 0.3, "right_floor": floor}
             )
     return rows

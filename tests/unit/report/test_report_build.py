@@ -21,6 +21,9 @@ def test_report_holds_page_figures_and_every_table(tmp_path):
         if line.startswith("!["):
             assert (tmp_path / line.split("](")[1].rstrip(")")).exists()
     assert page.count("![") == len(list(tmp_path.glob("*.png"))) == 7
+    whole = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert whole.count("<img ") == whole.count(' alt="') == 7
+    assert "Largest mean V/V₀, elastic: touching 1.46 (storey 5)" in whole
     for table in ("storey", "floor", "link", "scene", "summary", "records", "buildings", "claims"):
         assert (tmp_path / "tables" / f"{table}.csv").exists()
     read = pd.read_csv(tmp_path / "tables" / "storey.csv")

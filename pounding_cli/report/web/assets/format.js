@@ -41,12 +41,18 @@ const h = (tag, attributes = {}, ...children) => filled(document.createElement(t
 const s = (tag, attributes = {}, ...children) =>
   filled(document.createElementNS('http://www.w3.org/2000/svg', tag), attributes, children);
 
+let fields = 0;
+/** A control with its label above it. */
+function field(label, control) {
+  control.id = `field-${++fields}`;
+  return h('div', { class: 'field' }, h('label', { for: control.id }, label), control);
+}
+
 /** A labelled choice; `options` are [value, text] pairs. */
 function choice(label, options, chosen, changed) {
   const select = h('select', { onchange: () => changed(select.value) });
   for (const [value, text] of options) select.append(h('option', { value, selected: value === chosen }, text));
-  const element = h('label', {}, label, select);
-  return { element, select };
+  return { element: field(label, select), select };
 }
 
 let saying = 0;

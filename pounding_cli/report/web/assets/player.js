@@ -111,6 +111,7 @@ function playerView() {
     state.playing = false;
     state.clock = undefined;
     play.textContent = 'Play';
+    if (state.at) tell();
   }
 
   function tick(now) {

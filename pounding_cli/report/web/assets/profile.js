@@ -19,6 +19,10 @@ function profileView() {
     const column = tables[level]?.column(key);
     return column && column.values.some((value) => value !== null && (level !== 'link' || value !== 0));
   }));
+  if (!known.length) {
+    box.append(h('p', { class: 'nothing' }, 'Nothing to draw: no run of this study ended.'));
+    return;
+  }
   state.quantity = known[0];
   const analyses = tables.scene.column('analysis').names;
   state.analysis = analyses[0];

@@ -26,7 +26,7 @@ function tableView() {
       state.words = search.value.trim().toLowerCase();
       refill();
     } });
-    bar.replaceChildren(h('label', {}, 'Search', search));
+    bar.replaceChildren(field('Search', search));
     for (const column of state.table.columns.filter((one) => one.filter && one.names.length > 1 && one.names.length <= MOST_CHOICES)) {
       const options = [['', 'all'], ...column.names.map((text, code) => [String(code), text])];
       bar.append(choice(column.label, options, '', (value) => {

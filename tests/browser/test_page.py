@@ -1,0 +1,410 @@
+"""The report's page in a real browser: it loads, every control works, all can read it, it prints."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from page_study import CONTACTS, DT, FACTOR, PEAKS, refuse
+
+SWEEP = "sweep: {cases.gap.gap: [1 cm, 2 cm, 3 cm], impact.restitution: [0.4, 0.6]}\n"
+MEAN = sum(PEAKS.values()) / 2
+
+
+def cells(page, selector: str) -> list[list[str]]:
+    """The texts of a table's body."""
+    script = "rows => rows.map(row => [...row.cells].map(cell => cell.textContent))"
+    return page.eval_on_selector_all(f"{selector} tbody tr", script)
+
+
+def choose(page, name: str, value: str, within: str = "body") -> None:
+    page.locator(within).get_by_label(name, exact=True).select_option(value)
+
+
+def numbers_drawn(page) -> dict[tuple[str, str], str]:
+    """Case and storey -> the number drawn."""
+    return {(row[0], row[1]): row[2] for row in cells(page, "#explore-numbers")}
+
+
+@pytest.fixture
+def moving(study, visit):
+    """The page of a study with two kept scenes."""
+    return visit(study("moving", kept=("touching", "connected")) / "report.html")
+
+
+def test_the_title_is_text_and_nothing_else(study, visit):
+    page = visit(study("moving", kept=("touching", "connected")) / "report.html")
+    assert page.locator("h1").inner_text() == "Two buildings <known> & small"
+    assert page.title() == "Two buildings <known> & small"
+
+
+def test_charts_draw_the_quantity_building_analysis_and_motion_chosen(moving):
+    choose(moving, "Motion", "weak")
+    drawn = numbers_drawn(moving)
+    for case, factor in FACTOR.items():
+        for storey in (1, 2, 3):
+            assert drawn[case, str(storey)] == f"{factor * (1 + storey) / 2:.3f}"
+    choose(moving, "Quantity", "V")
+    choose(moving, "Building", "soft", "#explore")
+    assert numbers_drawn(moving)["touching", "2"] == f"{1e3 * FACTOR['touching'] * 1.5 * PEAKS['weak']:.0f}"  # in kN
+    assert ("touching", "3") not in numbers_drawn(moving)
+    choose(moving, "Quantity", "peak_force")
+    choose(moving, "Analysis", "inelastic")
+    assert numbers_drawn(moving)["gap", "2"] == "2000"
+
+
+def test_means_leave_failed_runs_out_and_say_so(moving):
+    choose(moving, "Quantity", "V")
+    rows = {(row[0], row[1]): row for row in cells(moving, "#explore-numbers")}
+    assert rows["touching", "1"][2] == f"{1e3 * FACTOR['touching'] * MEAN:.0f}"
+    low, high = (f"{1e3 * FACTOR['touching'] * peak:.0f}" for peak in (PEAKS["weak"], PEAKS["strong"]))
+    assert rows["touching", "1"][3:5] == [low, high]
+    assert rows["infill", "1"][2] == f"{1e3 * FACTOR['infill'] * PEAKS['weak']:.0f}"
+    failed = moving.locator("#simulated").inner_text()
+    assert "event bound reached" in failed
+    assert "loosen the accuracy" in failed
+    assert moving.locator(".tile.bad").inner_text().splitlines()[-1] == "2 failed"
+
+
+def test_cases_can_be_taken_out_of_the_chart(moving):
+    names = "lines => lines.map(line => line.dataset.series)"
+    assert moving.eval_on_selector_all("#explore-chart g", names) == list(FACTOR)
+    moving.get_by_label("gap", exact=True).uncheck()
+    assert moving.eval_on_selector_all("#explore-chart g", names) == ["touching", "infill", "connected"]
+    for case in ("touching", "infill", "connected"):
+        moving.get_by_label(case, exact=True).uncheck()
+    assert "Nothing to draw" in moving.locator("#explore-chart").inner_text()
+
+
+def test_hover_and_arrow_keys_give_the_numbers(moving):
+    choose(moving, "Motion", "strong")
+    chart = moving.locator("#explore-chart")
+    chart.focus()
+    chart.press("ArrowUp")
+    chart.press("ArrowUp")
+    chart.press("ArrowRight")
+    tip = moving.locator("#explore-chart .tip")
+    said = tip.inner_text().splitlines()
+    assert said[0] == "gap, storey 2"
+    assert said[1] == f"V/V₀ {FACTOR['gap'] * 1.5:.3f}"
+    assert "error not measured" in said[-1] or "error 0" in said[-1]
+    moving.wait_for_function("() => document.getElementById('said').textContent.startsWith('gap, storey 2')")
+    chart.press("Escape")
+    assert tip.is_hidden()
+    box = moving.locator("#explore-chart g[data-series=touching] circle").last.bounding_box()
+    moving.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert tip.inner_text().splitlines()[0] == "touching, storey 3"
+
+
+def test_tables_sort_filter_and_search(moving):
+    moving.get_by_role("button", name="Storeys").click()
+    head = moving.locator("#table-view th", has_text="V [kN]").first
+    assert head.get_attribute("aria-sort") == "none"
+    head.get_by_role("button").click()
+    assert head.get_attribute("aria-sort") == "ascending"
+    column = [text for text in moving.locator("#table-view th").all_inner_texts()].index("V [kN]")
+    values = [float(row[column]) for row in cells(moving, "#table-view")]
+    assert values == sorted(values)
+    head.get_by_role("button").press("Enter")
+    assert head.get_attribute("aria-sort") == "descending"
+    assert moving.evaluate("document.activeElement.textContent") == "V [kN]"
+    values = [float(row[column]) for row in cells(moving, "#table-view")]
+    assert values[0] == pytest.approx(1e3 * FACTOR["touching"] * 2 * PEAKS["strong"])
+    assert values == sorted(values, reverse=True)
+    choose(moving, "case", moving.locator("#table-view").get_by_label("case").evaluate(
+        "list => [...list.options].find(one => one.text === 'infill').value"), "#table-view")  # fmt: skip
+    assert moving.locator("#table-view .count").inner_text().startswith("20 of 20 rows")
+    moving.get_by_label("Search").fill("weak")
+    assert moving.locator("#table-view .count").inner_text().startswith("10 of 10 rows")
+    moving.get_by_label("Search").fill("nowhere")
+    assert moving.locator("#table-view .count").inner_text().startswith("0 of 0 rows")
+
+
+def test_missing_numbers_stay_below_whichever_way_a_table_is_sorted(moving):
+    moving.get_by_role("button", name="Storeys").click()
+    moving.get_by_role("button", name="Show 30 more").click()
+    head = moving.locator("#table-view th", has_text="V [kN]").first.get_by_role("button")
+    column = moving.locator("#table-view th").all_inner_texts().index("V [kN]")
+    for _ in range(2):
+        head.click()
+        moving.get_by_role("button", name="Show 30 more").click()
+        texts = [row[column] for row in cells(moving, "#table-view")]
+        assert texts.count("–") == 10
+        assert set(texts[-10:]) == {"–"}
+
+
+def test_error_and_sensitivity_stand_in_every_table_of_numbers(moving):
+    for table in ("Means over the motions", "Storeys", "Floors", "Links", "Runs"):
+        moving.get_by_role("button", name=table).click()
+        heads = " ".join(moving.locator("#table-view th").all_inner_texts())
+        assert "error" in heads, table
+        assert "sensitivity" in heads, table
+
+
+def test_chosen_rows_can_be_taken_away(moving):
+    moving.get_by_role("button", name="Links").click()
+    choose(moving, "analysis", "0", "#table-view")
+    with moving.expect_download() as waiting:
+        moving.get_by_role("button", name="Save as CSV").click()
+    assert waiting.value.suggested_filename == "link.csv"
+    lines = waiting.value.path().read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 1 + 2 * (2 + 2 + 2 + 1)
+    row = dict(zip(lines[0].split(","), lines[1].split(","), strict=True))
+    assert row["case"] == "touching"
+    assert float(row["peak force [kN]"]) == 1000
+
+
+def readout(page) -> dict[str, str]:
+    script = "parts => Object.fromEntries(parts.map(one => [one.children[0].textContent, one.children[1].textContent]))"
+    return page.eval_on_selector_all(".readout div", script)
+
+
+def stars(page) -> int:
+    """Pixels of the stage in the colour of an impact."""
+    return page.evaluate(
+        """() => {
+        const canvas = document.querySelector('.stage canvas');
+        const [r, g, b] = [0xd9, 0x48, 0x0f];
+        const copy = document.createElement('canvas');
+        [copy.width, copy.height] = [canvas.width, canvas.height];
+        const pen = copy.getContext('2d', { willReadFrequently: true });
+        pen.drawImage(canvas, 0, 0);
+        const all = pen.getImageData(0, 0, canvas.width, canvas.height).data;
+        let count = 0;
+        for (let at = 0; at < all.length; at += 4)
+          if (all[at + 3] > 60 && Math.hypot(all[at] - r, all[at + 1] - g, all[at + 2] - b) < 16) count++;
+        return count; }"""
+    )  # fmt: skip
+
+
+def test_player_opens_at_the_hardest_impact_and_shows_it(moving):
+    assert readout(moving)["time"] == f"{CONTACTS[2][0]:.3f} s"
+    assert readout(moving)["link force"] == "4000 kN at floor 2"
+    assert readout(moving)["contacts so far"] == "2 of 2"
+    assert stars(moving) > 50
+    moving.locator("#player").press("Home")
+    assert stars(moving) == 0
+    assert readout(moving)["contacts so far"] == "0 of 2"
+
+
+def test_player_steps_and_finds_impacts_by_key_and_button(moving):
+    player = moving.locator("#player")
+    player.press("p")
+    assert readout(moving)["time"] == f"{CONTACTS[1][0]:.3f} s"
+    assert readout(moving)["link force"] == "1000 kN at floor 1"
+    player.press("ArrowRight")
+    assert readout(moving)["time"] == f"{CONTACTS[1][0] + DT:.3f} s"
+    assert readout(moving)["link force"] == "600.0 kN at floor 1"
+    player.press("Shift+ArrowLeft")
+    assert readout(moving)["time"] == "0.402 s"
+    # 10 mm x 3 floors x sin(2 pi 0.402), twice as much in the second building of two floors
+    assert readout(moving)["stiff roof"] == "17.33 mm"
+    assert readout(moving)["soft roof"] == "23.10 mm"
+    moving.get_by_role("button", name="Impact after").click()
+    moving.get_by_role("button", name="Impact after").click()
+    assert readout(moving)["time"] == "1.200 s"
+    player.press("End")
+    assert readout(moving)["time"] == "2.000 s"
+    moving.wait_for_function("() => document.getElementById('said').textContent.startsWith('time 2.000 s')")
+    moving.get_by_role("button", name="Hardest impact").click()
+    assert readout(moving)["time"] == "1.200 s"
+    moving.get_by_label("Time", exact=True).fill("125")
+    assert readout(moving)["time"] == "0.250 s"
+    assert readout(moving)["stiff roof"] == "30.00 mm"
+
+
+def seconds(page) -> float:
+    return float(readout(page)["time"].removesuffix(" s"))
+
+
+def pace(page) -> float:
+    """Time on the stage over time in the room, over half a second."""
+    return page.evaluate(
+        f"""async () => {{
+        const scrub = document.querySelector('#player input[type=range]');
+        const read = () => [{DT} * Number(scrub.value), performance.now()];
+        const [from, start] = read();
+        await new Promise((done) => setTimeout(done, 500));
+        const [to, end] = read();
+        return (to - from) / ((end - start) / 1000); }}"""
+    )
+
+
+def test_player_plays_and_pauses(moving):
+    player = moving.locator("#player")
+    choose(moving, "Speed", "0.1")
+    player.press("Home")
+    player.press(" ")
+    assert moving.get_by_role("button", name="Pause").is_visible()
+    assert 0.02 < pace(moving) < 0.12
+    player.press(" ")
+    assert moving.get_by_role("button", name="Play").is_visible()
+    reached = seconds(moving)
+    assert 0 < reached < 0.45
+    assert pace(moving) == 0
+    assert seconds(moving) == reached
+
+
+def test_impacts_are_played_slowly_unless_told_otherwise(moving):
+    choose(moving, "Speed", "1")
+    moving.get_by_role("button", name="Hardest impact").click()
+    moving.get_by_role("button", name="Play").click()
+    assert 0 < pace(moving) < 0.03
+    moving.get_by_label("slow at impacts").uncheck()
+    moving.get_by_role("button", name="Hardest impact").click()
+    moving.get_by_role("button", name="Play").click()
+    assert pace(moving) > 0.2
+    moving.get_by_role("button", name="Play").wait_for()
+    assert readout(moving)["time"] == "2.000 s"
+
+
+def test_displacements_are_drawn_to_the_scale_chosen_and_told(moving):
+    key = moving.locator("#player .key")
+    first = key.inner_text()
+    assert re.search(r"drawn \d+ times larger than heights", first)
+    choose(moving, "Displacements drawn", "10")
+    assert "drawn 10 times larger than heights" in key.inner_text()
+    assert "10 times larger" in moving.locator(".stage canvas").get_attribute("aria-label")
+    choose(moving, "Displacements drawn", "1")
+    assert "to the scale of the heights" in key.inner_text()
+
+
+def test_pointer_gives_the_numbers_of_a_floor_and_the_strips_the_time(moving):
+    moving.get_by_label("Time", exact=True).fill("0")
+    strip = moving.locator("#player > canvas")
+    strip.scroll_into_view_if_needed()
+    box = strip.bounding_box()
+    moving.mouse.click(box["x"] + box["width"] / 4, box["y"] + 20)
+    assert seconds(moving) == pytest.approx(0.5, abs=0.01)
+    moving.get_by_label("Time", exact=True).fill("125")
+    stage = moving.locator(".stage canvas")
+    stage.scroll_into_view_if_needed()
+    box = stage.bounding_box()
+    tip = moving.locator(".stage .tip")
+    shown = set()
+    for part in range(20, 80, 4):
+        for height in (0.3, 0.5, 0.7):
+            moving.mouse.move(box["x"] + box["width"] * part / 100, box["y"] + box["height"] * height)
+            if tip.is_visible():
+                shown.add(tuple(tip.inner_text().splitlines()[:2]))
+    assert ("stiff, floor 2", "displacement 20.00 mm") in shown
+    assert ("soft, floor 1", "displacement 20.00 mm") in shown
+
+
+def test_connectors_have_no_impacts_and_the_buttons_say_so(moving):
+    choose(moving, "Scene", "1", "#player")
+    assert readout(moving)["contacts so far"] == "0 of 0"
+    assert moving.get_by_role("button", name="Hardest impact").is_disabled()
+    assert seconds(moving) == 0
+    choose(moving, "Time shown below", "0.1")
+    moving.get_by_label("Time", exact=True).fill("600")
+    assert readout(moving)["link force"] == "4000 kN at floor 2"
+
+
+@pytest.mark.parametrize(("width", "theme"), [(1280, "light"), (400, "dark")])
+def test_no_barrier_is_found(study, visit, width, theme):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    page = visit(study("moving", kept=("touching", "connected")) / "report.html", width, color_scheme=theme)
+    assert page.evaluate("document.documentElement.dataset.theme") == theme
+    page.locator("summary").click()
+    found = axe.run(page)
+    assert found.violations_count == 0, found.generate_report()
+
+
+@pytest.mark.parametrize("width", [1280, 900, 400])
+def test_nothing_runs_off_the_page(study, visit, width):
+    page = visit(study("swept", SWEEP) / "report.html", width)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_focus_is_seen_and_reaches_every_control(moving):
+    reached = []
+    for _ in range(90):
+        moving.keyboard.press("Tab")
+        name, style, width = moving.evaluate(
+            """() => { const one = document.activeElement, look = getComputedStyle(one);
+            const name = one.id || one.textContent.trim().slice(0, 20) || one.type;
+            return [name, look.outlineStyle, look.outlineWidth]; }"""
+        )
+        reached.append(name)
+        assert style != "none", name
+        assert width == "3px", name
+        if name == "study-text":
+            break
+    for wanted in ("Skip to the content", "Overview", "explore-chart", "player", "Play", "Storeys", "Save as CSV"):
+        assert wanted in reached
+    assert reached[-1] == "study-text"
+
+
+def test_colours_can_be_changed(moving):
+    before = moving.evaluate("getComputedStyle(document.body).backgroundColor")
+    moving.get_by_role("button", name="Dark colours").click()
+    assert moving.evaluate("getComputedStyle(document.body).backgroundColor") != before
+    assert moving.get_by_role("button", name="Light colours").is_visible()
+
+
+def test_it_prints_in_light_colours_without_controls(study, visit):
+    page = visit(study("moving", kept=("touching", "connected")) / "report.html", color_scheme="dark")
+    page.emulate_media(media="print")
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    for hidden in (".contents", "#explore-controls", "#player .bar", ".tabs", ".copy"):
+        assert page.locator(hidden).first.is_hidden(), hidden
+    assert page.pdf(format="A4").startswith(b"%PDF")
+    ink = page.evaluate("getComputedStyle(document.querySelector('h1')).color")
+    assert ink == "rgb(27, 31, 36)"
+
+
+def test_study_can_be_copied(moving):
+    moving.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    moving.get_by_role("button", name="Copy").click()
+    moving.get_by_role("button", name="Copied").wait_for()
+    assert moving.evaluate("navigator.clipboard.readText()").startswith("title: Two buildings <known> & small\n")
+
+
+def test_figures_have_texts_and_show(study, visit):
+    folder = study("drawn", formats=("svg",))
+    page = visit(folder / "report.html")
+    loaded = page.eval_on_selector_all(
+        "img", "all => all.map(one => [one.complete && one.naturalWidth > 0, one.alt.length])"
+    )
+    assert len(loaded) == len(list(folder.glob("*.svg"))) == 5
+    assert all(there and words > 60 for there, words in loaded)
+    text = page.locator("#figure-stiff-response img").get_attribute("alt")
+    assert f"touching {FACTOR['touching'] * 2:.2f} (storey 3)" in text
+    assert "keep: {histories:" in page.locator("#motion").inner_text()
+
+
+def test_without_scripts_claims_and_figures_are_still_there(study, visit):
+    page = visit(study("drawn", formats=("svg",)) / "report.html", scripts=False)
+    assert "Without scripts" in page.locator("noscript").inner_text()
+    assert page.locator("#claims").is_visible()
+    assert page.locator("img").count() == 5
+    assert page.locator("#explore").is_hidden()
+    assert page.locator("#tables").is_hidden()
+
+
+def test_sweep_is_drawn_against_either_axis_and_points_can_be_chosen(study, visit):
+    page = visit(study("swept", SWEEP) / "report.html")
+    points = "g => g.querySelectorAll('polygon, circle').length"
+    assert page.eval_on_selector("#sweep-chart g[data-series=gap]", points) == 3
+    choose(page, "Against", "1", "#sweep")
+    assert page.eval_on_selector("#sweep-chart g[data-series=gap]", points) == 2
+    page.locator("#sweep-chart").focus()
+    page.locator("#sweep-chart").press("ArrowRight")
+    said = page.locator("#sweep-chart .tip").inner_text().splitlines()
+    assert said == ["touching, impact.restitution = 0.4", f"largest V/V₀ {FACTOR['touching'] * 2:.3f}"]
+    options = page.get_by_label("Point of the sweep", exact=True).evaluate(
+        "list => [...list.options].map(one => one.text)"
+    )
+    assert len(options) == 6
+    choose(page, "Point of the sweep", options[3])
+    assert numbers_drawn(page)["gap", "1"] == f"{FACTOR['gap']:.3f}"
+    assert page.locator("#claims table tbody tr").count() == 6
+
+
+def test_a_study_of_which_nothing_ended_says_so(study, visit):
+    page = visit(study("refused", solve=refuse) / "report.html", 400)
+    assert "Nothing to draw" in page.locator("#explore").inner_text()
+    assert "16 failed" in page.locator(".tile.bad").inner_text()
+    assert "no scene of this study ends" in page.locator("#simulated").inner_text()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
