@@ -478,4 +478,89 @@ OTHERS = [
     ),
 ]
 
-MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + METHODS + DESIGN + GROUND + OTHERS
+EXACT = f"{VERIFICATION}/test_effects.py::test_exact_steps_equal_the_series"
+OPEN_GAP = f"{VERIFICATION}/test_effects.py::test_a_gap_is_only_called_open_when_it_is"
+APART = f"{VERIFICATION}/test_effects.py::test_a_row_falls_apart_where_nothing_closes"
+RIGID = f"{VERIFICATION}/test_effects.py::test_rigid_foundation_is_held_fixed"
+
+PRUNING = [
+    Mutant(
+        "exact steps: accelerations without the ground's",
+        f"{SOLVE}/exponential.py",
+        "acceleration[:, -2] += 1.0",
+        "acceleration[:, -2] += 0.0",
+        EXACT,
+    ),
+    Mutant(
+        "exact steps: energy of a sample by a series with k instead of k + 1",
+        f"{SOLVE}/exponential.py",
+        "term = (product + product.T) / (j + 1)",
+        "term = (product + product.T) / j",
+        EXACT,
+    ),
+    Mutant(
+        "exact steps: the ground's work with the wrong sign",
+        f"{SOLVE}/exponential.py",
+        "powers_at[0, count:-2, -2] = -system.loaded",
+        "powers_at[0, count:-2, -2] = system.loaded",
+        EXACT,
+    ),
+    Mutant(
+        "exact steps: peaks only at the places of the grid",
+        f"{KERNELS}/exponential.py",
+        "reach = bend * MARGIN",
+        "reach = bend * -1.0",
+        EXACT,
+    ),
+    Mutant(
+        "exact steps: peaks looked for on the far side",
+        f"{KERNELS}/exponential.py",
+        "left = greater(reach, value - first)\n",
+        "left = greater(first - value, reach)\n",
+        EXACT,
+    ),
+    Mutant(
+        "bounds of displacements without what lies between the ends of a step",
+        f"{KERNELS}/peaks.py",
+        "maximum(load(peaks.top, row), maximum(first, last) + stray)",
+        "maximum(load(peaks.top, row), maximum(first, last))",
+        OPEN_GAP,
+    ),
+    Mutant(
+        "a gap counts as open if the larger motions stay in it on average",
+        f"{SOLVE}/groups.py",
+        "float(np.max(top - bottom))",
+        "float(np.mean(top - bottom))",
+        OPEN_GAP,
+    ),
+    Mutant(
+        "a group keeps the places its links had in the row",
+        f"{SOLVE}/groups.py",
+        "dataclasses.replace(link, left=link.left - group.start)",
+        "dataclasses.replace(link, left=link.left)",
+        APART,
+    ),
+    Mutant(
+        "a rigid foundation is judged without the building's height",
+        f"{MODEL}/condense.py",
+        "(stiffest * tall**2 + inertia * square)",
+        "(stiffest + 0 * inertia)",
+        RIGID,
+    ),
+    Mutant(
+        "elastic storeys yield when the kernel could let them",
+        f"{SOLVE}/arrays.py",
+        "if scene.analysis == Analysis.INELASTIC:",
+        "if scene.analysis in (Analysis.INELASTIC, Analysis.ELASTIC):",
+        f"{VERIFICATION}/test_effects.py::test_kernel_without_an_effect_equals_the_kernel_with_it",
+    ),
+    Mutant(
+        "tables: the error of a mean is the sum of its records'",
+        f"{STORE}/statistics.py",
+        "known.sum(axis=axis) if name",
+        "1 + 0 * known.sum(axis=axis) if name",
+        f"{UNIT}/store/test_store_trust.py::test_errors_add_up_and_sensitivities_are_weighted",
+    ),
+]
+
+MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + METHODS + DESIGN + GROUND + OTHERS + PRUNING

@@ -13,6 +13,8 @@ from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 
+pytestmark = pytest.mark.usefixtures("exact_steps_and_series")
+
 
 @pytest.mark.parametrize("foundation", [None, FOUNDATION])
 def test_connected_group_against_exact_stepping(foundation):

@@ -13,6 +13,8 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
 
+pytestmark = pytest.mark.usefixtures("exact_steps_and_series")
+
 M, K, V0 = 2e5, 8e7, 0.4
 OMEGA = float(np.sqrt(K / M))
 

@@ -14,6 +14,8 @@ from pounding_cli.model.modes import matrices, modes
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 
+pytestmark = pytest.mark.usefixtures("exact_steps_and_series")
+
 
 @pytest.mark.parametrize(
     "foundation",

@@ -16,6 +16,8 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
 
+pytestmark = pytest.mark.usefixtures("exact_steps_and_series")
+
 TIGHT = 1e-12
 
 

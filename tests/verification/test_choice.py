@@ -1,0 +1,40 @@
+"""What `method: auto` and `accuracy: auto` rest on, measured again on the paper's scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pounding_cli.solve import solve
+from pounding_cli.solve.choice import COSTS, WORTH, cheap_accuracy
+from pounding_cli.study import expand, load_study
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+def test_costs_of_digits_are_those_of_the_figures():
+    """Taylor orders over those at 1e-3, within 5 %: counts, not times. Fails if the series is cut at another
+    tolerance than asked."""
+    orders = dict.fromkeys((1e-3, 1e-6, 1e-9, 1e-12), 0)
+    for figure in ("fig6", "fig7"):
+        plan = expand(load_study(CONFIGS / f"{figure}.yaml"))
+        for row in plan.rows:
+            if row.record in ("elcentro", "taft"):
+                scene = plan.scenes[row.scene]
+                for accuracy in orders:
+                    orders[accuracy] += solve(scene, accuracy, method="taylor").orders
+    for accuracy, counted in orders.items():
+        assert counted / orders[1e-3] == pytest.approx(COSTS[accuracy], rel=0.05), accuracy
+    assert cheap_accuracy() == 1e-6
+    assert COSTS[1e-7] > WORTH
+
+
+def test_exact_steps_are_taken_where_a_scene_is_linear_and_only_there():
+    plan = expand(load_study(CONFIGS / "fig6.yaml"))
+    methods = {
+        (row.case == "connected" and row.analysis == "elastic", solve(plan.scenes[row.scene]).method)
+        for row in plan.rows
+        if row.record == "elcentro"
+    }
+    assert methods == {(True, "exponential"), (False, "taylor")}
