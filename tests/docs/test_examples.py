@@ -55,10 +55,11 @@ def test_one_impact(example, capsys):
     spring = 20 * found["results"].buildings["stiffness"].max()
     mass, xi = 1e5, math.log(2) / math.hypot(math.pi, math.log(2))
     frequency = math.sqrt(spring / mass)
-    assert found["lasted"] == pytest.approx(math.pi / (frequency * math.sqrt(1 - xi**2)), rel=0.02)
+    duration = math.pi / (frequency * math.sqrt(1 - xi**2))
+    assert found["lasted"] == pytest.approx(duration, abs=2e-4)  # seen every 0.1 ms
     assert -found["parted"] / found["met"] == pytest.approx(0.5, abs=0.02)
     assert np.max(found["force"]) == pytest.approx(0.816 * found["met"] * math.sqrt(spring * mass), rel=0.02)
-    assert found["lost"] == pytest.approx(0.5 * mass * (found["met"] ** 2 - found["parted"] ** 2), rel=0.1)
+    assert found["lost"] == pytest.approx(0.5 * mass * (found["met"] ** 2 - found["parted"] ** 2), rel=0.05)
     peak = found["results"].link()["peak_force"].max()
     assert np.max(found["history"].link_force) == pytest.approx(peak, rel=2e-3)
     assert "meet at 1.08 m/s and part at 0.53 m/s" in said
