@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -94,6 +95,19 @@ def test_h5py_alone_reads_it(kept):
             assert [scale[0].name.rsplit("/", 1)[1] for scale in dataset.dims] == list(dims)
             assert (dataset.attrs["units"], dataset.dtype, dataset.compression) == (unit, np.float32, "gzip")
             assert dataset.attrs["long_name"]
+
+
+def test_the_page_tells_every_dataset():
+    page = (
+        (Path(__file__).parents[3] / "docs" / "histories.md").read_text(encoding="utf-8").split("## In the results")[1]
+    )
+    rows = [line.split("|")[1:4] for line in page.splitlines() if line.startswith("| `")]
+    told = {name.strip(" `"): (dims.strip(), unit) for names, dims, unit in rows for name in names.split(",")}
+    assert told.pop("time")[0] == "time"
+    assert set(told) == set(FIELDS)
+    for name, (dims, unit, _) in FIELDS.items():
+        assert told[name][0] == ", ".join(dims)
+        assert unit in told[name][1]
 
 
 def test_xarray_opens_a_group(kept):
