@@ -56,7 +56,8 @@ class Cluster:
                 while (queue or suspects) and len(running) < self.workers:
                     bundle = [suspects.pop()] if suspects else queue.take(WORK)
                     running[_sent(client, bundle, scenes, task, key)] = bundle
-                ready, _ = wait(list(running), return_when="FIRST_COMPLETED")
+                with client.as_current():
+                    ready, _ = wait(list(running), return_when="FIRST_COMPLETED")
                 for future in ready:
                     bundle = running.pop(future)
                     yield from _received(future, bundle, scenes, task, key, queue, suspects)
@@ -70,7 +71,9 @@ class Cluster:
 
         try:
             if self.scheduler is None:
-                return Client(n_workers=self.workers, threads_per_worker=1, dashboard_address=None)
+                return Client(
+                    n_workers=self.workers, threads_per_worker=1, dashboard_address=None, set_as_default=False
+                )
             client = Client(self.scheduler, timeout=PATIENCE, set_as_default=False)
             client.wait_for_workers(1, timeout=PATIENCE)
             return client

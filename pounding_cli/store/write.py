@@ -71,7 +71,7 @@ def write_results(
     ------
     OSError : the disk is full, or the folder went away; `path` is as it was
     """
-    hidden = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    hidden = path.with_name(f".{path.name}.tmp")
     store = responses if isinstance(responses, PartStore) else PartStore.of(responses)
     try:
         with h5py.File(hidden, "w", libver=("v110", "latest")) as file:
