@@ -1,5 +1,7 @@
-"""Results in programs that are not Python: the recipes of docs/how-to/other-programs.md, where Octave and the HDF5
-tools are installed (Debian: octave, hdf5-tools). HDFView and MATLAB are not here: h5dump and Octave stand in for them."""
+"""Results in programs that are not Python, where Octave and the HDF5 tools are installed (Debian: octave, hdf5-tools).
+
+HDFView and MATLAB are not here: h5dump and Octave stand in for them.
+"""
 
 from __future__ import annotations
 
