@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,12 +12,15 @@ from pounding_cli.errors import InputError
 from pounding_cli.solve.histories import History, history
 from pounding_cli.solve.response import Response
 from pounding_cli.store.files import opened
-from pounding_cli.store.histories import stored_history
+from pounding_cli.store.histories import read_history, stored_histories
 
 if TYPE_CHECKING:
     import h5py
 
     from pounding_cli.study import Plan, Row
+
+WORTH_TELLING = 20
+"""So many scenes to run for their histories take some seconds, and the user is told."""
 
 
 def kept_histories(
@@ -33,15 +37,29 @@ def kept_histories(
     """
     if not plan.kept:
         return
+    ahead = Counter(row.scene for row in plan.kept)  # rows may share a scene
+    made: dict[str, History] = {}
     with _former(output, plan, key) as file:
+        stored = {} if file is None else stored_histories(file, plan.every)
+        missing = sum(scene not in stored for scene in ahead)
+        if missing >= WORTH_TELLING:
+            tell(f"running {missing} scenes for their histories")
         for row in plan.kept:
             if responses[row.scene].status != "done":
                 continue
-            found = stored_history(file, row, plan.every) if file is not None else None
-            try:
-                yield row, found or history(plan.scenes[row.scene], plan.accuracy, plan.every)
-            except InputError as error:
-                tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
+            ahead[row.scene] -= 1
+            found = made.pop(row.scene, None)
+            if found is None and row.scene in stored:
+                found = read_history(stored[row.scene])
+            if found is None:
+                try:
+                    found = history(plan.scenes[row.scene], plan.accuracy, plan.every)
+                except InputError as error:
+                    tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
+                    continue
+            if ahead[row.scene]:
+                made[row.scene] = found
+            yield row, found
 
 
 @contextlib.contextmanager

@@ -84,12 +84,10 @@ def write_history(file: h5py.File, place: Mapping[str, Any], history: History) -
             dataset.dims[number].attach_scale(scales[dim])
 
 
-def stored_history(file: h5py.File, row: Row, every: float) -> History | None:
-    """The history of a row's scene in another results file, if it is there at this output step [s]."""
-    for group in file.get(GROUP, {}).values():
-        if group.attrs["scene"] == row.scene and group.attrs["every"] == every:
-            return read_history(group)
-    return None
+def stored_histories(file: h5py.File, every: float) -> dict[str, h5py.Group]:
+    """The kept scenes of a results file at this output step [s], by scene digest."""
+    groups = file.get(GROUP, {}).values()
+    return {str(group.attrs["scene"]): group for group in groups if group.attrs["every"] == every}
 
 
 def kept_places(file: h5py.File) -> list[dict[str, Any]]:

@@ -128,6 +128,25 @@ def test_the_peaks_of_the_tables_are_those_of_the_histories(plan, output):
         assert reached == pytest.approx(rows.peak_force.to_numpy(), rel=0.05, abs=1e-3)
 
 
+def test_rows_that_share_a_scene_share_its_history(output, made):
+    """Two cases that come to the same links."""
+    plan = small_plan(cases=(("one", 0.05), ("same", 0.05)))
+    run(replace(plan, kept=plan.rows, every=0.01), output)
+    assert len(made) == 4
+    results = open_results(output)
+    assert len(results.histories()) == 8
+    one, same = (results.history(case, "elastic", "weak") for case in ("one", "same"))
+    assert (one.shear[:, 0] == same.shear[:, 0]).all()
+
+
+def test_many_histories_are_told(plan, output, monkeypatch):
+    monkeypatch.setattr(histories, "WORTH_TELLING", 4)
+    said: list[str] = []
+    found = list(histories.kept_histories(plan, {d: known(s) for d, s in plan.scenes.items()}, output, "", said.append))
+    assert len(found) == 4
+    assert said == ["running 4 scenes for their histories"]
+
+
 def test_a_scene_that_failed_has_no_history(plan, output, made):
     def fails(scene, accuracy, method, **_):
         response = known(scene, accuracy, method)
