@@ -109,6 +109,9 @@ def test_how_a_file_is_read_is_said_beside_it(study, tmp_path) -> None:
 
 
 def test_scales_reach_what_they_name_in_the_analysed_part(study, folder) -> None:
+    times = np.arange(1200) * 0.01
+    growing = "".join(f"{t:.2f} {0.02 * t * np.sin(5 * t):.6f}\n" for t in times)
+    (folder / "growing.txt").write_text(growing)  # its peaks come after the window
     use = '[taft, "motions/*.txt"]'
     for each in used(study, use, "{pga: 0.35 g}").values():
         assert each.motion.pga == pytest.approx(0.35 * G)
