@@ -99,6 +99,18 @@ def test_cosmos_falls_back_on_the_recorders_own_step(read) -> None:
     assert read(layouts.cosmos_channel(CM, step_ms=-999.0)).motion.dt == 0.005
 
 
+def test_cosmos_as_its_own_document_writes_it(read) -> None:
+    """The example of the format's document: six reals a line, the unit's code in brackets, another word for channel."""
+    text = layouts.cosmos_channel(CM)
+    head, rest = text.split(" 100 Real-header")
+    reals = layouts.rows([float(word) for line in rest.splitlines()[1:21] for word in line.split()], "13.6f", 6)
+    tail = rest.split("(5F15.6)\n")[1].split("\n", 20)[20]
+    text = head + " 100 Real-header values follow on  17 lines, Format= (6F13.6)\n" + reals + tail
+    text = text.replace("units=cm/s^2 (4),", "units=cm/sec2(04),").replace("Sta Chan   1:", "Sta Cha:  1:")
+    assert read(text).motion.digest == read(layouts.cosmos_channel(CM)).motion.digest
+    assert "1: 1: 90 deg; 2: 1: 90 deg" in told(read, text + text)
+
+
 CHANNELS = {
     "cosmos": [layouts.cosmos_channel(layouts.samples(60.0, seed=s), c) for c, s in ((1, 1.0), (2, 1.3), (3, 0.7))],
     "csmip V2": [
