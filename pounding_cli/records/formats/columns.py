@@ -20,7 +20,7 @@ _STEP = re.compile(
     r"\b(?:dt|time[ _-]?step|delta[ _-]?t|sampling[ _-]?interval)\b[^\d.+-]{0,12}([\d.]+(?:e[-+]?\d+)?)\s*(ms)?",
     re.IGNORECASE,
 )
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[EeDd][-+]?\d+)?\Z")
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
 _TOP = 60
 # Lines of a header searched for units and a time step.
 
@@ -136,10 +136,7 @@ def _points(lines: list[str]) -> list[str]:
     separated = any(len([word for word in row if word]) > 1 for row in words)
     if not commas or not separated or any("." in word for word in shown) or any(word.endswith(",") for word in shown):
         return lines
-    return [
-        re.sub(r"(?<=\d),(?=\d)|(?<![\d,]),(?=\d)", ".", line) if line.strip()[:1] not in "#%!" else line
-        for line in lines
-    ]
+    return [line if line.lstrip()[:1] in ("#", "%", "!") else re.sub(r"(?<=\d),(?=\d)", ".", line) for line in lines]
 
 
 def _above(text: Text, start: int) -> list[tuple[int, str]]:

@@ -43,6 +43,13 @@ def test_decimal_commas(read, separator: str) -> None:
     assert motion.acceleration == pytest.approx(A * GRAVITY)
 
 
+@pytest.mark.parametrize("separator", [" ,", ",", ", ", " , "])
+def test_commas_between_whole_numbers_separate_them(read, separator: str) -> None:
+    motion = read(f"0{separator}1\n1{separator}2\n2{separator}1\n", unit="m/s2").motion
+    assert motion.dt == 1.0
+    assert motion.acceleration == pytest.approx([1.0, 2.0, 1.0])
+
+
 @pytest.mark.parametrize(
     ("head", "unit"),
     [
