@@ -84,10 +84,8 @@ def command(
     film = Film(first, stop, slow, rate, _scale(scale) or fitting_scale(history, picture))
     write_film(path, _shown(frames(history, picture, film), film.times.size, quiet), rate)
     if not quiet:
-        click.echo(
-            f"{path}: {film.times.size} frames, {film.times.size / rate:.3g} s; "
-            f"displacements and gaps x {film.scale:g}, {slow:g} times slower than life"
-        )
+        many = f"{film.times.size} frames, {film.times.size / rate:.3g} s"
+        click.echo(f"{path}: {f'picture at {first:g} s' if path.suffix.lower() == '.png' else many}; {film.words}")
 
 
 def _from_results(file: Path, place: dict[str, Any]) -> tuple[History, Picture, str]:

@@ -43,6 +43,12 @@ class Film:
     scale: float
 
     @property
+    def words(self) -> str:
+        """Scale and speed, as the picture says them."""
+        speed = f"{self.slow:g} times slower than life" if self.slow != 1 else "as fast as in life"
+        return f"displacements and gaps × {self.scale:g}, {speed}"
+
+    @property
     def times(self) -> np.ndarray:
         """The time [s] of every frame."""
         step = 1.0 / (self.slow * self.rate)
@@ -105,8 +111,7 @@ class _Stage:
         self.scene.text(-spare, -0.17 * tallest, told, fontsize=8, color="0.35", va="center")
         _scale_bar(self.scene, film.scale, right + spare, -0.17 * tallest, tallest)
         figure.text(0.5, 0.965, self.picture.title, ha="center", va="top", fontsize=12)
-        times = f"{film.slow:g} times slower than life" if film.slow != 1 else "as fast as in life"
-        told = f"{self.picture.words}\ndisplacements and gaps × {film.scale:g}, {times}"
+        told = f"{self.picture.words}\n{film.words}"
         figure.text(0.5, 0.925, told, ha="center", va="top", fontsize=9, color="0.3", linespacing=1.4)
         self.strips = [figure.add_subplot(grid[row]) for row in (1, 2)]
         shown = (history.time >= film.begin - 1e-9) & (history.time <= film.end + 1e-9)

@@ -68,7 +68,7 @@ def test_an_mp4_from_a_study_that_does_not_keep_the_scene(folder):
     )  # fmt: skip
     assert shown.exit_code == 0, shown.output
     assert "41 frames" in shown.output
-    assert "gaps x 10, 4 times slower" in shown.output
+    assert "gaps × 10, 4 times slower" in shown.output
     reader = imageio_ffmpeg.read_frames(str(folder / "film.mp4"))
     facts = next(reader)
     assert facts["fps"] == 25
