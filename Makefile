@@ -6,7 +6,7 @@ STAMP := .venv/.stamp
 POUND := $(BIN)/pound
 STUDIES := fig6 fig7
 SYSTEMS := fig5 fig8
-PAGES := $(patsubst %,results/%/summary.md,$(STUDIES) $(SYSTEMS))
+PAGES := $(patsubst %,results/%/report.html,$(STUDIES) $(SYSTEMS))
 
 .PHONY: all setup figures studies pages test lint lock docs peers mutants fuzz clean
 
@@ -37,7 +37,7 @@ results/fig5.h5: configs/fig5.yaml $(wildcard pounding_cli/connector/*.py)
 results/fig8.h5: configs/fig8.yaml $(wildcard pounding_cli/wall/*.py)
 	$(POUND) wall $< -o $@
 
-results/%/summary.md: results/%.h5
+results/%/report.html: results/%.h5
 	$(POUND) report $< -o results/$*
 
 test: setup lint

@@ -356,7 +356,7 @@ def test_it_prints_in_light_colours_without_controls(study, visit):
 
 def test_study_can_be_copied(moving):
     moving.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    moving.get_by_role("button", name="Copy").click()
+    moving.get_by_role("button", name="Copy the study").click()
     moving.get_by_role("button", name="Copied").wait_for()
     assert moving.evaluate("navigator.clipboard.readText()").startswith("title: Two buildings <known> & small\n")
 

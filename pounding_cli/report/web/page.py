@@ -72,7 +72,7 @@ def write_page(
         "swept": len(evidences) > 1,
         "points": len(evidences),
         "points_carried": len(chosen),
-        "tiles": story.tiles(shown, judgements, shown.scene),
+        "tiles": story.tiles(shown, judgements, scene),
         "judgements": judgements,
         "verdicts": _verdicts(columns) if len(columns) > 1 else None,
         "pictures": drawn,
@@ -89,7 +89,7 @@ def write_page(
         "players": data["players"],
         "study": results.study_text,
         "versions": story.versions(results),
-        "created": results.attrs.get("created", ""),
+        "created": str(results.attrs.get("created", "")).replace("T", " ").replace("+00:00", " UTC"),
         "command": "pound run STUDY.yaml",
     }
     return render(folder / PAGE, "study.html.j2", content)

@@ -63,7 +63,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFrame) -> list[Tile]:
-    """The numbers a reader looks for first."""
+    """The numbers a reader looks for first: ratios and forces at the point shown, trust and runs of all `scene`s."""
     found = []
     motions = evidence.storey["record"].nunique()
     mean = f"mean of {motions} motions" if motions > 1 else "one motion"
@@ -86,11 +86,11 @@ def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFra
     sensitivity = scene["sensitivity"].dropna()
     if len(sensitivity):
         row = scene.iloc[int(scene["sensitivity"].argmax())]
-        where = f"{row['case']}, {row['analysis']}, {row['record']}"
+        where = ", ".join(str(row[key]) for key in scene.columns[: list(scene.columns).index("status")])
         found.append(Tile("Largest sensitivity", digits(sensitivity.max(), 3), where))
     if judgements:
         count = Counter(judgement.verdict for judgement in judgements)
-        words = [f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict]]
+        words = [f"{verdict}: {count[verdict]}" for verdict in Verdict if count[verdict]]
         found.append(Tile("The paper's claims", f"{count[Verdict.HOLDS]} of {len(judgements)} hold", ", ".join(words)))
     failed = int((scene["status"] != "done").sum())
     tone = "bad" if failed else ""

@@ -176,6 +176,7 @@ def test_head_of_the_page_tells_the_largest_numbers():
     row = results.scene().loc[7]
     assert tiles["Largest sensitivity"].where == f"{row['case']}, {row['analysis']}, {row['record']}"
     assert tiles["Runs"].where == "all done"
+    assert tiles["Runs"].number == str(len(results.scene()))
 
 
 def test_effects_are_counted_with_their_reasons():
