@@ -13,11 +13,17 @@ if TYPE_CHECKING:
 
 TABLES = ("storey", "floor", "link", "scene", "accuracy", "summary", "records", "buildings")
 _SENTENCES = ("effects", "dropped", "flags")
+_ASIDE = {
+    "summary": ("_error", "_sensitivity", "_std", "_min"),
+    "scene": ("advice", "effects", "dropped", "_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
+    "records": ("digest",),
+}
+"""Ends of the columns that the eye can do without, by table."""
 
 
 @click.command("show", short_help="Print a table of a results file.")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.h5")
-@click.argument("table", type=click.Choice(TABLES), default="summary")
+@click.argument("table", type=click.Choice(TABLES), default="summary", metavar="[TABLE]")
 @click.option(
     "--format",
     "form",
@@ -26,6 +32,7 @@ _SENTENCES = ("effects", "dropped", "flags")
     show_default=True,
     help="Columns for the eye, or all digits as CSV or JSON (SI).",
 )
+@click.option("--wide", is_flag=True, help="Every column, also those that summary, scene and records keep aside.")
 @click.option("--case", multiple=True, help="Only this case; may be given more than once.")
 @click.option("--analysis", multiple=True, help="Only this analysis.")
 @click.option("--record", multiple=True, help="Only this record.")
@@ -34,6 +41,7 @@ def command(
     file: Path,
     table: str,
     form: str,
+    wide: bool,
     case: tuple[str, ...],
     analysis: tuple[str, ...],
     record: tuple[str, ...],
@@ -61,8 +69,11 @@ def command(
     elif form == "json":
         click.echo(_json(frame))
     else:
+        aside = [] if wide else [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
         click.echo(results.title)
-        click.echo(_columns(table, _one_line(frame)))
+        click.echo(_columns(table, _one_line(frame.drop(columns=aside))))
+        if aside:
+            click.echo(f"{len(aside)} more columns with --wide: {', '.join(map(str, aside))}", err=True)
 
 
 def _filtered(frame: pd.DataFrame, wanted: dict[str, tuple[str, ...]], table: str) -> pd.DataFrame:

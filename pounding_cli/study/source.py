@@ -151,7 +151,7 @@ def _read_text(path: Path) -> str:
     except FileNotFoundError:
         near = _nearby(path)
         raise InputError(
-            Problem(f"no such file: {path}", f"did you mean {near}?" if near else "check the path", str(path))
+            Problem("no such file", f"did you mean {near}?" if near else "`pound init NAME` writes one", str(path))
         ) from None
     except IsADirectoryError:
         raise InputError(Problem(f"{path} is a folder", "name the study file in it", str(path))) from None

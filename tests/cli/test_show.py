@@ -55,7 +55,8 @@ def test_swept_axes_come_first(folder, pound):  # noqa: F811
 @pytest.mark.parametrize("table", TABLES)
 def test_every_table_in_every_form(shown, table, form):
     code, out, err = shown(table, "--format", form)
-    assert (code, err) == (0, "")
+    assert code == 0
+    assert err == "" or (form, err.split(" more columns with --wide: ")[0].isdigit()) == ("table", True)
     import pounding_cli
 
     results = pounding_cli.open_results("r.h5")
@@ -69,6 +70,19 @@ def test_every_table_in_every_form(shown, table, form):
         assert len(found) == len(frame)
     else:
         assert len(out.splitlines()) == 2 + len(frame)
+        assert len(out.splitlines()[1]) < 200  # one line of a wide screen at most
+
+
+def test_wide_shows_what_is_kept_aside(shown):
+    _, narrow, told = shown("summary")
+    aside = told.strip().split(": ")[1].split(", ")
+    _, wide, nothing = shown("summary", "--wide")
+    assert nothing == ""
+    assert "V_ratio_std" in aside
+    assert "V_ratio_mean" not in aside
+    for name in aside:
+        assert f" {name} " not in narrow.splitlines()[1]
+        assert f" {name} " in wide.splitlines()[1]
 
 
 def test_summary_is_what_is_shown_unless_told_otherwise(shown):

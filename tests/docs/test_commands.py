@@ -55,6 +55,7 @@ def test_blocks_name_their_language(page):
 
 
 def test_few_blocks_are_not_run_and_each_says_why():
-    kept = [(named(page), block) for page in PAGES for block in blocks(page) if block.reason]
-    assert all(len(block.reason) > 10 for _, block in kept)
-    assert len(kept) <= 10
+    found = [block for page in PAGES for block in blocks(page) if block.word in ("sh", "console")]
+    kept = [block for block in found if block.reason]
+    assert all(len(block.reason) > 10 for block in kept)
+    assert len(kept) < len(found) / 3
