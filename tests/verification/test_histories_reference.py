@@ -18,7 +18,7 @@ SCENES = {
     "infill": pair("infill", 0.01, shake(0.6), ELASTIC),
     "connected": pair("connector", 0.05, shake(0.6), INELASTIC),
 }
-SAMPLES = (9, 17, 30)
+SAMPLES = (17, 30)
 """The reference ends at these samples of the motion, 20 ms apart."""
 
 
