@@ -58,8 +58,12 @@ class Faults:
 
     def validation(self, root: Node | Tree, error: ValidationError, model: type[BaseModel]) -> None:
         """Note every error of a pydantic validation of `root` against `model`."""
-        for item in error.errors(include_url=False):
+        items = error.errors(include_url=False)
+        for item in items:
             path = tuple(item["loc"])
+            below = [other for other in items if len(other["loc"]) > len(path) and other["loc"][: len(path)] == path]
+            if item["type"] == "too_short" and below:
+                continue  # pydantic counts sound entries only: what is wrong with the others is told
             message, hint, key = _in_words(dict(item), path, model, root)
             self.at(root, path, message, hint, key)
 

@@ -171,6 +171,7 @@ REFUSED = {
     "twice": (USE, "[motions, §motions/b.txt]", "the record 'b' stands twice", "`name:`"),
     "a unit against the file": (USE, "[{file: §cm.txt, unit: g}]", "1:1: the unit is given as g", "leave the unit out"),
     "channel of none": (USE, "[{file: §motions/b.txt, channel: 2}]", "b.txt: a file of format 'two-column'", "leave"),
+    "channel zero, alone": (USE, "[{file: motions/b.txt, channel: §0}]", "'0' is not allowed", "at least 1"),
     "channel zero": (USE, "[taft, {file: motions/b.txt, channel: §0}]", "'0' is not allowed", "at least 1"),
     "format": (USE, "[taft, {file: motions/b.txt, format: §sac}]", "'sac' is not known", "'cosmos'"),
     "sa without period": ("scale: 1.0", "scale: §{sa: 0.8 g}", "'period' is missing", "`period: 0.5 s`"),
