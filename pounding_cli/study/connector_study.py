@@ -12,6 +12,7 @@ from pydantic import Field, ValidationError
 
 from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
 from pounding_cli.study import units
+from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.points import PointAxis, points_of, read_point_axes
 from pounding_cli.study.problems import Faults
 from pounding_cli.study.schema import Mass, Model, Period
@@ -135,6 +136,7 @@ class ConnectorStudy:
 def load_connector_study(path: Path) -> ConnectorStudy:
     """Read and validate a study of two oscillators.  Raises `InputError` with every problem."""
     text, root = read_source(path)
+    refuse_other_kinds(root, str(path), "connector")
     faults = Faults(str(path))
     axes = read_point_axes(root, ConnectorStudyModel, faults)
     for axis in axes:

@@ -14,14 +14,12 @@ _OTHERS = {
 }
 
 
-def kind_of(root: Node) -> str:
-    """The command that takes a study: "run", "connector" or "wall"; "run" where the keys do not tell."""
+def kind_of(root: Node, unclear: str = "run") -> str:
+    """The command that takes a study: "run", "connector" or "wall"; `unclear` where the keys do not tell."""
     keys = set(root.value) if root.is_mapping else set()
-    if keys.isdisjoint(_OWN):
-        for command, marks in _OTHERS.items():
-            if not keys.isdisjoint(marks):
-                return command
-    return "run"
+    if not keys.isdisjoint(_OWN):
+        return "run"
+    return next((command for command, marks in _OTHERS.items() if not keys.isdisjoint(marks)), unclear)
 
 
 def kind_of_file(path: Path) -> str:
@@ -29,7 +27,7 @@ def kind_of_file(path: Path) -> str:
     return kind_of(read_source(path)[1])
 
 
-def refuse_other_kinds(root: Node, file: str) -> None:
-    """Raise `InputError` with the right command where a study is not one of `pound run`."""
-    if (command := kind_of(root)) != "run":
+def refuse_other_kinds(root: Node, file: str, own: str = "run") -> None:
+    """Raise `InputError` with the right command where a study is not one of `pound {own}`."""
+    if (command := kind_of(root, own)) != own:
         raise InputError(Problem(f"is a study of `pound {command}`", f"write `pound {command} {file}`", file))

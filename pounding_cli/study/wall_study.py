@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study import units
+from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.points import PointAxis, points_of, read_point_axes
 from pounding_cli.study.problems import Faults
 from pounding_cli.study.schema import Length, Mass, Model
@@ -155,6 +156,7 @@ class WallStudy:
 def load_wall_study(path: Path) -> WallStudy:
     """Read and validate a study of the wall.  Raises `InputError` with the place of every problem."""
     text, root = read_source(path)
+    refuse_other_kinds(root, str(path), "wall")
     faults = Faults(str(path))
     axes = read_point_axes(root, WallStudyModel, faults)
     faults.refuse()

@@ -39,6 +39,20 @@ def test_studies_of_the_other_systems(path, said):
     assert (problem.message, problem.hint) == (f"is a study of `{command}`", f"write `{command} {path}`")
 
 
+@pytest.mark.parametrize(
+    ("given", "path", "right"),
+    [
+        ("wall", "configs/fig6.yaml", "run"),
+        ("wall", "configs/fig5.yaml", "connector"),
+        ("connector", "configs/fig8.yaml", "wall"),
+    ],
+)
+def test_a_command_given_another_s_study_names_the_right_one(given, path, right):
+    with pytest.raises(InputError) as refused:
+        CliRunner().invoke(cli, [given, path], catch_exceptions=False)
+    assert [problem.hint for problem in refused.value.problems] == [f"write `pound {right} {path}`"]
+
+
 def test_faults_of_the_other_systems_are_told(tmp_path):
     path = tmp_path / "wall.yaml"
     path.write_text("striker: {mass: 200 kg m}\n", encoding="utf-8")
