@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import re
 import sys
 
 import click
@@ -71,6 +72,16 @@ def _meant(word: str) -> str:
     return f" Did you mean `pound {near[0]}`?" if near else " `pound --help` lists them."
 
 
+def _meant_choice(error: click.ClickException) -> str:
+    """What the user may have meant by a word that is not among an argument's or option's choices; a line or ""."""
+    kind = getattr(getattr(error, "param", None), "type", None)
+    given = re.match(r"'(.+?)' is not one of", error.message)
+    if not isinstance(kind, click.Choice) or given is None:
+        return ""
+    near = difflib.get_close_matches(given[1].lower(), [str(choice) for choice in kind.choices], n=1, cutoff=0.5)
+    return f"Did you mean '{near[0]}'?\n" if near else ""
+
+
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="pound")
 def cli() -> None:
@@ -94,6 +105,7 @@ def main() -> None:
         sys.exit(2)
     except click.ClickException as error:
         error.show()
+        click.echo(_meant_choice(error), err=True, nl=False)
         sys.exit(2)
     except (click.Abort, KeyboardInterrupt):
         click.echo("stopped; run the same command again to go on.", err=True)

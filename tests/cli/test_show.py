@@ -135,7 +135,8 @@ def test_units_stand_over_the_columns_and_missing_numbers_are_dashes(folder, pou
     [
         (["storey", "--case", "gip"], "there is no case 'gip'", "touching, gap"),
         (["summary", "--record", "weak"], "the table summary has no column record", "leave the option out"),
-        (["stories"], "'stories' is not one of", "storey"),
+        (["stories"], "'stories' is not one of", "Did you mean 'storey'?"),
+        (["storey", "--format", "cvs"], "'cvs' is not one of", "Did you mean 'csv'?"),
     ],
 )
 def test_what_is_not_there_is_refused_with_what_is(shown, arguments, message, hint):
