@@ -39,8 +39,11 @@ def command(study: Path) -> None:
 def _points(study: Path, kind: str) -> str:
     """How many points a study of another system has, once it is found sound."""
     if kind == "connector":
-        from pounding_cli.study.connector_study import load_connector_study as load
+        from pounding_cli.study.connector_study import load_connector_study
+
+        count = len(load_connector_study(study).points)
     else:
-        from pounding_cli.study.wall_study import load_wall_study as load
-    count = len(load(study).points)
+        from pounding_cli.study.wall_study import load_wall_study
+
+        count = len(load_wall_study(study).points)
     return f"{count} point{'s' * (count > 1)}"
