@@ -76,6 +76,8 @@ def run_plan(
         with locked(output):
             return _run(plan, parts, output, progress, solve, chosen, begin)
     except OSError as error:
+        with contextlib.suppress(OSError):  # results need more room than what they are made of
+            parts.flush()
         raise refused_write(error, output, parts.folder) from None
 
 
@@ -100,7 +102,7 @@ def _run(
             with contextlib.suppress(OSError):  # the disk may be why
                 parts.flush()
             progress.stop()
-            progress.say(f"{len(parts)} of {len(plan.scenes)} scenes are kept in {parts.folder}")
+            progress.say(f"{parts.saved} of {len(plan.scenes)} scenes are kept in {parts.folder}")
             raise
         progress.stop()
     workers = chosen.workers if used == chosen.name else 1
@@ -148,6 +150,8 @@ def _solve_missing(
     # What takes no time need not touch the disk; of anything longer, every chunk does.
     small = work < WORTH_WORKERS
     used = Serial() if small or (chosen.workers == 1 and chosen.name != "dask") else chosen
+    if not small:
+        parts.flush()
     queue = Queue(rest, used.workers, work / max(1, len(rest)))
     with contextlib.closing(used.solve(queue, plan.scenes, task, parts.key)) as solved:
         for finished in solved:

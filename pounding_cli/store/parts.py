@@ -76,6 +76,11 @@ class PartStore(Mapping[str, Response]):
             self._chunks[number] = _Held(chunk, self._write(content or chunk.to_bytes(self.key)))
             del self._unsaved[number]
 
+    @property
+    def saved(self) -> int:
+        """Scenes that are on disk."""
+        return len(self) - sum(len(self._chunks[number].words) for number in self._unsaved)
+
     def remove(self) -> None:
         """Delete the parts: the results file has everything."""
         shutil.rmtree(self.folder, ignore_errors=True)

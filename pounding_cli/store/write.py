@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
@@ -26,6 +26,7 @@ from pounding_cli.store.histories import write_histories
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
 from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES
 from pounding_cli.store.parts import PartStore
+from pounding_cli.store.sink import Sink
 from pounding_cli.store.solutions import write_solutions
 
 if TYPE_CHECKING:
@@ -74,10 +75,11 @@ def write_results(
     hidden = path.with_name(f".{path.name}.tmp")
     store = responses if isinstance(responses, PartStore) else PartStore.of(responses)
     try:
-        with h5py.File(hidden, "w", libver=("v110", "latest")) as file:
-            _write(file, plan, store, run or Run())
-            write_histories(file, plan, histories)
-        _sync(hidden)
+        with Sink(hidden) as sink:
+            with h5py.File(sink, "w", libver=("v110", "latest")) as file:
+                _write(file, plan, store, run or Run(), sink.check)
+                write_histories(file, plan, histories)
+            sink.sync()
         hidden.replace(path)
         _sync(path.parent)
     finally:
@@ -110,13 +112,14 @@ def content_digest(plan: Plan) -> str:
     return sha.hexdigest()
 
 
-def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run) -> None:
+def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: Callable[[], None]) -> None:
     shape = shape_of(plan, responses)
     scales = _write_coordinates(file, plan, shape)
     for name, (dims, array) in facts(plan, shape).items():
         if array.size:  # no case has a link
             _dataset(file, name, dims, array, VARIABLES[name].unit, VARIABLES[name].text, scales)
-    _write_tables(file, plan, responses, shape, scales)
+    check()
+    _write_tables(file, plan, responses, shape, scales, check)
     study = file.create_group("study")
     study.attrs["title"] = plan.study.title
     study["text"] = plan.study.text
@@ -126,7 +129,12 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run) -> None:
 
 
 def _write_tables(
-    file: h5py.File, plan: Plan, responses: PartStore, shape: Shape, scales: dict[str, h5py.Dataset]
+    file: h5py.File,
+    plan: Plan,
+    responses: PartStore,
+    shape: Shape,
+    scales: dict[str, h5py.Dataset],
+    check: Callable[[], None],
 ) -> None:
     """Write what the scenes did, a block of rows at a time; a block is one compressed piece of each variable."""
     for block in blocks(plan, responses, shape):
@@ -147,6 +155,7 @@ def _write_tables(
                 _describe(dataset, variable.unit, variable.text)
                 _attach(dataset, dims, scales)
             file[name][block.at] = array
+            check()
 
 
 def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h5py.Dataset]:
@@ -283,11 +292,11 @@ def _json(value: object) -> str:
     return json.dumps(value, default=str, sort_keys=True)
 
 
-def _sync(path: Path) -> None:
-    """Bring a file, or the entry of a file in its folder, to the disk."""
-    if path.is_dir() and os.name == "nt":
+def _sync(folder: Path) -> None:
+    """Bring the entry of a file in its folder to the disk."""
+    if os.name == "nt":
         return  # a folder has no handle to synchronise there
-    handle = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)
+    handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)
     finally:

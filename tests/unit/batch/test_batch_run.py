@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import time
@@ -13,7 +14,7 @@ from study_plans import Axis, FakeStudy, known, small_plan
 
 from pounding_cli.batch import run_plan
 from pounding_cli.errors import InputError
-from pounding_cli.store import PartStore, open_results, solution_key
+from pounding_cli.store import PartStore, locked, open_results, solution_key
 
 TIMES = {"seconds"}
 """Columns that are never the same twice."""
@@ -117,10 +118,11 @@ def test_every_scene_is_solved_once_and_a_second_run_solves_none(plan, output):
     assert [path.name for path in output.parent.iterdir()] == ["r.h5"]
 
 
-def test_processes_give_the_same_rows_bit_for_bit(plan, tmp_path):
+@pytest.mark.parametrize("name", ["processes", "threads"])
+def test_every_engine_gives_the_same_rows_bit_for_bit(plan, tmp_path, name):
     serial = run_plan(plan, tmp_path / "s.h5", solve=known, engine_name="serial")
-    side = run_plan(plan, tmp_path / "p.h5", solve=known, workers=2)
-    assert (serial.engine, side.engine, side.workers) == ("serial", "processes", 2)
+    side = run_plan(plan, tmp_path / "p.h5", solve=known, workers=2, engine_name=name)
+    assert (serial.engine, side.engine, side.workers) == ("serial", name, 2)
     one, other = tables(tmp_path / "s.h5"), tables(tmp_path / "p.h5")
     for name in one:
         assert one[name].equals(other[name]), name
@@ -143,7 +145,9 @@ def test_a_changed_study_reuses_the_scenes_it_shares(plan, output):
         study=FakeStudy(text="with a wider gap"),
     )
     solve = Counting()
-    outcome = in_process(wider, output, solve=solve)
+    told = Interrupting(after=1000)
+    outcome = in_process(wider, output, solve=solve, progress=told)
+    assert "kept are touching 6 of 6, buildings alone 12 of 12, gap 6 of 6, wide 0 of 6" in told.said[0]
     assert (outcome.done, outcome.reused, solve.linked) == (6, 24, 6)
     assert open_results(output).study_text == "with a wider gap"
     fresh = output.with_name("fresh.h5")
@@ -279,10 +283,71 @@ def test_refused_outputs_are_refused_before_anything_is_solved(plan, tmp_path):
     assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
-@pytest.mark.parametrize(("engine", "workers"), [("gpu", 1), ("processes", -1)])
-def test_unknown_engine_and_workers_are_refused(plan, output, engine, workers):
-    with pytest.raises(InputError):
-        run_plan(plan, output, solve=known, engine_name=engine, workers=workers)
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"engine_name": "gpu"}, "there is no engine 'gpu'"),
+        ({"workers": -1}, "-1 is not a number of workers"),
+        ({"scheduler": "tcp://node:8786"}, "means nothing to the engine 'processes'"),
+    ],
+)
+def test_unknown_engine_and_workers_are_refused(plan, output, options, message):
+    with pytest.raises(InputError, match=message):
+        run_plan(plan, output, solve=known, **options)
+
+
+@pytest.fixture
+def small_files():
+    """No file may grow beyond so many bytes: a disk that is full at a moment of one's choice."""
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_no_room_for_the_results_keeps_the_scenes_and_the_former_file(plan, output, small_files):
+    run_plan(small_plan(), output, solve=known)
+    before = output.read_bytes()
+    small_files(30_000)
+    with pytest.raises(InputError, match="there is no space left") as refused:
+        in_process(plan, output, solve=known)
+    assert "what was solved is kept" in refused.value.problems[0].hint
+    assert output.read_bytes() == before
+    assert sorted(path.name for path in output.parent.iterdir()) == ["r.h5", "r.h5.parts"]
+    small_files(1 << 30)
+    again = in_process(plan, output, solve=known)
+    assert (again.done, again.reused) == (0, 24)
+    assert [path.name for path in output.parent.iterdir()] == ["r.h5"]
+
+
+def test_no_room_for_a_part_stops_the_run_and_leaves_no_half_of_it(plan, output, small_files):
+    small_files(500)
+    with pytest.raises(InputError, match="there is no space left"):
+        run_plan(plan, output, solve=known, workers=2)
+    assert [path.name for path in output.parent.iterdir()] == ["r.h5.parts"]
+    assert list(output.with_name("r.h5.parts").iterdir()) == []
+    small_files(1 << 30)
+    assert run_plan(plan, output, solve=known).done == 24
+
+
+def test_a_read_only_folder_is_refused_before_anything_is_solved(plan, output, monkeypatch):
+    """Whatever user the tests run as."""
+
+    def refuse(path, **_):
+        raise OSError(errno.EROFS, "Read-only file system", str(path))
+
+    monkeypatch.setattr("pathlib.Path.touch", refuse)
+    solve = Counting()
+    with pytest.raises(InputError, match="Read-only file system"):
+        in_process(plan, output, solve=solve)
+    assert solve.calls == 0
+
+
+def test_two_runs_on_one_file(plan, output):
+    output.parent.mkdir()
+    with locked(output), pytest.raises(InputError, match="another run is at work on this file"):
+        run_plan(plan, output, solve=known)
+    assert run_plan(plan, output, solve=known).done == 24
 
 
 def test_bundles_that_come_after_a_death_are_solved_too(output):

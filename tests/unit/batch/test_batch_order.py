@@ -1,0 +1,84 @@
+"""In which order scenes are solved, and in what portions."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from study_plans import Axis, known, small_plan
+
+from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.bundles import MOST, Queue, solve_bundle
+from pounding_cli.batch.families import order_of
+
+
+def test_families_stand_together_baselines_first():
+    axis = Axis(("impact.damping_ratio",), ((0.1,), (0.2,)))
+    plan = small_plan(axes=(axis,))
+    order = order_of(plan, ())
+    assert sorted(order.digests) == sorted(plan.scenes)
+    families = {row.baselines: None for row in plan.rows}
+    place = {digest: number for number, digest in enumerate(order.digests)}
+    ends = -1
+    for family in families:
+        linked = [row.scene for row in plan.rows if row.baselines == family]
+        alone, others = [place[d] for d in family], [place[d] for d in dict.fromkeys(linked)]
+        assert alone == list(range(ends + 1, ends + 1 + len(alone)))
+        assert sorted(others) == list(range(max(alone) + 1, max(alone) + 1 + len(others)))
+        ends = max(others)
+    assert ends == len(plan.scenes) - 1
+
+
+def test_what_is_solved_is_left_out_and_sorts_are_counted():
+    plan = small_plan()
+    rows = [row for row in plan.rows if row.analysis == "elastic"]
+    order = order_of(plan, {row.scene for row in rows})
+    assert order.counts == {
+        ("", "elastic"): 4,
+        ("", "inelastic"): 4,
+        ("touching", "inelastic"): 2,
+        ("gap", "inelastic"): 2,
+    }
+    assert all(len(digests) == 2 for digests in order.samples.values())
+    assert not {row.scene for row in rows} & set(order.digests)
+
+
+def test_a_queue_gives_everything_once_in_order():
+    names = [str(n) for n in range(5000)]
+    queue, found = Queue(names, workers=2, seconds=0.001), []
+    sizes = []
+    while queue:
+        bundle = queue.take()
+        sizes.append(len(bundle))
+        done = max(1, len(bundle) // 2)
+        queue.give_back(bundle[done:])
+        queue.learn(done, done * 0.001)
+        found += bundle[:done]
+    assert found == names
+    assert sizes[0] == 500  # half a second of scenes of a millisecond
+    assert sizes[-1] == 1
+    assert max(sizes) <= MOST
+
+
+def test_bundles_follow_the_pace():
+    queue = Queue([str(n) for n in range(100_000)], workers=2, seconds=0.001)
+    queue.learn(1000, 100.0)
+    assert len(queue.take()) == pytest.approx(5, abs=1)
+
+
+def test_a_bundle_that_takes_too_long_comes_back_in_part():
+    plan = small_plan()
+
+    def slow(scene, accuracy, method, **_):
+        time.sleep(0.02)
+        return known(scene, accuracy, method)
+
+    names = list(plan.scenes)
+    begun: list[int] = []
+    chunk, seconds = solve_bundle(names, plan.scenes.__getitem__, Task(slow, 1e-6, "taylor"), begun.append, work=0.03)
+    assert 0 < len(chunk) < len(names)
+    assert list(chunk.digests) == names[: len(chunk)]
+    assert begun == list(range(len(chunk)))
+    assert seconds > 0.06
+    stopped, _ = solve_bundle(names, plan.scenes.__getitem__, Task(known, 1e-6, "taylor"), stopped=lambda: True)
+    assert len(stopped) == 1

@@ -1,0 +1,133 @@
+"""Responses taken apart, kept in parts and put together again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from study_plans import known, small_plan
+
+from pounding_cli.store import PartStore
+from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.codec import decode, encode
+
+ARRAYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
+LINKS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
+
+
+@pytest.fixture
+def plan():
+    return small_plan()
+
+
+@pytest.fixture
+def responses(plan):
+    return {digest: known(scene) for digest, scene in plan.scenes.items()}
+
+
+def same(one, other) -> bool:
+    """Bit for bit."""
+    facts = (
+        "status", "advice", "method", "tolerance", "seconds", "flags", "energy", "steps", "events", "orders",
+        "effects", "dropped",
+    )  # fmt: skip
+    return (
+        all(getattr(one, name) == getattr(other, name) for name in facts)
+        and all(type(getattr(other, name)) is int for name in ("steps", "events", "orders"))
+        and np.array_equal(one.sensitivity, other.sensitivity, equal_nan=True)
+        and len(one.buildings) == len(other.buildings)
+        and all(
+            getattr(a, name).astype(float).tobytes() == getattr(b, name).tobytes()
+            for a, b in zip(one.buildings, other.buildings, strict=True)
+            for name in ARRAYS
+        )
+        and all((a.sway, a.rocking) == (b.sway, b.rocking) for a, b in zip(one.buildings, other.buildings, strict=True))
+        and all(getattr(one.links, n).astype(float).tobytes() == getattr(other.links, n).tobytes() for n in LINKS)
+    )
+
+
+def odd(plan):
+    """A response whose every field is unlike the default, with doubles that no short decimal gives."""
+    scene = next(scene for scene in plan.scenes.values() if scene.links)
+    response = replace(
+        known(scene), advice="ν\nsecond line", seconds=1 / 3, flags=("a", "b"), energy={"input": 0.1, "residual": 1e-17}
+    )
+    response.links.peak_force[0] = np.nextafter(1e6, 2e6)
+    response.buildings[0].shear[1] = np.nan
+    return replace(
+        response, buildings=(replace(response.buildings[0], sway=1 / 7, rocking=5e-324), *response.buildings[1:])
+    )
+
+
+def test_a_response_comes_back_bit_for_bit(plan):
+    response = odd(plan)
+    text, numbers = encode(response)
+    assert same(response, decode(text, numbers))
+    assert not same(response, decode(text, np.nextafter(numbers, 1)))
+
+
+def test_words_and_numbers_that_do_not_belong_together_are_refused(plan):
+    text, numbers = encode(odd(plan))
+    with pytest.raises(ValueError, match="expected"):
+        decode(text, numbers[:-1])
+
+
+def test_a_store_gives_back_what_went_in_from_memory_and_from_disk(tmp_path, plan, responses):
+    responses["odd"] = odd(plan)
+    store = PartStore(tmp_path / "r.h5", "key")
+    names = list(responses)
+    for begin in range(0, len(names), 5):
+        store.add(Chunk.of({name: responses[name] for name in names[begin : begin + 5]}))
+    assert not store.folder.exists()
+    assert all(same(responses[name], store[name]) for name in names)
+    store.flush()
+    assert len(list(store.folder.iterdir())) == -(-len(names) // 5)
+    assert all(same(responses[name], store[name]) for name in names)
+    found = PartStore(tmp_path / "r.h5", "key")
+    assert found.load(responses) == len(responses)
+    assert all(same(responses[name], found[name]) for name in names)
+    taken = found.take(names[::-1])
+    assert all(same(responses[name], decode(*each)) for name, each in zip(names[::-1], taken, strict=True))
+    assert found.seconds("odd") == 1 / 3
+    assert found.storeys == 3
+    assert set(found) == set(responses)
+
+
+def test_only_what_is_wanted_and_done_and_of_this_key_is_found(tmp_path, responses):
+    first, second, third = list(responses)[:3]
+    stopped = replace(responses[second], status="event bound reached")
+    store = PartStore(tmp_path / "r.h5", "key")
+    store.add(Chunk.of({first: responses[first], second: stopped, third: responses[third]}))
+    store.flush()
+    found = PartStore(tmp_path / "r.h5", "key")
+    assert found.load({first: None, second: None}) == 1
+    assert list(found) == [first]
+    assert PartStore(tmp_path / "r.h5", "another key").load(responses) == 0
+
+
+@pytest.mark.parametrize("place", [0, 20, 90, -3])  # magic, digest, words, numbers
+def test_damaged_and_foreign_parts_are_passed_over(tmp_path, responses, place):
+    store = PartStore(tmp_path / "r.h5", "key")
+    for some in (list(responses)[:4], list(responses)[4:]):
+        store.add(Chunk.of({name: responses[name] for name in some}))
+    store.flush()
+    part = next(path for path in store.folder.iterdir() if len(Chunk.from_bytes(path.read_bytes(), "key")) == 4)
+    content = bytearray(part.read_bytes())
+    content[place] ^= 1
+    part.write_bytes(content)
+    (store.folder / "x.part").write_bytes(b"nothing of ours")
+    (store.folder / "empty.part").touch()
+    assert PartStore(tmp_path / "r.h5", "key").load(responses) == len(responses) - 4
+
+
+def test_a_part_that_cannot_be_written_leaves_nothing_half_written(tmp_path, responses, monkeypatch):
+    store = PartStore(tmp_path / "r.h5", "key")
+    store.add(Chunk.of(responses))
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", lambda _: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+        with pytest.raises(OSError, match="No space"):
+            store.flush()
+    assert list(store.folder.iterdir()) == []
+    store.flush()  # there is space again
+    assert PartStore(tmp_path / "r.h5", "key").load(responses) == len(responses)
