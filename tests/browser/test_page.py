@@ -7,6 +7,9 @@ import re
 import pytest
 from page_study import CONTACTS, DT, FACTOR, PEAKS, refuse
 
+from pounding_cli.report.web.story import digits
+from pounding_cli.store import open_results
+
 SWEEP = "sweep: {cases.gap.gap: [1 cm, 2 cm, 3 cm], impact.restitution: [0.4, 0.6]}\n"
 MEAN = sum(PEAKS.values()) / 2
 
@@ -60,6 +63,8 @@ def test_means_leave_failed_runs_out_and_say_so(moving):
     low, high = (f"{1e3 * FACTOR['touching'] * peak:.0f}" for peak in (PEAKS["weak"], PEAKS["strong"]))
     assert rows["touching", "1"][3:5] == [low, high]
     assert rows["infill", "1"][2] == f"{1e3 * FACTOR['infill'] * PEAKS['weak']:.0f}"
+    choose(moving, "Motion", "strong")
+    assert {case for case, _ in numbers_drawn(moving)} == {"touching", "gap", "connected"}
     failed = moving.locator("#simulated").inner_text()
     assert "event bound reached" in failed
     assert "loosen the accuracy" in failed
@@ -269,7 +274,7 @@ def test_displacements_are_drawn_to_the_scale_chosen_and_told(moving):
     assert "to the scale of the heights" in key.inner_text()
 
 
-def test_pointer_gives_the_numbers_of_a_floor_and_the_strips_the_time(moving):
+def test_pointer_gives_the_numbers_of_a_floor_and_the_strips_the_time(moving, study):
     moving.get_by_label("Time", exact=True).fill("0")
     strip = moving.locator("#player > canvas")
     strip.scroll_into_view_if_needed()
@@ -286,9 +291,12 @@ def test_pointer_gives_the_numbers_of_a_floor_and_the_strips_the_time(moving):
         for height in (0.3, 0.5, 0.7):
             moving.mouse.move(box["x"] + box["width"] * part / 100, box["y"] + box["height"] * height)
             if tip.is_visible():
-                shown.add(tuple(tip.inner_text().splitlines()[:2]))
-    assert ("stiff, floor 2", "displacement 20.00 mm") in shown
-    assert ("soft, floor 1", "displacement 20.00 mm") in shown
+                shown.add(tuple(tip.inner_text().splitlines()))
+    made = open_results(study("moving") / "study.h5").buildings.set_index(["building", "storey"])
+    limit = made["yield_shear"] / made["stiffness"]
+    stiff, soft = digits(0.01 / limit["stiff", 2], 3), digits(0.02 / limit["soft", 1], 3)
+    assert ("stiff, floor 2", "displacement 20.00 mm", f"storey drift {stiff} times yield") in shown
+    assert ("soft, floor 1", "displacement 20.00 mm", f"storey drift {soft} times yield") in shown
 
 
 def test_connectors_have_no_impacts_and_the_buttons_say_so(moving):
@@ -398,7 +406,8 @@ def test_sweep_is_drawn_against_either_axis_and_points_can_be_chosen(study, visi
     )
     assert len(options) == 6
     choose(page, "Point of the sweep", options[3])
-    assert numbers_drawn(page)["gap", "1"] == f"{FACTOR['gap']:.3f}"
+    assert options[3] == "cases.gap.gap = 0.02, impact.restitution = 0.6"
+    assert numbers_drawn(page)["gap", "1"] == f"{FACTOR['gap'] * 1.1:.3f}"
     assert page.locator("#claims table tbody tr").count() == 6
 
 
