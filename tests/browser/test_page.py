@@ -401,6 +401,11 @@ def test_sweep_is_drawn_against_either_axis_and_points_can_be_chosen(study, visi
     page.locator("#sweep-chart").press("ArrowRight")
     said = page.locator("#sweep-chart .tip").inner_text().splitlines()
     assert said == ["touching, impact.restitution = 0.4", f"largest V/V₀ {FACTOR['touching'] * 2:.3f}"]
+    choose(page, "cases.gap.gap", "2", "#sweep")
+    for key in ("ArrowDown", "ArrowDown", "ArrowRight"):
+        page.locator("#sweep-chart").press(key)
+    said = page.locator("#sweep-chart .tip").inner_text().splitlines()
+    assert said == ["gap, impact.restitution = 0.6", f"largest V/V₀ {FACTOR['gap'] * 1.2 * 2:.3f}"]
     options = page.get_by_label("Point of the sweep", exact=True).evaluate(
         "list => [...list.options].map(one => one.text)"
     )
