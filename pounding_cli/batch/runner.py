@@ -20,9 +20,10 @@ from pounding_cli.batch.outcome import Failure, Outcome
 from pounding_cli.batch.progress import Progress, Quiet
 from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
+from pounding_cli.errors import InputError
 from pounding_cli.store import PartStore, Run, check_output, is_current, locked, solution_key, write_results
 from pounding_cli.store.chunk import Chunk
-from pounding_cli.store.files import refused_write
+from pounding_cli.store.files import lock_of, refused_write
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -68,10 +69,11 @@ def run_plan(
     progress = progress or Quiet()
     chosen = engine(engine_name, workers or _cores(), scheduler)
     check_output(output)
-    if is_current(output, plan):
-        return Outcome(output, 0, 0, len(plan.scenes), (), "none", 0, 0.0, time.perf_counter() - begin)
     key = solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects)
     parts = PartStore(output, key)
+    if is_current(output, plan):
+        _tidy(output, parts)
+        return Outcome(output, 0, 0, len(plan.scenes), (), "none", 0, 0.0, time.perf_counter() - begin)
     try:
         with locked(output):
             return _run(plan, parts, output, progress, solve, chosen, begin)
@@ -79,6 +81,13 @@ def run_plan(
         with contextlib.suppress(OSError):  # results need more room than what they are made of
             parts.flush()
         raise refused_write(error, output, parts.folder) from None
+
+
+def _tidy(output: Path, parts: PartStore) -> None:
+    """Remove what a run left that was killed between its last two steps."""
+    if parts.folder.exists() or lock_of(output).exists():
+        with contextlib.suppress(InputError, OSError), locked(output):  # unless that run is still at it
+            parts.remove()
 
 
 def _run(

@@ -107,6 +107,11 @@ def former_run(path: Path, key: str) -> FormerRun | None:
     return FormerRun(", ".join(changes), int(attrs["scenes"]), int(attrs["scenes_failed"]))
 
 
+def lock_of(path: Path) -> Path:
+    """The lock file of a results file; it exists while a run is at work, or was killed."""
+    return path.with_name(f".{path.name}.lock")
+
+
 _held: set[Path] = set()
 """Files that runs in this process are at work on."""
 
@@ -122,8 +127,7 @@ def locked(path: Path) -> Iterator[None]:
     InputError : another run holds it
     OSError : the lock file cannot be written
     """
-    where = path.resolve()
-    lock = path.with_name(f".{path.name}.lock")
+    where, lock = path.resolve(), lock_of(path)
     if where in _held:
         raise _at_work(path, "this process")
     handle = _taken(path, lock)

@@ -343,6 +343,14 @@ def test_a_read_only_folder_is_refused_before_anything_is_solved(plan, output, m
     assert solve.calls == 0
 
 
+def test_what_a_run_left_that_was_killed_at_its_very_end_goes_with_the_next(plan, output):
+    run_plan(plan, output, solve=known)
+    output.with_name("r.h5.parts").mkdir()
+    output.with_name(".r.h5.lock").touch()
+    assert run_plan(plan, output, solve=known).reused == 24
+    assert [path.name for path in output.parent.iterdir()] == ["r.h5"]
+
+
 def test_two_runs_on_one_file(plan, output):
     output.parent.mkdir()
     with locked(output), pytest.raises(InputError, match="another run is at work on this file"):
