@@ -166,16 +166,17 @@ STOREYS = [
     Mutant(
         "isotropic instead of kinematic hardening",
         f"{KERNELS}/taylor.py",
-        "state.plastic[i] = drift - line * limit\n",
-        "state.plastic[i] = drift - line * limit\n"
-        "        slots.yield_drift[i] *= 1.0 + a\n        slots.plateau[i] *= 1.0 + a\n",
+        "state.plastic[i] = drift - line * slots.yield_drift[i]\n",
+        "state.plastic[i] = drift - line * slots.yield_drift[i]\n"
+        "        slots.yield_drift[i] *= 1.0 + slots.hardening[i]\n"
+        "        slots.plateau[i] *= 1.0 + slots.hardening[i]\n",
         THROW,
     ),
     Mutant(
         "post-yield line starts at Vy instead of (1 - a) Vy",
         f"{SOLVE}/arrays.py",
-        "np.where(finite, (1 - building.hardening) * ",
-        "np.where(finite, ",
+        "plateau = (1 - building.hardening) * np.where",
+        "plateau = np.where",
         THROW,
     ),
     Mutant(
@@ -524,7 +525,7 @@ PRUNING = [
         f"{KERNELS}/peaks.py",
         "maximum(load(peaks.top, row), maximum(first, last) + stray)",
         "maximum(load(peaks.top, row), maximum(first, last))",
-        OPEN_GAP,
+        f"{VERIFICATION}/test_effects.py::test_envelopes_hold_the_motion_and_little_more",
     ),
     Mutant(
         "a gap counts as open if the larger motions stay in it on average",
@@ -534,10 +535,10 @@ PRUNING = [
         OPEN_GAP,
     ),
     Mutant(
-        "a group keeps the places its links had in the row",
+        "a link between groups has no closing",
         f"{SOLVE}/groups.py",
-        "dataclasses.replace(link, left=link.left - group.start)",
-        "dataclasses.replace(link, left=link.left)",
+        "(0, 0.0, still.get(link, 0.0), 0.0, 0.0)",
+        "(0, 0.0, 0.0 * still.get(link, 0.0), 0.0, 0.0)",
         APART,
     ),
     Mutant(
@@ -563,4 +564,42 @@ PRUNING = [
     ),
 ]
 
-MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + METHODS + DESIGN + GROUND + OTHERS + PRUNING
+HISTORIES = [
+    Mutant(
+        "a run that goes on forgets its plastic drifts",
+        f"{KERNELS}/taylor.py",
+        "        for i in range(padded):\n            _storey_branch(slots, state, work, i)\n",
+        "        for i in range(padded):\n            _storey_branch(slots, state, work, i)\n            work.offset[i] = 0.0\n",
+        f"{VERIFICATION}/test_histories_reference.py::test_states_are_those_of_the_reference",
+    ),
+    Mutant(
+        "histories: the ground between samples takes the first one's value",
+        f"{SOLVE}/histories.py",
+        "begins = starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment)",
+        "begins = starts[segment]",
+        f"{UNIT}/solve/test_histories.py::test_the_output_step_need_not_divide_the_motions",
+    ),
+    Mutant(
+        "histories: a storey on its lower yield line is taken for one on the upper",
+        f"{SOLVE}/histories.py",
+        "s.line * limit)",
+        "np.abs(s.line) * limit)",
+        f"{UNIT}/solve/test_histories.py::test_the_largest_values_are_the_peaks",
+    ),
+    Mutant(
+        "histories: accelerations without the storeys' dashpots",
+        f"{SOLVE}/histories.py",
+        "shear + slots.dashpot * drift_rate, links)",
+        "shear + 0.0 * drift_rate, links)",
+        f"{UNIT}/solve/test_histories.py::test_the_largest_values_are_the_peaks",
+    ),
+    Mutant(
+        "film: gaps at another scale than displacements",
+        "pounding_cli/report/animation.py",
+        "apart = [film.scale * gap if",
+        "apart = [0.5 * film.scale * gap if",
+        f"{UNIT}/report/test_report_animation.py::test_floors_touch_in_the_film_when_they_touch_in_the_scene",
+    ),
+]
+
+MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + METHODS + DESIGN + GROUND + OTHERS + PRUNING + HISTORIES
