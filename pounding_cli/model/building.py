@@ -8,7 +8,6 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import eigh
 
 from pounding_cli.model.foundation import Foundation
 
@@ -90,7 +89,8 @@ class Building:
     @cached_property
     def periods(self) -> np.ndarray:
         """Natural periods of the fixed-base building [s], longest first, shape (n,)."""
-        squares = eigh(self.stiffness_matrix, np.diag(self.mass), eigvals_only=True)
+        root = np.sqrt(self.mass)
+        squares = np.linalg.eigvalsh(self.stiffness_matrix / np.outer(root, root))
         return 2 * np.pi / np.sqrt(squares)
 
     @cached_property

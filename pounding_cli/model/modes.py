@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
 
 from pounding_cli.model.building import Building
 
@@ -70,5 +69,7 @@ def matrices(building: Building) -> Matrices:
 def modes(building: Building) -> Modes:
     """Undamped modes of the building on its foundation, K x = w^2 M x."""
     system = matrices(building)
-    squares, shapes = eigh(system.stiffness, system.mass)
+    root = np.sqrt(np.diag(system.mass))
+    squares, shapes = np.linalg.eigh(system.stiffness / np.outer(root, root))
+    shapes /= root[:, None]
     return Modes(2 * np.pi / np.sqrt(squares), shapes)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import eigvalsh_tridiagonal
 
 
 def frequencies(mass: ArrayLike, stiffness: ArrayLike) -> np.ndarray:
@@ -26,7 +25,8 @@ def frequencies(mass: ArrayLike, stiffness: ArrayLike) -> np.ndarray:
         return np.sqrt(k / m)
     # M^-1/2 K M^-1/2 is tridiagonal and symmetric.
     diagonal = (k + np.append(k[1:], 0.0)) / m
-    return np.sqrt(eigvalsh_tridiagonal(diagonal, -k[1:] / np.sqrt(m[:-1] * m[1:])))
+    beside = -k[1:] / np.sqrt(m[:-1] * m[1:])
+    return np.sqrt(np.linalg.eigvalsh(np.diag(diagonal) + np.diag(beside, -1)))  # reads the lower triangle
 
 
 def stiffness_for_period(mass: ArrayLike, period: float, taper: float = 1.0) -> np.ndarray:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
 
 from pounding_cli.kernels import layout
 from pounding_cli.solve.arrays import Arrays
@@ -86,7 +85,9 @@ def modes_at_stiffest(arrays: Arrays) -> tuple[np.ndarray, np.ndarray]:
     coupling by damping is left out."""
     system = matrices(arrays)
     damping, stiffness = with_links(arrays, system)
-    squares, shapes = eigh(stiffness, np.diag(system.mass))
+    root = np.sqrt(system.mass)
+    squares, shapes = np.linalg.eigh(stiffness / np.outer(root, root))
+    shapes /= root[:, None]
     omega = np.sqrt(np.maximum(squares, 0.0))
     moving = omega > 1e-9
     ratio = np.einsum("ij,ik,kj->j", shapes, damping, shapes)[moving] / (2 * omega[moving])
