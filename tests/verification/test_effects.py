@@ -107,11 +107,12 @@ def solved_in_groups(scene: Scene):
 
 def test_a_row_falls_apart_where_nothing_closes():
     """Three buildings, touching on one side, far apart on the other: two groups, whose numbers are those of the whole.
-    Fails if a group keeps the places its links had in the row."""
+    Fails if a group keeps the places its links had in the row, or a link that stays open loses its closing."""
     near = tuple(links("pounding", 0.0, FLOORS))
-    far = tuple(dataclasses.replace(link, left=1, gap=0.5) for link in near)
-    for row, gaps in (((STIFF, SOFT, SOFT), (*near, *far)), ((SOFT, STIFF, SOFT), (*far[:2], *near[:3]))):
-        scene = Scene(row, gaps, shake(2.0), INELASTIC)
+    far = tuple(dataclasses.replace(link, gap=0.5) for link in near)
+    for row, left, right in (((STIFF, SOFT, SOFT), near, far), ((SOFT, STIFF, SOFT), far[:2], near[:3])):
+        moved = tuple(dataclasses.replace(link, left=1) for link in right)
+        scene = Scene(row, (*left, *moved), shake(2.0), INELASTIC)
         parted, whole = solved_in_groups(scene), solve(scene, ACCURACY, all_effects=True)
         assert parted.steps == 0
         assert "the gap never closes" in parted.dropped[-1]
@@ -121,6 +122,18 @@ def test_a_row_falls_apart_where_nothing_closes():
         assert (parted.links.max_closing >= whole.links.max_closing - 1e-9).all()
         assert parted.energy["input"] == pytest.approx(whole.energy["input"], rel=ACCURACY)
         assert abs(parted.energy["residual"]) < 1e-8
+
+
+@pytest.mark.parametrize("analysis", [ELASTIC, INELASTIC])
+def test_envelopes_hold_the_motion_and_little_more(analysis):
+    """Both ways of solving. Fails if a bound leaves out what lies between the ends of a step or of a sample's part."""
+    found = solve(Scene((SOFT,), (), shake(3.0), analysis), ACCURACY, watch=True)
+    assert found.method == ("exponential" if analysis == ELASTIC else "taylor")
+    (envelope,), (building,) = found.envelopes, found.buildings
+    for top, peak in ((envelope.top, building.displacement_max), (-envelope.bottom, -building.displacement_min)):
+        assert (top.max(axis=0) >= peak).all()
+        assert top.max(axis=0) == pytest.approx(peak, rel=0.05)
+        assert np.abs(np.diff(top, axis=0)).max() < 0.5 * peak.max()
 
 
 @pytest.mark.parametrize("share", [0.97, 0.9999, 1.001, 1.2])
