@@ -55,7 +55,12 @@ IMPACT = {"anagnostopoulos1992", *DASHPOT}
     [
         ((), {*IMPACT, "ubc1991"}),
         ((("link: pounding, gap: 5 cm", "link: connector, gap: 5 cm"),), {*DASHPOT, "westermo1989", "ubc1991"}),
+        ((("link: pounding, gap: 5 cm", "link: infill, gap: 5 cm"),), {*IMPACT, "ubc1991"}),
         ((("link: pounding, gap: 5 cm", "link: none"),), {"ubc1991"}),
+        (
+            (("link: pounding, gap: 5 cm", "link: connector, gap: 5 cm, floors: [1], elsewhere: pounding"),),
+            {*IMPACT, "westermo1989", "ubc1991"},
+        ),
         (
             (("gap: 5 cm}", "gap: 5 cm, by_floor: {2: {link: connector}}}"),),
             {*IMPACT, "westermo1989", "ubc1991"},

@@ -110,7 +110,7 @@ def test_one_impact_more_is_a_change(made):
     def change(response):
         return replace(response, links=replace(response.links, impacts=response.links.impacts + 1))
 
-    found = compare(made("a"), made("b", change))
+    found = compare(made("a", error=0.5), made("b", change, error=0.5))  # whatever the error: it is a count
     assert set(found.changes["column"]) == {"impacts"}
     assert len(found.changes) == 2 * 2 * 2 * 2
 
@@ -153,8 +153,11 @@ def test_a_scene_that_failed_is_told(made):
 
 
 def test_words_and_versions_make_no_difference_keys_do(made, tmp_path):
-    first = made("a", plan=small_plan(study=FakeStudy(text="gap: 5 cm\n", facts={"gap": 0.05, "places": ["a"]})))
-    other = small_plan(study=FakeStudy(text="gap: 50 mm\n", facts={"gap": 0.05, "places": ["b"]}))
+    def facts(gap, derived):
+        return {"gap": gap, "places": [derived], "buildings": {"stiff": {"derived": {"period": derived}}}}
+
+    first = made("a", plan=small_plan(study=FakeStudy(text="gap: 5 cm\n", facts=facts(0.05, 1.0))))
+    other = small_plan(study=FakeStudy(text="gap: 50 mm\n", facts=facts(0.05, 2.0)))
     made("b", plan=other)
     with h5py.File(tmp_path / "b.h5", "a") as file:
         file["software"].attrs["numpy"] = "1.0"
@@ -162,7 +165,7 @@ def test_words_and_versions_make_no_difference_keys_do(made, tmp_path):
     assert found.lines == ("-gap: 5 cm", "+gap: 50 mm")
     assert [name for name, *_ in found.software] == ["numpy"]
     assert found.same
-    third = small_plan(study=FakeStudy(text="gap: 6 cm\n", facts={"gap": 0.06}))
+    third = small_plan(study=FakeStudy(text="gap: 6 cm\n", facts=facts(0.06, 1.0)))
     found = compare(first, made("c", plan=third))
     assert found.keys == (("gap", 0.05, 0.06),)
     assert found.same_numbers

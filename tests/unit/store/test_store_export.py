@@ -67,6 +67,22 @@ def test_every_column_has_a_meaning_and_the_unit_of_the_file(results):
                         assert file[name].attrs.get("units", "") == unit, (table, column)
 
 
+def test_the_floor_of_a_link_is_that_of_the_left_building():
+    assert meaning("link", "floor") == ("1", "floor of the link in the left building")
+    assert meaning("floor", "floor")[1].startswith("floor, from 1")
+
+
+def test_nothing_half_written_is_left(results, tmp_path, monkeypatch):
+    def full(self, path, **_):
+        path.write_text("half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(pd.DataFrame, "to_csv", full)
+    with pytest.raises(InputError, match="cannot be written: No space left on device"):
+        export(results, tmp_path / "a.csv", tables=["storey"])
+    assert [path.name for path in tmp_path.iterdir()] == ["two.h5"]
+
+
 def test_parquet_keeps_types_and_units(results, tmp_path):
     files = export(results, tmp_path / "out", "parquet", ["storey", "scene"])
     assert [path.name for path in files] == ["storey.parquet", "scene.parquet", "columns.csv"]
