@@ -569,7 +569,8 @@ HISTORIES = [
         "a run that goes on forgets its plastic drifts",
         f"{KERNELS}/taylor.py",
         "        for i in range(padded):\n            _storey_branch(slots, state, work, i)\n",
-        "        for i in range(padded):\n            _storey_branch(slots, state, work, i)\n            work.offset[i] = 0.0\n",
+        "        for i in range(padded):\n            _storey_branch(slots, state, work, i)\n"
+        "            work.offset[i] = 0.0\n",
         f"{VERIFICATION}/test_histories_reference.py::test_states_are_those_of_the_reference",
     ),
     Mutant(
