@@ -67,7 +67,7 @@ def api_page() -> str:
         of the study file. [How to use it from Python](../how-to/python.md) shows it at work."""),
     ]
     for heading, names in API.items():
-        parts += [f"# {heading}", *(f"::: {name}" for name in names)]
+        parts += [f"## {heading}", *(f"::: {name}" for name in names)]
     return "\n\n".join(parts) + "\n"
 
 

@@ -66,7 +66,7 @@ def run_block(block: Block, folder: Path, names: dict[str, object]) -> None:
         return
     for part in re.split(r"^\$ ", block.text, flags=re.MULTILINE)[1:]:
         command, _, shown = part.partition("\n")
-        said = _run(command + "\n", folder)
+        said = _refused(command) if shown.startswith("error:") else _run(command + "\n", folder)
         assert re.fullmatch(pattern(shown), said, flags=re.DOTALL), f"$ {command}\nsaid\n{said}\nnot\n{shown}"
 
 
@@ -105,6 +105,13 @@ def _bash(text: str) -> str:
     done = subprocess.run(["bash", "-euo", "pipefail", "-c", text], capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{text}\n{done.stdout}\n{done.stderr}"
     return done.stdout
+
+
+def _refused(command: str) -> str:
+    """Standard error of a command that must be refused."""
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, ""), f"{command}\n{done.stdout}"
+    return done.stderr
 
 
 def _pound(arguments: list[str]) -> str:
