@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -127,6 +128,28 @@ def test_quiet_prints_nothing(folder, pound):
     assert pound("run", "two.yaml", "-q") == (0, "", "")
 
 
+def test_json_lines_and_nothing_else(folder, pound):
+    code, out, err = pound("run", "two.yaml", "--log-json", solve=fails)
+    assert (code, err) == (1, "")
+    lines = [json.loads(line) for line in out.splitlines()]
+    assert [line["event"] for line in lines if line["event"] != "progress"] == [
+        "start", "stop", "failed", "failed", "end",
+    ]  # fmt: skip
+    assert lines[-2]["scene"] == "gap, elastic, strong"
+    assert lines[-2]["advice"] == "check the links' stiffness"
+    end = lines[-1]
+    assert (end["done"], end["failed"], end["reused"]) == (14, 2, 0)
+    assert end["results"] == os.path.join("results", "two.h5")
+
+
+def test_engines_offered_are_those_there_are():
+    from pounding_cli.batch.engines import ENGINES
+    from pounding_cli.cli.run import command
+
+    choice = next(option for option in command.params if option.name == "engine")
+    assert tuple(choice.type.choices) == ENGINES
+
+
 def test_failed_scenes_are_listed_and_the_exit_code_is_1(folder, pound):
     code, out, err = pound("run", "two.yaml", "-q", solve=fails)
     assert code == 1
@@ -153,6 +176,7 @@ def test_failed_scenes_are_listed_and_the_exit_code_is_1(folder, pound):
         (["run", "two.yaml", "-o", "two.yaml/r.h5"], "cannot be written"),
         (["run", "two.yaml", "--workers", "0"], "0 is not in the range x>=1"),
         (["run", "two.yaml", "--engine", "abacus"], "'abacus' is not one of"),
+        (["run", "two.yaml", "--scheduler", "tcp://node:8786"], "write `--engine dask"),
         (["run"], "Missing argument 'STUDY'"),
     ],
 )
@@ -207,14 +231,15 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
 
 def test_the_solver_gives_the_same_rows_in_processes_and_in_this_one(folder, pound, monkeypatch):
     monkeypatch.setattr("pounding_cli.batch.runner.WORTH_WORKERS", 0.0)
-    for engine in ("serial", "processes"):
+    for engine in ("serial", "processes", "threads"):
         code, out, _ = pound("run", "two.yaml", "-o", f"{engine}.h5", "--engine", engine, "--workers", 2, solve=None)
         assert code == 0
-        assert ("2 side by side" in out) == (engine == "processes")
-    serial, side = open_results("serial.h5"), open_results("processes.h5")
-    assert serial.storey().equals(side.storey())
-    assert serial.link().equals(side.link())
-    assert serial.floor().equals(side.floor())
+        assert ("2 side by side" in out) == (engine != "serial")
+    serial = open_results("serial.h5")
+    for side in (open_results("processes.h5"), open_results("threads.h5")):
+        assert serial.storey().equals(side.storey())
+        assert serial.link().equals(side.link())
+        assert serial.floor().equals(side.floor())
     assert (serial.storey().V > 0).all()
     assert (serial.scene().status == "done").all()
 
