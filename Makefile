@@ -8,7 +8,7 @@ STUDIES := fig6 fig7
 SYSTEMS := fig5 fig8
 PAGES := $(patsubst %,results/%/report.html,$(STUDIES) $(SYSTEMS))
 
-.PHONY: all setup figures studies pages test lint lock docs peers mutants fuzz clean
+.PHONY: all setup figures studies pages test lint lock docs peers mutants kills fuzz clean
 
 all: figures
 
@@ -69,6 +69,10 @@ peers: setup
 # Deliberate faults, each of which a named test must see (about 15 minutes).
 mutants: setup
 	nice -n 5 $(BIN)/python -m tests.mutants
+
+# A study killed with SIGKILL at fifty random moments, each time run again to the same tables (two minutes).
+kills: setup
+	$(BIN)/python -m tests.batch.kills --kills 50 --gaps 40
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run).
 SCENES ?= 100000
