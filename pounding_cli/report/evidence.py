@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -62,28 +63,28 @@ class Evidence:
         """The point in words, e.g. "impact.restitution = 0.4"; empty where nothing is swept."""
         return ", ".join(f"{key} = {_value(value)}" for key, value in self.point.items())
 
-    @property
+    @cached_property
     def cases(self) -> list[str]:
         """Cases in the order of the file."""
         return names(self.scene["case"])
 
-    @property
+    @cached_property
     def analyses(self) -> list[str]:
         """Analyses in the order of the file."""
         return names(self.scene["analysis"])
 
-    @property
+    @cached_property
     def group(self) -> list[str]:
         """Buildings by place, left to right."""
         return names(self.storey["building"])
 
-    @property
+    @cached_property
     def periods(self) -> dict[str, float]:
         """Fundamental period of every building of the group [s]."""
         first = self.buildings.drop_duplicates("building").set_index("building")["period"]
         return {name: float(first[name]) for name in self.group}
 
-    @property
+    @cached_property
     def stiffer(self) -> str:
         """The building with the shortest fundamental period (the first of them, from the left)."""
         return min(self.periods, key=lambda name: self.periods[name])
@@ -111,27 +112,46 @@ class Evidence:
 
         ratio : "V_ratio", "mu_ratio" (index: storey) or "acceleration_ratio" (index: floor)
         """
-        frame, level = (self.floor, "floor") if ratio == "acceleration_ratio" else (self.storey, "storey")
-        rows = frame[(frame["case"] == case) & (frame["analysis"] == analysis) & (frame["building"] == building)]
-        return rows.groupby(level)[ratio].mean().dropna()
+        return self._means[ratio].get((str(case), analysis, building), pd.Series(dtype=float))
+
+    @cached_property
+    def _means(self) -> dict[str, dict[tuple[str, str, str], pd.Series]]:
+        """Of every ratio the means by case, analysis and building, all at once: claims ask for them again and again."""
+        found = {}
+        for ratio in ("V_ratio", "mu_ratio", "acceleration_ratio"):
+            frame, level = (self.floor, "floor") if ratio == "acceleration_ratio" else (self.storey, "storey")
+            means = frame.groupby(["case", "analysis", "building", level])[ratio].mean().dropna()
+            parts = _by_place(means.groupby(level=[0, 1, 2], sort=False))
+            found[ratio] = {place: here.droplevel([0, 1, 2]) for place, here in parts.items()}
+        return found
 
     def against(self, case: str | None, base: str | None, analysis: str, building: str) -> pd.Series:
         """Mean over the motions of a case's floor accelerations over those of another case, per floor."""
         mine = self._accelerations(case, analysis, building)
         theirs = self._accelerations(base, analysis, building)
+        if mine.empty or theirs.empty:
+            return pd.Series(dtype=float)
         ratios = (mine / theirs.where(theirs > 0)).dropna()
         return ratios.groupby(level="floor").mean()
 
     def _accelerations(self, case: str | None, analysis: str, building: str) -> pd.Series:
-        rows = self.floor[
-            (self.floor["case"] == case) & (self.floor["analysis"] == analysis) & (self.floor["building"] == building)
-        ]
-        return rows.set_index(["record", "floor"])["acceleration"]
+        return self._places.get((str(case), analysis, building), pd.Series(dtype=float))
+
+    @cached_property
+    def _places(self) -> dict[tuple[str, str, str], pd.Series]:
+        """Floor accelerations by case, analysis and building, over motion and floor."""
+        parts = _by_place(self.floor.groupby(["case", "analysis", "building"], sort=False))
+        return {place: here.set_index(["record", "floor"])["acceleration"] for place, here in parts.items()}
 
     @property
     def failed(self) -> pd.DataFrame:
         """The scenes whose status is not "done"."""
         return self.scene[self.scene["status"] != "done"]
+
+
+def _by_place(parts: Any) -> dict[tuple[str, str, str], Any]:
+    """The parts of a frame or series grouped by case, analysis and building."""
+    return {(str(case), str(analysis), str(building)): part for (case, analysis, building), part in parts}
 
 
 def names(column: Iterable[Any]) -> list[str]:
@@ -158,23 +178,27 @@ def points(results: Tables) -> list[Evidence]:
         "buildings": results.buildings,
     }
     rows = list(dict.fromkeys(scene[keys].itertuples(index=False, name=None))) if keys else [()]
+    cuts = {name: _cuts(frame, keys, rows) for name, frame in frames.items()}
     return [
         Evidence(
             title=results.title,
             resolved=results.resolved,
             point=dict(zip(keys, row, strict=True)),
-            **{name: _cut(frame, keys, row) for name, frame in frames.items()},
+            **{name: cuts[name][number] for name in frames},
         )
-        for row in rows
+        for number, row in enumerate(rows)
     ]
 
 
-def _cut(frame: pd.DataFrame, keys: Sequence[str], row: Sequence[Any]) -> pd.DataFrame:
-    """The rows of a frame at one point; a table without a swept column is the same at every point of it."""
-    for key, value in zip(keys, row, strict=True):
-        if key in frame.columns:
-            frame = frame[frame[key] == value].drop(columns=key)
-    return frame.reset_index(drop=True)
+def _cuts(frame: pd.DataFrame, keys: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> list[pd.DataFrame]:
+    """The rows of a frame at every point; a table without a swept column is the same at every point of it."""
+    mine = [number for number, key in enumerate(keys) if key in frame.columns]
+    if not mine:
+        return [frame.reset_index(drop=True)] * len(rows)
+    named = [keys[number] for number in mine]
+    parts = {place: part.drop(columns=named).reset_index(drop=True) for place, part in frame.groupby(named, sort=False)}
+    nothing = frame.drop(columns=named).iloc[:0]
+    return [parts.get(tuple(row[number] for number in mine), nothing) for row in rows]
 
 
 def _value(value: Any) -> str:

@@ -31,9 +31,9 @@ def accuracy_beside(path: Path | None, title: str) -> Accuracy:
     head = lines[1 : next((n for n, line in enumerate(lines) if line.startswith("![")), len(lines))]
     words = tuple(line.removeprefix("- ") for line in head if line.strip())
     files = sorted(folder.glob("accuracy-*.png"))
-    texts = {
-        file.stem: f"Error against time of every method, {file.stem.removeprefix('accuracy-')} analyses: rows are "
-        "quantities, columns cases. The sentences above say which method is the cheapest for each error."
-        for file in files
-    }
-    return Accuracy(words, tuple(from_files(files, "Error against time", texts)), command)
+    said = {}
+    for file in files:
+        analysis = file.stem.removeprefix("accuracy-")
+        text = f"Error against time of every method, {analysis} analyses: rows are quantities, columns cases. "
+        said[file.stem] = (f"Error against time, {analysis}", text + "The sentences above name the cheapest method.")
+    return Accuracy(words, tuple(from_files(files, said, "Error against time")), command)

@@ -45,13 +45,13 @@ def pictures(figures: Mapping[str, Figure], evidence: Evidence) -> list[Picture]
     return found
 
 
-def from_files(files: Sequence[Path], heading: str, texts: Mapping[str, str]) -> list[Picture]:
-    """PNG figures that were written to files; `texts` by stem."""
+def from_files(files: Sequence[Path], words: Mapping[str, tuple[str, str]], title: str) -> list[Picture]:
+    """PNG figures that were written to files; `words`: heading and text by stem, else both are `title`."""
     found = []
     for file in files:
         data = file.read_bytes()
         width, height = (int.from_bytes(data[start : start + 4], "big") for start in (16, 20))  # the PNG header
-        text = texts.get(file.stem, heading)
+        heading, text = words.get(file.stem, (title, title))
         found.append(Picture(file.stem, heading, address("png", data), text, width // 2, height // 2))
     return found
 

@@ -28,7 +28,7 @@ def write_system_page(
     numbers : one row a point of the sweep
     """
     table = packed("Numbers", numbers.head(MOST_ROWS), len(numbers))
-    drawn = from_files([file for file in figures if file.suffix == ".png"], title, {})
+    drawn = from_files([file for file in figures if file.suffix == ".png"], {}, title)
     content = {
         "title": title,
         "data": as_json({"tables": {"numbers": table}}),
