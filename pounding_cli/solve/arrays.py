@@ -9,6 +9,7 @@ import numpy as np
 from pounding_cli.kernels import layout
 from pounding_cli.kernels.layout import Feet, Links, Peaks, Slots, State
 from pounding_cli.kernels.ledger import Ledger
+from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import InfillLaw, Kind
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
@@ -175,13 +176,13 @@ def unpack(
     """Peaks by slot and link as responses by building and link."""
     buildings = []
     drift_now = drift_of(arrays, state)
-    inelastic = scene.analysis == "inelastic"
+    yielding = effects_of(scene).yielding  # elsewhere the kernels track drifts alone
     for b, building in enumerate(scene.buildings):
         span, base, foot = arrays.floors[b], arrays.bases[b], arrays.foot[b]
         drift = peaks.drift[span].copy()
         buildings.append(
             BuildingResponse(
-                shear=peaks.shear[span].copy() if inelastic else building.stiffness * drift,
+                shear=peaks.shear[span].copy() if yielding else building.stiffness * drift,
                 drift=drift,
                 ductility=drift / building.yield_drift,
                 acceleration=peaks.acceleration[span].copy(),

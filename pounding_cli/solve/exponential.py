@@ -36,7 +36,7 @@ class Propagator:
 
     unknowns : N, so that z has 2 N + 2 entries
     parts, length : equal parts of a sample, and how long each is [s]
-    step, rows, powers : as `kernels.exponential.build` takes them
+    step, rows, bends, jumps, powers : as `kernels.exponential.build` takes them
     forms : symmetric W, so that z' W z at a sample's start is an energy over the sample [J]: the ground's input, what
         structure and foundations dissipate, and, where there are links, the work done on them; padded
     impulses : integrals over a sample of the link forces from z at its start, shape (links, 2 N + 2)
@@ -47,6 +47,8 @@ class Propagator:
     length: float
     step: np.ndarray
     rows: np.ndarray
+    bends: np.ndarray
+    jumps: np.ndarray
     powers: np.ndarray
     forms: np.ndarray
     impulses: np.ndarray
@@ -89,6 +91,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
     ))  # fmt: skip
     forces = np.hstack((slope * system.closing, dashpot * system.closing, np.zeros((len(slope), 2))))
     rows = np.vstack((np.hstack((moving, np.zeros((len(moving), 2)))), acceleration))
+    bends = rows @ a @ a * (length**2 / 8)
     powers = [rows]
     for j in range(1, orders):
         powers.append(powers[-1] @ a * (length / j))
@@ -107,6 +110,8 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
         length,
         _padded(step[: 2 * count].T),
         _padded(rows.T),
+        _padded(bends.T),
+        _padded(bends[None, :, -1])[0],
         np.array(powers).transpose(1, 0, 2).copy(),
         _padded(np.vstack(forms)).reshape(len(forms), total, -1),
         forces @ mean_over_sample(a * length, step, parts) * length,
@@ -234,9 +239,9 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     top = peaks.top[:, : n * peaks.watched].copy()
     bottom = peaks.bottom[:, : n * peaks.watched].copy()
     kernels.build()(
-        found.step, found.rows, found.powers, found.forms, starts, slopes, found.length, found.parts, ends,
-        aligned(kernels.room_needed(found.step.shape[1], wide)), extremes, sums, visited, len(found.powers) - n, n, top,
-        bottom,
+        found.step, found.rows, found.bends, found.jumps, found.powers, found.forms, starts, slopes, found.length,
+        found.parts, ends,
+        aligned(kernels.room_needed(found.step.shape[1], wide)), extremes, sums, visited, n, top, bottom,
     )  # fmt: skip
 
     peaks.top[:, : top.shape[1]], peaks.bottom[:, : top.shape[1]] = top, bottom

@@ -55,9 +55,9 @@ class Hunt:
     def summary(self) -> str:
         t = self.tally
         return (
-            f"{t.scenes} scenes of {t.studies} studies, {t.refused} refused; outcomes {dict(t.outcomes)}; worst energy "
-            f"residual {t.worst_residual:.1e} ({t.over} above 1e-8); slowest scene {t.slowest:.2f} s; "
-            f"faults {dict(self.kinds)}"
+            f"{t.scenes} scenes of {t.studies} studies, {t.refused} refused, {t.spared} answered by groups; "
+            f"outcomes {dict(t.outcomes)}; worst energy residual {t.worst_residual:.1e} ({t.over} above 1e-8); "
+            f"slowest scene {t.slowest:.2f} s; faults {dict(self.kinds)}"
         )
 
 

@@ -15,6 +15,7 @@ from pounding_cli.kernels import layout
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
+from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve, taylor
 from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
 from pounding_cli.solve.ground import segments
@@ -80,6 +81,20 @@ def test_exact_steps_equal_the_series(kind, foundation):
     for entry, joule in series.energy.items():
         assert exact.energy[entry] == pytest.approx(joule, abs=1e-9 * series.energy["input"]), entry
     assert abs(exact.energy["residual"]) < 1e-12
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_exact_steps_find_peaks_between_spikes(seed):
+    """Samples that jump at random, buildings of any damping: the largest values lie between samples of one sign of
+    curvature and another. Fails if a peak is only looked for where the samples show one."""
+    random = np.random.default_rng(seed)
+    for damping in (0.0, 0.05, 0.5, 0.99):
+        building = shear_building(random.uniform(0.3, 2.0), 3, damping=damping)
+        jumps = random.normal(size=60) * (random.random(60) < 0.2)
+        scene = Scene((building,), (), Motion("spikes", 0.01, np.append(jumps, 0.0)), ELASTIC)
+        exact, series = solve(scene, 1e-10), solve(scene, 1e-13, method="taylor")
+        assert exact.method == "exponential"
+        assert peaks(exact) == pytest.approx(peaks(series), rel=1e-9)
 
 
 @pytest.mark.parametrize(("spring", "held"), [(1e6, False), (1e9, True), (1e12, True)])
@@ -170,3 +185,17 @@ def test_figures_with_every_effect(figure):
         largest = b.links.peak_force.max(initial=0.0)
         assert a.links.peak_force == pytest.approx(b.links.peak_force, abs=ACCURACY * largest)
     assert spared == {"fig6": 4, "fig7": 8}[figure]
+
+
+@pytest.mark.parametrize("kind", [None, "pounding", "connector"])
+def test_storeys_that_never_yield_have_the_shears_of_an_elastic_analysis(kind):
+    """Fails if an inelastic analysis takes its shears from a kernel that was compiled without yielding."""
+    never = [dataclasses.replace(b, yield_shear=np.full(5, np.inf)) for b in (STIFF, SOFT)]
+    joined = tuple(links(kind, 0.0, FLOORS)) if kind else ()
+    row = tuple(never) if kind else (never[0],)
+    for everything in (False, True):
+        inelastic, elastic = (
+            solve(Scene(row, joined, shake(1.0), analysis), all_effects=everything) for analysis in (INELASTIC, ELASTIC)
+        )
+        assert elastic.buildings[0].shear.min() > 0
+        assert np.array_equal(peaks(inelastic), peaks(elastic), equal_nan=True)
