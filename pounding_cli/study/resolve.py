@@ -57,6 +57,7 @@ class Resolver:
         buildings = root.get("buildings")
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self._met: dict[Problem, None] = {}
+        self._last: tuple[Point, Street] | None = None
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
         """For every axis, whether it touches one of `subjects`."""
@@ -92,6 +93,7 @@ class Resolver:
     def problems(self, point: Point) -> tuple[Problem, ...]:
         """Everything wrong with the study at this point."""
         self._met.clear()
+        self._last = None
         if point == self.base:
             self.model()
         self.section(point, "tail")
@@ -234,6 +236,8 @@ class Resolver:
 
     def group(self, point: Point) -> Street | None:
         """The buildings by place, their common floors, and the impact element."""
+        if self._last is not None and self._last[0] == point:
+            return self._last[1]
         types, names, impact = (
             self.types(point), self.section(point, "group"), self.section(point, "impact")
         )  # fmt: skip
@@ -261,7 +265,9 @@ class Resolver:
                     )
             return Street(placed, types, common, impact, known) if all(common) else None
 
-        return self._once("group", point, ("buildings", "group", "impact"), work)
+        street = self._once("group", point, ("buildings", "group", "impact"), work)
+        self._last = None if street is None else (point, street)
+        return street
 
     def links(self, point: Point, case: str) -> tuple[Link, ...] | None:
         """The links of one case."""
