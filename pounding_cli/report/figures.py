@@ -211,7 +211,9 @@ def _profiles(ax: Axes, rows: pd.DataFrame, level: str, column: str, cases: Sequ
     """One line a case: mean over the motions, whiskers from the smallest to the largest."""
     drawn = [case for case in cases if rows[rows["case"] == case][column].notna().any()]
     # Whiskers of neighbouring cases would hide each other on one height.
-    dodge = dict(zip(drawn, np.linspace(0.09, -0.09, len(drawn)) if len(drawn) > 1 else [0.0], strict=True))
+    dodge = dict(
+        zip(drawn, np.linspace(0.09, -0.09, len(drawn)) if len(drawn) > 1 else [0.0] * len(drawn), strict=True)
+    )
     look = looks(cases)
     for case in drawn:
         spread = rows[rows["case"] == case].groupby(level)[column].agg(["mean", "min", "max"]).dropna()

@@ -199,3 +199,13 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path):
     with pytest.raises(InputError, match="cannot write the report") as refused:
         save({}, tmp_path / "taken")
     assert "-o FOLDER" in refused.value.problems[0].hint
+
+
+def test_figures_of_an_analysis_of_which_no_run_ended_have_an_empty_panel():
+    results = make(cases=ALL)
+    for frame, columns in ((results.storey(), ["V_ratio", "mu_ratio"]), (results.floor(), ["acceleration_ratio"])):
+        frame.loc[frame["analysis"] == "elastic", columns] = np.nan
+    lost, drawn = panels(figures.response(points(results)[0], "stiff"))
+    assert lost.containers == []
+    assert len(drawn.containers) == len(ALL)
+    assert set(figures.draw_all(points(results)[0])) >= {"stiff-response", "stiff-accelerations", "stiff-cases"}
