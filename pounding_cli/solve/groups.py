@@ -141,8 +141,8 @@ def _reach(scene: Scene, left: range, right: range, a: Response, b: Response, ac
         top = a.envelopes[-1].top[:, link.left_floor - 1]
         bottom = b.envelopes[0].bottom[:, link.right_floor - 1]
         error = ERRORS * accuracy * float(np.max(np.abs(top)) + np.max(np.abs(bottom)))
-        bounds[link] = float(np.max(top - bottom)) + error
-        if link.kind is not Kind.POUNDING or bounds[link] >= link.gap:
+        bounds[link] = float(np.max(top - bottom))
+        if link.kind is not Kind.POUNDING or bounds[link] + error >= link.gap:
             return None
     return bounds
 

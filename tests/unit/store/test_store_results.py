@@ -12,6 +12,7 @@ from study_plans import Axis, FakeStudy, known, small_plan
 
 from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
+from pounding_cli.store.keys import FORMAT_VERSION
 from pounding_cli.store.layout import VARIABLES
 
 xarray = pytest.importorskip("xarray")
@@ -249,7 +250,7 @@ def test_what_is_not_a_results_file_is_refused(tmp_path, make, message):
 def test_another_format_version_is_refused(plain):
     with h5py.File(plain, "a") as file:
         file.attrs["format_version"] = 99
-    with pytest.raises(InputError, match="format version 99, this program reads version 1"):
+    with pytest.raises(InputError, match=f"format version 99, this program reads version {FORMAT_VERSION}"):
         open_results(plain)
 
 
