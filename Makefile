@@ -8,7 +8,7 @@ STUDIES := fig6 fig7
 SYSTEMS := fig5 fig8
 PAGES := $(patsubst %,results/%/report.html,$(STUDIES) $(SYSTEMS))
 
-.PHONY: all setup figures studies pages test lint lock docs peers mutants kills fuzz clean
+.PHONY: all setup figures studies pages test lint lock docs peers bench mutants kills fuzz clean
 
 all: figures
 
@@ -65,6 +65,11 @@ docs: setup
 peers: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
 	$(BIN)/python -m pytest tests/peers
+
+# What it costs beside other programs and as scenes grow, into docs/performance.md (about five minutes on a quiet machine).
+bench: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
+	$(BIN)/python -m tests.bench
 
 # Deliberate faults, each of which a named test must see (about 15 minutes).
 mutants: setup
