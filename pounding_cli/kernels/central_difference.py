@@ -75,65 +75,33 @@ def build(inelastic: bool):
         for f in range(count):
             turn_half[f] = state.phi_v[f]
             turn_before[f] = state.phi_v[f]
-        first = True
-        steps = 0
-        for segment in range(starts.size):
-            for part in range(parts):
-                ground = starts[segment] + slopes[segment] * part * h
-                accelerations(
-                    slots, feet, links, state.plastic, state.u, state.v, state.phi, state.phi_v, ground, inelastic,
-                    acceleration, turn, drift, shear, force,
-                )  # fmt: skip
-                sample(
-                    slots,
-                    feet,
-                    links,
-                    peaks,
-                    touching,
-                    state.u,
-                    state.phi,
-                    ground,
-                    acceleration,
-                    drift,
-                    shear,
-                    force,
-                    h,
-                )
-                kick = 0.5 * h if first else h
-                first = False
-                for i in range(size):
-                    before[i] = half[i]
-                    half[i] += kick * acceleration[i]
-                    state.u[i] += h * half[i]
-                    state.v[i] = 1.5 * half[i] - 0.5 * before[i]
-                for f in range(count):
-                    turn_before[f] = turn_half[f]
-                    turn_half[f] += kick * turn[f]
-                    state.phi[f] += h * turn_half[f]
-                    state.phi_v[f] = 1.5 * turn_half[f] - 0.5 * turn_before[f]
-                steps += 1
+        steps = starts.size * parts
+        for step in range(steps + 1):  # the last one only looks at where the others have led
+            segment = min(step // parts, starts.size - 1)
+            ground = starts[segment] + slopes[segment] * (step - segment * parts) * h
+            accelerations(
+                slots, feet, links, state.plastic, state.u, state.v, state.phi, state.phi_v, ground, inelastic,
+                acceleration, turn, drift, shear, force,
+            )  # fmt: skip
+            sample(
+                slots, feet, links, peaks, touching, state.u, state.phi, ground, acceleration, drift, shear, force,
+                h if step < steps else 0.0,
+            )  # fmt: skip
             if not np.isfinite(state.u[0]) or abs(state.u[0]) > 1e6:
-                return NOT_FINITE, steps, 0, 0, segment * dt
-        ground = starts[starts.size - 1] + slopes[starts.size - 1] * dt
-        accelerations(
-            slots, feet, links, state.plastic, state.u, state.v, state.phi, state.phi_v, ground, inelastic,
-            acceleration, turn, drift, shear, force,
-        )  # fmt: skip
-        sample(
-            slots,
-            feet,
-            links,
-            peaks,
-            touching,
-            state.u,
-            state.phi,
-            ground,
-            acceleration,
-            drift,
-            shear,
-            force,
-            0.0,
-        )
+                return NOT_FINITE, step, 0, 0, step * h
+            if step == steps:
+                break
+            kick = h if step > 0 else 0.5 * h
+            for i in range(size):
+                before[i] = half[i]
+                half[i] += kick * acceleration[i]
+                state.u[i] += h * half[i]
+                state.v[i] = 1.5 * half[i] - 0.5 * before[i]
+            for f in range(count):
+                turn_before[f] = turn_half[f]
+                turn_half[f] += kick * turn[f]
+                state.phi[f] += h * turn_half[f]
+                state.phi_v[f] = 1.5 * turn_half[f] - 0.5 * turn_before[f]
         return DONE, steps, 0, 0, starts.size * dt
 
     return integrate

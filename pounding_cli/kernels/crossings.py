@@ -1,24 +1,29 @@
-"""The first event of a step: a storey yields or unloads, a link opens, closes, changes its law or starts to pull."""
+"""The first event of a step: a storey yields or unloads, a link opens, closes, changes its law or starts to pull.
+
+Bounds settle most places eight at a time; what they do not exclude is looked at one by one."""
 
 from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.kernels.layout import (
-    AT_GAP,
-    AT_ZERO,
-    CONNECTOR,
-    CUBIC,
-    INFILL,
-    INLINE,
-    LINKS_CUBIC,
-    NO_FORCE,
-    OPEN,
-    POUNDING,
-)
-from pounding_cli.kernels.link_series import difference
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels.cells import at, at_link, of, of_link, of_term, of_tie
+from pounding_cli.kernels.clock import END, EVENT, LINK, ORDER, PER_H, H
+from pounding_cli.kernels.layout import AT_GAP, CALLED, CUBIC, INFILL, NO_FORCE, OPEN, PART
+from pounding_cli.kernels.link_series import difference, link_end
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-from pounding_cli.kernels.simd import greater, load, lowest, magnitude, maximum, minimum, splat, store
+from pounding_cli.kernels.simd import (
+    greater,
+    load,
+    lowest,
+    magnitude,
+    maximum,
+    minimum,
+    splat,
+    stand_alone,
+    store,
+)
+from pounding_cli.kernels.summary import drift_series, rate_term
 
 STOREY, CLOSES, OPENS, STIFFENS, SOFTENS, PULLS, PUSHES = 0, 1, 2, 3, 4, 5, 6
 """Kinds of event."""
@@ -28,104 +33,118 @@ MOST_TURNS = 2
 itself at once is rounding (floors that part from rest at a high order of their motion, say)."""
 
 
-@njit(**INLINE)
-def _storey_crossing(slots, state, work, ends, padded, order, i, end, scratch):
-    """First s in [0, end] where storey i leaves its branch."""
-    branch = state.line[i]
+@njit(**CALLED)
+def _storey_crossing(run, i, founded):
+    """First s in [0, 1] where storey i leaves its branch."""
+    stand_alone()
+    slots = run.slots
+    scratch = run.scratch
+    order = run.tally[ORDER]
+    branch = slots[of(i, c.LINE)]
     if branch != 0.0:  # the drift turns back
-        for k in range(order):
-            scratch[k] = branch * (k + 1) * work.D[(k + 1) * padded + i]
-        return first_crossing(scratch, order - 1, end)
+        for k in range(order + 1):
+            scratch[k] = branch * rate_term(run, k, i, founded)
+        return first_crossing(scratch, order, 1.0)
     earliest = NEVER
-    first = work.D[i] - state.plastic[i]
-    last = ends.drift[i] - state.plastic[i]
-    limit = slots.yield_drift[i]
+    plastic = slots[of(i, c.PLASTIC)]
+    first = slots[of(i, c.DRIFT0)] - plastic
+    last = slots[of(i, c.DRIFT)] - plastic
+    limit = slots[of(i, c.YIELD_DRIFT)]
     for line in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
-        if max(line * first, line * last) + ends.drift_stray[i] <= limit:
+        if max(line * first, line * last) + slots[of(i, c.DRIFT_STRAY)] <= limit:
             continue
-        for k in range(1, order + 1):
-            scratch[k] = -line * work.D[k * padded + i]
+        drift_series(run, run.clock[H], i, order, -line, founded)
         scratch[0] = limit - line * first
-        if state.snapped_storey[i] == line:  # just unloaded: exactly on the line and at rest
+        if run.snapped[i] == line:  # just unloaded: exactly on the line and at rest
             scratch[0] = 0.0
             scratch[1] = 0.0
-        s = first_crossing(scratch, order, min(end, earliest))
-        earliest = min(earliest, s)
+        earliest = min(earliest, first_crossing(scratch, order, min(1.0, earliest)))
     return earliest
 
 
-@njit(**INLINE)
-def first_storey_event(slots, state, work, ends, padded, order, scratch):
-    """(s, slot) of the first storey event in [0, 1], or (NEVER, -1); `work.roots` tells every storey's own."""
-    earliest = NEVER
-    which = -1
+@njit(**PART)
+def first_storey_event(run, founded):
+    """Whether there is a storey event in [0, 1], the first one's place in END; ROOT tells every storey's own."""
+    slots = run.slots
     zero = splat(0.0)
     never = splat(NEVER)
-    for b in range(0, padded, 8):
-        store(work.roots, b, never)
-        plastic = load(state.plastic, b)
-        reach = maximum(magnitude(load(work.D, b) - plastic), magnitude(load(ends.drift, b) - plastic))
-        suspects = greater(reach + load(ends.drift_stray, b), load(slots.yield_drift, b))
+    found = False
+    for b in range(0, run.padded, 8):
+        store(slots, at(b, c.ROOT), never)
+        plastic = load(slots, at(b, c.PLASTIC))
+        first = magnitude(load(slots, at(b, c.DRIFT0)) - plastic)
+        reach = maximum(first, magnitude(load(slots, at(b, c.DRIFT)) - plastic))
+        suspects = greater(reach + load(slots, at(b, c.DRIFT_STRAY)), load(slots, at(b, c.YIELD_DRIFT)))
         if suspects == 0:
             continue
         # On a yield line (where `plastic` is infinite, so always suspect) all is well while the drift goes on outward.
-        line = load(state.line, b)
-        rate0 = load(ends.rate0, b) * line
-        rate = load(ends.rate, b) * line
-        suspects &= ~(greater(minimum(rate0, rate), load(ends.rate_stray, b)) & greater(line * line, zero))
+        line = load(slots, at(b, c.LINE))
+        rate0 = load(slots, at(b, c.RATE0)) * line
+        rate = load(slots, at(b, c.RATE)) * line
+        outward = greater(minimum(rate0, rate), load(slots, at(b, c.RATE_STRAY)))
+        suspects &= ~(outward & greater(line * line, zero))
         while suspects != 0:
             i = b + lowest(suspects)
             suspects &= suspects - 1
-            s = _storey_crossing(slots, state, work, ends, padded, order, i, 1.0, scratch)
-            work.roots[i] = s
-            if s < earliest and s <= 1.0:
-                earliest = s
-                which = i
-    return earliest, which
+            s = _storey_crossing(run, i, founded)
+            slots[of(i, c.ROOT)] = s
+            if s < run.clock[END] and s <= 1.0:
+                run.clock[END] = s
+                found = True
+    return found
 
 
-@njit(**INLINE)
-def _open_link_crossing(links, state, work, padded, order, e, closing, end, scratch):
-    """First s where an open link closes; `closing` is v at s = 0."""
-    left = links.left[e]
-    right = links.right[e]
-    scratch[0] = 0.0 if state.snapped_link[e] == AT_ZERO else -closing
-    size = max(abs(state.u[left]), abs(state.u[right]))
-    for k in range(1, order + 1):
-        a = work.U[k * padded + right]
-        b = work.U[k * padded + left]
-        scratch[k] = difference(a, b, size)
+@njit(**PART)
+def _closing_series(run, e, first, factor):
+    """`factor` times the coefficients of link e's closing, `first` at order 0, into `scratch`; exactly zero where both
+    floors move alike."""
+    h = factor * run.clock[H]
+    left = run.ties[of_tie(e, c.LEFT_SLOT)]
+    right = run.ties[of_tie(e, c.RIGHT_SLOT)]
+    size = max(abs(run.W[left - run.padded]), abs(run.W[right - run.padded])) * run.clock[PER_H]
+    run.scratch[0] = factor * first
+    for k in range(1, run.tally[ORDER] + 1):
+        a = run.W[(k - 1) * run.padded + left]
+        b = run.W[(k - 1) * run.padded + right]
+        run.scratch[k] = h * run.reciprocal[k] * difference(a, b, size)
         size = max(size, abs(a), abs(b))
-    return first_crossing(scratch, order, end)
 
 
-@njit(**INLINE)
-def _closed_link_crossing(links, state, work, order, e, end, scratch, kinds):
+@njit(**CALLED)
+def _open_link_crossing(run, e, end):
+    """First s where an open link closes."""
+    stand_alone()
+    _closing_series(run, e, run.links[of_link(e, c.CLOSING)], -1.0)
+    return first_crossing(run.scratch, run.tally[ORDER], end)
+
+
+@njit(**CALLED)
+def _closed_link_crossing(run, e, end):
     """(s, event) of the first change of a closed link."""
-    count = links.size
+    stand_alone()
+    scratch = run.scratch
+    order = run.tally[ORDER]
     earliest = NEVER
     event = OPENS
-    infill = kinds == LINKS_CUBIC and links.kind[e] == INFILL
-    cubic = infill and state.link_branch[e] == CUBIC
-    snapped = state.snapped_link[e]
+    infill = run.ties[of_tie(e, c.KIND)] == INFILL
+    cubic = run.ties[of_tie(e, c.BRANCH)] == CUBIC
+    snapped = run.ties[of_tie(e, c.SNAPPED)]
+    closing = run.links[of_link(e, c.CLOSING)]
     if cubic or not infill:  # v falls back to zero
-        for k in range(order + 1):
-            scratch[k] = work.V[k * count + e]
+        _closing_series(run, e, closing, 1.0)
         earliest = first_crossing(scratch, order, end)
     if infill:  # v passes the infill's thickness, one way or the other
-        sign = -1.0 if cubic else 1.0
-        for k in range(order + 1):
-            scratch[k] = sign * work.V[k * count + e]
-        scratch[0] = 0.0 if snapped == AT_GAP else scratch[0] - sign * links.gap[e]
+        beyond = 0.0 if snapped == AT_GAP else closing - run.links[of_link(e, c.GAP)]
+        _closing_series(run, e, beyond, -1.0 if cubic else 1.0)
         s = first_crossing(scratch, order, min(end, earliest))
         if s < earliest:
             earliest = s
             event = STIFFENS if cubic else SOFTENS
-    if links.tension_cut[e] == 1 and work.turns[e] < MOST_TURNS:  # the force changes sign
-        cut = state.link_cut[e] == 1
+    if run.ties[of_tie(e, c.CUTS)] == 1 and run.links[of_link(e, c.TURNS)] < MOST_TURNS:  # the force changes sign
+        cut = run.ties[of_tie(e, c.CUT)] == 1
         sign = -1.0 if cut else 1.0
         for k in range(order):
-            scratch[k] = sign * work.F[k * count + e]
+            scratch[k] = sign * run.series[of_term(run, k, e, c.F_TERM)]
         if snapped == NO_FORCE:
             scratch[0] = 0.0
         s = first_crossing(scratch, order - 1, min(end, earliest))
@@ -135,31 +154,37 @@ def _closed_link_crossing(links, state, work, order, e, end, scratch, kinds):
     return earliest, event
 
 
-@njit(**INLINE)
-def first_link_event(links, state, work, ends, padded, order, end, scratch, kinds):
-    """(s, link, event) of the first link event in [0, end], or (NEVER, -1, 0)."""
-    earliest = NEVER
-    which = -1
-    kind = 0
-    for e in range(links.number):
-        if links.kind[e] == CONNECTOR:
-            continue
-        left = links.left[e]
-        right = links.right[e]
-        if state.link_branch[e] == OPEN:
-            thickness = links.gap[e] if links.kind[e] == POUNDING else 0.0
-            closing = difference(state.u[left] - thickness, state.u[right], 0.0)
-            last = ends.u[left] - ends.u[right] - thickness
-            if max(closing, last) + ends.u_stray[left] + ends.u_stray[right] < 0.0:
-                continue
-            if work.turns[e] >= MOST_TURNS:
-                continue
-            s = _open_link_crossing(links, state, work, padded, order, e, closing, min(end, earliest), scratch)
+@njit(**PART)
+def _may_leave(run, b, least, most):
+    """Lanes whose link may leave its branch when its closing stays between `least` and `most`."""
+    low = load(run.links, at_link(b, c.LOW))
+    high = load(run.links, at_link(b, c.HIGH))
+    return ~(greater(least, low) & greater(high, most)) & 255
+
+
+@njit(**PART)
+def first_link_event(run):
+    """Whether a link event comes before what stands in END: its place goes there, link and event into the tally."""
+    found = False
+    for b in range(0, run.linked, 8):
+        first = load(run.links, at_link(b, c.CLOSING))
+        last, stray = link_end(run, b)
+        last = last - load(run.links, at_link(b, c.THICKNESS))
+        suspects = _may_leave(run, b, minimum(first, last) - stray, maximum(first, last) + stray)
+        while suspects != 0:
+            e = b + lowest(suspects)
+            suspects &= suspects - 1
+            end = min(run.clock[END], 1.0)
             event = CLOSES
-        else:
-            s, event = _closed_link_crossing(links, state, work, order, e, min(end, earliest), scratch, kinds)
-        if s < earliest and s <= end:
-            earliest = s
-            which = e
-            kind = event
-    return earliest, which, kind
+            if run.ties[of_tie(e, c.BRANCH)] != OPEN:
+                s, event = _closed_link_crossing(run, e, end)
+            elif run.links[of_link(e, c.TURNS)] < MOST_TURNS:
+                s = _open_link_crossing(run, e, end)
+            else:
+                continue
+            if s < run.clock[END] and s <= 1.0:
+                run.clock[END] = s
+                run.tally[LINK] = e
+                run.tally[EVENT] = event
+                found = True
+    return found

@@ -22,6 +22,16 @@ INLINE: dict[str, Any] = {**OPTIONS, "cache": False, "forceinline": True}
 """The same for a piece of a kernel that stands in a file of its own; it is kept as part of the kernel, not by
 itself."""
 
+PLAIN: dict[str, Any] = {**OPTIONS, "fastmath": False, "forceinline": False}
+"""Without even that: the Taylor kernel fuses where it says so (`simd.fused`), so that one text gives the same bits
+wherever it is used. Written out, since what is not said is inherited from whoever calls first."""
+
+PART: dict[str, Any] = {**PLAIN, "cache": False, "forceinline": True}
+"""A piece of such a kernel that stands in a file of its own."""
+
+CALLED: dict[str, Any] = {**PLAIN, "cache": False}
+"""A piece that is called, not copied: large, and rarely needed (with `simd.stand_alone`)."""
+
 OPEN, LINEAR, CUBIC = 0, 1, 2
 """Link branches: no contact; F = s v + F0 + c v'; the infill's cubic with its square-root dashpot."""
 
@@ -53,13 +63,15 @@ inertia [kg m2] (inf: no rocking), rocking stiffness [N m/rad], rocking dashpot 
 
 Links = namedtuple(
     "Links",
-    "number size left right kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic root_dashpot "
-    "tension_cut",
+    "number size rounds left right gains losses kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic "
+    "root_dashpot tension_cut",
 )
 """number of links and the same padded to a multiple of eight; per link, shape (size,): slots left and right, kind,
 gap d [m], stiffness s [N/m] (infill: s_mat), dashpot [N s/m]; for an infill beyond its thickness F = beyond v +
 beyond_force + beyond_dashpot v'; cubic p = (s_imp - s_mat) / (3 d^2) [N/m3]; root_dashpot 2 xi sqrt(m') so that
-c_cur = root_dashpot sqrt(s_cur); tension_cut 0 or 1."""
+c_cur = root_dashpot sqrt(s_cur); tension_cut 0 or 1. The same by slot, shape (rounds, slots): the link that pushes a
+slot to the right (gains) and to the left (losses), or the number `size` where there is none; rounds is the most links
+that any slot has on one side."""
 
 State = namedtuple("State", "u v line plastic snapped_storey link_branch link_cut snapped_link phi phi_v")
 """What evolves: u [m], v [m/s]; per storey: line (0 between the yield lines, +1 or -1 on the upper or lower one),
@@ -101,9 +113,10 @@ def foot_pointers(a):
 def link_pointers(a):
     """Links of pointers from Links of arrays."""
     return Links(
-        a.number, a.size, pointer(a.left), pointer(a.right), pointer(a.kind), pointer(a.gap), pointer(a.stiffness),
-        pointer(a.dashpot), pointer(a.beyond), pointer(a.beyond_force), pointer(a.beyond_dashpot), pointer(a.cubic),
-        pointer(a.root_dashpot), pointer(a.tension_cut),
+        a.number, a.size, a.rounds, pointer(a.left), pointer(a.right), pointer(a.gains), pointer(a.losses),
+        pointer(a.kind), pointer(a.gap), pointer(a.stiffness), pointer(a.dashpot), pointer(a.beyond),
+        pointer(a.beyond_force), pointer(a.beyond_dashpot), pointer(a.cubic), pointer(a.root_dashpot),
+        pointer(a.tension_cut),
     )  # fmt: skip
 
 

@@ -1,8 +1,8 @@
 """Where the energy of a step goes: what the ground puts in, what dashpots, yielding storeys and links take out.
 
-Powers are integrated over the step by Gauss-Legendre points on the step's own polynomials; with half as many points
-as the series has orders, all terms up to the series' own order are exact. Hysteresis needs no points: on a yield
-line the storey dissipates (1 - a) Vy per unit of drift."""
+Powers are integrated over the step by Gauss-Legendre points on the step's own polynomials. Half as many points as the
+series has orders leave 1e-9 of a step's energy or less where the series leaves 1e-6. Hysteresis needs no points: on a
+yield line the storey dissipates (1 - a) Vy per unit of drift."""
 
 from __future__ import annotations
 
@@ -10,18 +10,26 @@ from collections import namedtuple
 
 from numba import njit
 
-from pounding_cli.kernels.layout import INLINE, LINKS_NONE
-from pounding_cli.kernels.simd import from_left, load, pointer, splat, store
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels.cells import at, at_link, at_term
+from pounding_cli.kernels.clock import CHANGE, END, GROUND, H
+from pounding_cli.kernels.foundations import charge_feet
+from pounding_cli.kernels.layout import PART
+from pounding_cli.kernels.link_series import closed_at
+from pounding_cli.kernels.simd import from_left, fused, load, pointer, splat, store
 
 MOST_POINTS = 18
-"""Points of the largest rule; rule n stands in the flat tables from n (n - 1) / 2 on."""
+"""Points of the largest rule; rule n stands in row n of the tables, its weights beyond n zero."""
+
+LEAST_POINTS = 4
+"""Points of the smallest: short series are of coarse accuracy, which is no reason to book carelessly."""
 
 Ledger = namedtuple("Ledger", "input dashpots drag hysteresis links feet")
 """Energies so far [J]: per slot the ground's input, the spring's dashpot, the mass-proportional drag (fixed base) and
 hysteresis; per link the work done on it; per foundation its drag and rocking dashpot."""
 
 
-@njit(**INLINE)
+@njit(**PART)
 def ledger_pointers(a):
     """Ledger of pointers from Ledger of arrays."""
     return Ledger(
@@ -34,77 +42,81 @@ def ledger_pointers(a):
     )
 
 
-@njit(**INLINE)
-def _feet_powers(slots, feet, work, ledger, order, s, weight, h):
-    """Drag of founded buildings and rocking dashpots at one point."""
-    padded = slots.size
-    for f in range(feet.number):
-        turning = 0.0
-        sway = 0.0
-        base = feet.base[f]
-        for k in range(order, -1, -1):
-            turning = turning * s + work.phi_W[k * feet.number + f]
-            if base >= 0:
-                sway = sway * s + work.W[k * padded + base]
-        power = feet.dashpot[f] * turning * turning
-        for i in range(feet.first[f], feet.stop[f]):
-            rate = 0.0
-            for k in range(order, -1, -1):
-                rate = rate * s + work.W[k * padded + i]
-            rate -= sway + slots.elevation[i] * turning
-            power += feet.alpha[f] * slots.mass[i] * rate * rate
-            lean = slots.rise[i] * turning
-            # The storey's dashpot was charged without rocking; put that right.
-            below = 0.0
-            here = 0.0
-            for k in range(order, -1, -1):
-                here = here * s + work.W[k * padded + i]
-                if slots.couple[i] != 0.0:
-                    below = below * s + work.W[k * padded + i - 1]
-            bare = here - below
-            power += slots.dashpot[i] * ((bare - lean) * (bare - lean) - bare * bare)
-        ledger.feet[f] += power * weight / h
+_SHARES = 8 * MOST_POINTS
+"""Where the weights begin in `Run.rule`."""
+
+_LEFTS = 16 * MOST_POINTS
+"""Where the velocities of the block before begin."""
+
+RULE_ROOM = 24 * MOST_POINTS
+"""Doubles of `Run.rule`."""
 
 
-@njit(**INLINE)
-def account(
-    slots, feet, links, state, work, ends, ledger, nodes, weights, order, end, h, ag, slope, busy, inelastic, founded,
-    kinds,
-):  # fmt: skip
-    """Add the energies of the step up to s = `end`."""
-    padded = slots.size
-    points = min(order // 2 + 1, MOST_POINTS)
-    first = points * (points - 1) // 2
-    for g in range(first, first + points):
-        s = nodes[g] * end
-        weight = weights[g] * end
-        ground = (ag + slope * h * s) * weight
-        share = weight / h
-        left = splat(0.0)
-        for b in range(0, padded, 8):
-            v = load(work.W, order * padded + b)
-            for k in range(order - 1, -1, -1):
-                v = v * s + load(work.W, k * padded + b)
-            rate = v - load(slots.couple, b) * from_left(left, v)
-            left = v
-            mass = load(slots.mass, b)
-            store(ledger.input, b, load(ledger.input, b) - mass * v * ground)
-            store(ledger.dashpots, b, load(ledger.dashpots, b) + load(slots.dashpot, b) * rate * rate * share)
-            store(ledger.drag, b, load(ledger.drag, b) + load(slots.alpha, b) * mass * v * v * share)
-        if founded:
-            _feet_powers(slots, feet, work, ledger, order, s, weight, h)
-        if kinds != LINKS_NONE and busy > 0:
-            count = links.size
-            for b in range(0, count, 8):
+@njit(**PART)
+def _set_rule(run, nodes, weights, order):
+    """Points (s of the step) and weights [s] for a series of this order, eight copies of each; returns their number."""
+    points = min(max((order + 1) // 2, LEAST_POINTS), MOST_POINTS)
+    row = points * MOST_POINTS
+    end = run.clock[END]
+    duration = end * run.clock[H]
+    for g in range(points):
+        store(run.rule, 8 * g, splat(nodes[row + g] * end))
+        store(run.rule, _SHARES + 8 * g, splat(weights[row + g] * duration))
+    return points
+
+
+@njit(**PART)
+def account(run, feet, nodes, weights, order, busy, inelastic, founded):
+    """Add the energies of the step up to s = END."""
+    padded = run.padded
+    slots = run.slots
+    rule = run.rule
+    points = _set_rule(run, nodes, weights, order)
+    ground = splat(run.clock[GROUND])
+    change = splat(run.clock[CHANGE])
+    for g in range(0, 8 * points, 8):
+        store(rule, _LEFTS + g, splat(0.0))
+    for b in range(0, padded, 8):
+        couple = load(slots, at(b, c.COUPLE))
+        pushed = splat(0.0)
+        drag = splat(0.0)
+        dashed = splat(0.0)
+        for g in range(0, 8 * points, 8):
+            s = load(rule, g)
+            share = load(rule, _SHARES + g)
+            v = load(run.W, order * padded + b)
+            for row in range((order - 1) * padded + b, b - 1, -padded):
+                v = fused(v, s, load(run.W, row))
+            rate = v - couple * from_left(load(rule, _LEFTS + g), v)
+            store(rule, _LEFTS + g, v)
+            part = v * share
+            pushed = fused(part, fused(change, s, ground), pushed)
+            drag = fused(part, v, drag)
+            dashed = fused(rate * share, rate, dashed)
+        mass = load(slots, at(b, c.MASS))
+        store(slots, at(b, c.INPUT), load(slots, at(b, c.INPUT)) - mass * pushed)
+        store(slots, at(b, c.DASHED), fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHED))))
+        store(slots, at(b, c.DRAGGED), fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAGGED))))
+    if founded:
+        charge_feet(run, feet, points, _SHARES)
+    if busy != 0:
+        for b in range(0, run.linked, 8):
+            if closed_at(run, b) == 0:
+                continue
+            spent = splat(0.0)
+            for g in range(0, 8 * points, 8):
+                s = load(rule, g)
                 force = splat(0.0)
                 rate = splat(0.0)
                 for k in range(order - 1, -1, -1):
-                    force = force * s + load(work.F, k * count + b)
-                    rate = rate * s + load(work.rates, k * count + b)
-                power = force * rate * load(work.law, 5 * count + b)
-                store(ledger.links, b, load(ledger.links, b) + power * (share / h))
+                    term = at_term(run, k, b, 0)
+                    force = fused(force, s, load(run.series, term + c.F_TERM))
+                    rate = fused(rate, s, load(run.series, term + c.RATE_TERM))
+                spent = fused(force * load(rule, _SHARES + g), rate, spent)
+            applied = load(run.links, at_link(b, c.APPLIED))
+            store(run.links, at_link(b, c.WORK_DONE), fused(spent, applied, load(run.links, at_link(b, c.WORK_DONE))))
     if inelastic:
         for b in range(0, padded, 8):
-            moved = load(ends.drift, b) - load(work.D, b)
-            spent = load(state.line, b) * load(slots.plateau, b) * moved
-            store(ledger.hysteresis, b, load(ledger.hysteresis, b) + spent)
+            moved = load(slots, at(b, c.DRIFT)) - load(slots, at(b, c.DRIFT0))
+            spent = load(slots, at(b, c.LINE)) * load(slots, at(b, c.PLATEAU)) * moved
+            store(slots, at(b, c.HYSTERESIS), load(slots, at(b, c.HYSTERESIS)) + spent)

@@ -1,17 +1,31 @@
 """The force of every link, order by order, eight links at a time.
 
-One law serves all branches, its coefficients set lane by lane when a branch changes (`set_law`; a sixth row tells
-whether the force is applied):
+One law serves all branches, its coefficients set place by place when a branch changes (`set_law`):
     F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v'.
-The infill's cubic with its square-root dashpot (eq. 9) needs products of series; a scene without infill has none of
-that."""
+The infill's cubic with its square-root dashpot (eq. 9) needs products of series; where no link is on it, none of that
+is done."""
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
-from pounding_cli.kernels.layout import AT_GAP, AT_ZERO, CUBIC, INFILL, INLINE, LINKS_CUBIC, OPEN, POUNDING
-from pounding_cli.kernels.simd import load, maximum, splat, square_root, store
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels.cells import at_link, at_term, at_tie, of_link, of_term, of_tie
+from pounding_cli.kernels.clock import PER_H
+from pounding_cli.kernels.layout import AT_GAP, AT_ZERO, CONNECTOR, CUBIC, INFILL, OPEN, PART, POUNDING
+from pounding_cli.kernels.simd import (
+    choose,
+    fused,
+    gather,
+    greater,
+    load,
+    magnitude,
+    maximum,
+    splat,
+    square_root,
+    store,
+)
 
 ROUNDING = 1e-13
 """Two floors' displacements, or terms of their series, that differ by less than this part of them do not differ: the
@@ -22,7 +36,7 @@ LAST_DIGITS = 1e-15
 that."""
 
 
-@njit(**INLINE)
+@njit(**PART)
 def difference(a, b, size):
     """a - b, or exactly 0 where what is left is rounding: floors that move alike do not touch by their last digits.
 
@@ -32,103 +46,219 @@ def difference(a, b, size):
     return left if abs(left) > ROUNDING * (abs(a) + abs(b)) + LAST_DIGITS * size else 0.0
 
 
-@njit(**INLINE)
-def set_law(links, state, law, e):
-    """Coefficients of link e's present branch; zero while it is open."""
-    count = links.size
-    branch = state.link_branch[e]
-    for row in range(5):
-        law[row * count + e] = 0.0
-    law[5 * count + e] = 0.0 if branch == OPEN or state.link_cut[e] == 1 else 1.0
+@njit(**PART)
+def differences(a, b, size):
+    """The same for eight pairs."""
+    left = a - b
+    rounding = ROUNDING * (magnitude(a) + magnitude(b)) + LAST_DIGITS * size
+    return choose(greater(magnitude(left), rounding), left, splat(0.0))
+
+
+@njit(**PART)
+def set_law(run, e):
+    """The law of link e's present branch, zero while it is open, and the closings between which the branch holds."""
+    links = run.links
+    branch = run.ties[of_tie(e, c.BRANCH)]
+    kind = run.ties[of_tie(e, c.KIND)]
+    gap = links[of_link(e, c.GAP)]
+    closed = branch != OPEN
+    linear = 0.0
+    cubic = 0.0
+    offset = 0.0
+    dashpot = 0.0
+    root = 0.0
+    low = -np.inf
+    high = np.inf
     if branch == CUBIC:
-        law[e] = links.stiffness[e]
-        law[count + e] = links.cubic[e]
-        law[4 * count + e] = links.root_dashpot[e]
-    elif branch != OPEN and links.kind[e] == INFILL:
-        law[e] = links.beyond[e]
-        law[2 * count + e] = links.beyond_force[e]
-        law[3 * count + e] = links.beyond_dashpot[e]
-    elif branch != OPEN:
-        law[e] = links.stiffness[e]
-        law[3 * count + e] = links.dashpot[e]
+        linear = links[of_link(e, c.SPRING)]
+        cubic = links[of_link(e, c.CUBE)]
+        root = links[of_link(e, c.ROOT_DAMPER)]
+        low = 0.0
+        high = gap
+    elif not closed:
+        high = 0.0
+    elif kind == INFILL:
+        linear = links[of_link(e, c.BEYOND)]
+        offset = links[of_link(e, c.BEYOND_FORCE)]
+        dashpot = links[of_link(e, c.BEYOND_DAMPER)]
+        low = gap
+    else:
+        linear = links[of_link(e, c.SPRING)]
+        dashpot = links[of_link(e, c.DAMPER)]
+        if kind != CONNECTOR:
+            low = 0.0
+    if closed and run.ties[of_tie(e, c.CUTS)] == 1:
+        low = np.inf  # its force has to be looked at in any case
+    links[of_link(e, c.LINEAR_LAW)] = linear
+    links[of_link(e, c.CUBIC_LAW)] = cubic
+    links[of_link(e, c.OFFSET_LAW)] = offset
+    links[of_link(e, c.RATE_LAW)] = dashpot
+    links[of_link(e, c.ROOT_LAW)] = root
+    links[of_link(e, c.APPLIED)] = 1.0 if closed and run.ties[of_tie(e, c.CUT)] == 0 else 0.0
+    links[of_link(e, c.CLOSED)] = 1.0 if closed else 0.0
+    links[of_link(e, c.LOW)] = low
+    links[of_link(e, c.HIGH)] = high
+    links[of_link(e, c.THICKNESS)] = gap if kind == POUNDING else 0.0
 
 
-@njit(**INLINE)
-def closings(links, state, work):
-    """Order 0 of v, exactly zero (or d) where an event has just put it there; returns the number of links not open."""
+@njit(**PART)
+def no_law(run, e):
+    """The place of a link that is none, in the padding: no event is ever expected of it."""
+    run.links[of_link(e, c.LOW)] = -np.inf
+    run.links[of_link(e, c.HIGH)] = np.inf
+
+
+@njit(**PART)
+def real_links(run, b):
+    """Lanes that hold a link, not padding."""
+    return (1 << min(8, run.number - b)) - 1
+
+
+@njit(**PART)
+def closed_at(run, b):
+    """Lanes whose link, from place b on, is not open."""
+    return greater(load(run.links, at_link(b, c.CLOSED)), splat(0.0))
+
+
+@njit(**PART)
+def apart(run, values, row, b):
+    """Left minus right slot's value, of eight links."""
+    left = gather(values, row, run.ties, at_tie(b, c.LEFT_SLOT))
+    return left - gather(values, row, run.ties, at_tie(b, c.RIGHT_SLOT))
+
+
+@njit(**PART)
+def link_end(run, b):
+    """(u_l - u_r at the step's end, by how much it may stray from the straight line there) of eight links [m]."""
+    left = gather(run.ends, run.padded, run.ties, at_tie(b, c.LEFT_SLOT))
+    right = gather(run.ends, run.padded, run.ties, at_tie(b, c.RIGHT_SLOT))
+    return apart(run, run.ends, 0, b), left + right
+
+
+@njit(**PART)
+def closings(run, snapped):
+    """Order 0 of v, exactly zero (or d) where an event has just put it there; returns (which of eight
+    links are not open, which on the infill's cubic)."""
     busy = 0
-    for e in range(links.number):
-        v = 0.0
-        if state.link_branch[e] != OPEN:
-            busy += 1
-            snapped = state.snapped_link[e]
-            if snapped == AT_GAP:
-                v = links.gap[e]
-            elif snapped != AT_ZERO:
-                thickness = links.gap[e] if links.kind[e] == POUNDING else 0.0
-                v = difference(state.u[links.left[e]] - thickness, state.u[links.right[e]], 0.0)
-        work.V[e] = v
-        work.sizes[e] = max(abs(state.u[links.left[e]]), abs(state.u[links.right[e]]))
-    return busy
+    curved = 0
+    zero = splat(0.0)
+    links = run.links
+    start = -run.padded
+    for b in range(0, run.linked, 8):
+        left = gather(run.W, start, run.ties, at_tie(b, c.LEFT_SLOT))
+        right = gather(run.W, start, run.ties, at_tie(b, c.RIGHT_SLOT))
+        v = differences(left - load(links, at_link(b, c.THICKNESS)), right, zero)
+        closed = closed_at(run, b)
+        busy |= closed
+        steep = load(links, at_link(b, c.ROOT_LAW)) + magnitude(load(links, at_link(b, c.CUBIC_LAW)))
+        curved |= greater(steep, zero)
+        store(links, at_link(b, c.CLOSING), v)
+        store(run.series, at_term(run, 0, b, c.V_TERM), choose(closed, v, zero))
+        store(links, at_link(b, c.SIZE), maximum(magnitude(left), magnitude(right)) * run.clock[PER_H])
+        store(run.pushed, b, zero)
+    if snapped:
+        for e in range(run.number):
+            exact = run.ties[of_tie(e, c.SNAPPED)]
+            if exact in (AT_ZERO, AT_GAP):
+                v_exact = links[of_link(e, c.GAP)] if exact == AT_GAP else 0.0
+                links[of_link(e, c.CLOSING)] = v_exact
+                closed_link = run.ties[of_tie(e, c.BRANCH)] != OPEN
+                run.series[of_term(run, 0, e, c.V_TERM)] = v_exact if closed_link else 0.0
+    return busy, curved
 
 
-@njit(**INLINE)
-def add_forces(links, state, work, k, padded, h, kinds):
-    """Order k of every link's force, kept in `work.F` (times h^2) and added to `work.force` where the link pushes or
-    holds."""
-    count = links.size
-    row = k * padded
-    here = k * count
-    for e in range(links.number):
-        rate = 0.0
-        if state.link_branch[e] != OPEN:
-            left = work.W[row + links.left[e]]
-            right = work.W[row + links.right[e]]
-            rate = difference(left, right, work.sizes[e])
-            work.sizes[e] = max(work.sizes[e], abs(left), abs(right))
-        work.rates[here + e] = rate
-    h2 = h * h
-    law = work.law
-    for b in range(0, count, 8):
-        rate = load(work.rates, here + b)
-        v = load(work.V, here + b)
-        store(work.V, here + count + b, rate * work.reciprocal[k + 1])
-        force = load(law, b) * v * h2 + load(law, 3 * count + b) * rate * h
+@njit(**PART)
+def expand_links(run, k, after, curved, snapped):
+    """Order k of every link's force, kept in the series [N], and in `pushed` where the link pushes or holds.
+
+    `after` is h / (k + 1); `snapped`: something may be exactly zero at the step's start, and what is rounding of it
+    must not decide its sign. What waits for order k of the floors' velocities comes last: all else is computed while
+    they are."""
+    row = k * run.padded
+    links = run.links
+    series = run.series
+    for b in range(0, run.linked, 8):
+        if closed_at(run, b) == 0:
+            continue
+        here = at_term(run, k, b, 0)
+        v = load(series, here + c.V_TERM)
+        known = load(links, at_link(b, c.LINEAR_LAW)) * v
         if k == 0:
-            force = force + load(law, 2 * count + b) * h2
-        if kinds == LINKS_CUBIC:
-            cubic = load(law, count + b)
-            if k == 0:
-                square = v * v
-                third = square * v
-                slope = load(law, b) + 3.0 * cubic * square
-                root = square_root(maximum(slope, splat(1e-200)))  # an open link's slope is 0
-                store(work.half, b, 0.5 / root)
-                drag = root * rate
-            else:
-                square = splat(0.0)
-                third = splat(0.0)
-                roots = splat(0.0)
-                drag = splat(0.0)
-                for i in range(k):  # the four products' terms that need nothing of order k but v
-                    other = (k - i) * count + b
-                    v_i = load(work.V, i * count + b)
-                    root_i = load(work.root, i * count + b)
-                    square = square + v_i * load(work.V, other)
-                    third = third + load(work.square, i * count + b) * load(work.V, other)
-                    drag = drag + root_i * load(work.rates, other)
-                    if i > 0:
-                        roots = roots + root_i * load(work.root, other)
-                square = square + v * load(work.V, b)
-                third = third + square * load(work.V, b)
-                root = (3.0 * cubic * square - roots) * load(work.half, b)
-                drag = drag + root * load(work.rates, b)
-            store(work.square, here + b, square)
-            store(work.root, here + b, root)
-            force = force + cubic * third * h2 + load(law, 4 * count + b) * drag * h
-        store(work.F, here + b, force)
-    for e in range(links.number):
-        if state.link_branch[e] != OPEN and state.link_cut[e] == 0:
-            force = work.F[here + e]
-            work.force[links.left[e]] -= force
-            work.force[links.right[e]] += force
+            known = known + load(links, at_link(b, c.OFFSET_LAW))
+            store(links, at_link(b, c.DAMPING), load(links, at_link(b, c.RATE_LAW)))
+        if curved != 0:
+            known = _cubic(run, k, b, v, known)
+        damping = load(links, at_link(b, c.DAMPING))
+        applied = load(links, at_link(b, c.APPLIED))
+        known_applied = known * applied
+        damping_applied = damping * applied
+        rate = apart(run, run.W, row, b) * load(links, at_link(b, c.CLOSED))
+        if snapped:
+            rate = _exact_rate(run, row, b, rate)
+        store(run.pushed, b, fused(damping_applied, rate, known_applied))
+        force = fused(damping, rate, known)
+        store(series, here + c.RATE_TERM, rate)
+        store(series, here + c.F_TERM, force)
+        store(series, at_term(run, k + 1, b, c.V_TERM), rate * after)
+
+
+@njit(**PART)
+def _exact_rate(run, row, b, rate):
+    """`rate` of eight links, exactly zero where it is rounding (`difference`)."""
+    left = magnitude(gather(run.W, row, run.ties, at_tie(b, c.LEFT_SLOT)))
+    right = magnitude(gather(run.W, row, run.ties, at_tie(b, c.RIGHT_SLOT)))
+    size = load(run.links, at_link(b, c.SIZE))
+    store(run.links, at_link(b, c.SIZE), maximum(size, maximum(left, right)))
+    rounding = ROUNDING * (left + right) + LAST_DIGITS * size
+    return choose(greater(magnitude(rate), rounding), rate, splat(0.0))
+
+
+@njit(**PART)
+def _cubic(run, k, b, v, known):
+    """What the infill's cubic and its dashpot add to order k of the force, but for the newest rate: at k = 0 the
+    dashpot that multiplies that is set."""
+    links = run.links
+    series = run.series
+    cubic = load(links, at_link(b, c.CUBIC_LAW))
+    drop = load(links, at_link(b, c.ROOT_LAW))
+    first = at_term(run, 0, b, 0)
+    here = at_term(run, k, b, 0)
+    drag = splat(0.0)
+    if k == 0:
+        square = v * v
+        third = square * v
+        slope = fused(3.0 * cubic, square, load(links, at_link(b, c.LINEAR_LAW)))
+        root = square_root(maximum(slope, splat(1e-200)))  # an open link's slope is 0
+        store(links, at_link(b, c.HALF), 0.5 / root)
+        store(links, at_link(b, c.DAMPING), fused(drop, root, load(links, at_link(b, c.DAMPING))))
+    else:
+        v_first = load(series, first + c.V_TERM)
+        square = v * v_first
+        third = load(series, first + c.SQUARE_TERM) * v
+        square = fused(v, v_first, square)
+        roots = splat(0.0)
+        for i in range(1, k):
+            one = at_term(run, i, b, 0)
+            other = at_term(run, k - i, b, 0)
+            v_other = load(series, other + c.V_TERM)
+            root_i = load(series, one + c.ROOT_TERM)
+            square = fused(load(series, one + c.V_TERM), v_other, square)
+            third = fused(load(series, one + c.SQUARE_TERM), v_other, third)
+            drag = fused(root_i, load(series, other + c.RATE_TERM), drag)
+            roots = fused(root_i, load(series, other + c.ROOT_TERM), roots)
+        third = fused(square, v_first, third)
+        root = (3.0 * cubic * square - roots) * load(links, at_link(b, c.HALF))
+        drag = fused(root, load(series, first + c.RATE_TERM), drag)
+    store(series, here + c.SQUARE_TERM, square)
+    store(series, here + c.ROOT_TERM, root)
+    return fused(drop, drag, fused(cubic, third, known))
+
+
+@njit(**PART)
+def forces_on(run, b):
+    """What links do to the slots from place b on [N]."""
+    total = splat(0.0)
+    for row in range(0, run.rounds * run.padded, run.padded):
+        gain = gather(run.pushed, 0, run.gains, row + b)
+        total = total + gain - gather(run.pushed, 0, run.losses, row + b)
+    return total

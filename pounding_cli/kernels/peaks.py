@@ -4,168 +4,254 @@ from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.kernels.layout import INLINE, LINKS_NONE, OPEN
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels.cells import at, at_link, at_term, of, of_link, of_term, of_tie
+from pounding_cli.kernels.clock import CHANGE, END, GROUND, ORDER, PER_H, SEGMENT, H
+from pounding_cli.kernels.foundations import rocking_peaks
+from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.link_series import apart, closed_at, link_end, real_links
 from pounding_cli.kernels.polynomial import highest, value
-from pounding_cli.kernels.simd import greater, load, lowest, magnitude, maximum, minimum, splat, store
+from pounding_cli.kernels.simd import (
+    fused,
+    greater,
+    load,
+    lowest,
+    magnitude,
+    maximum,
+    minimum,
+    splat,
+    stand_alone,
+    store,
+)
+from pounding_cli.kernels.summary import drift_series
 
 
-@njit(**INLINE)
+@njit(**PART)
 def _turns(rate0, rate, stray):
-    """Lanes whose quantity may have a largest value inside the step."""
-    same = greater(rate0 * rate, splat(0.0)) & greater(minimum(magnitude(rate0), magnitude(rate)), stray)
-    return ~same
+    """Lanes whose quantity may have a largest value inside the step, by its rate at both ends and that one's stray."""
+    same = greater(rate0 * rate, splat(0.0))
+    return ~(same & greater(minimum(magnitude(rate0), magnitude(rate)), stray))
 
 
-@njit(**INLINE)
-def _drift_peaks(work, ends, peaks, padded, order, end, scratch):
-    for b in range(0, padded, 8):
-        peak = load(peaks.drift, b)
-        reach = maximum(magnitude(load(work.D, b)), magnitude(load(ends.drift, b)))
-        suspects = greater(reach + load(ends.drift_stray, b), peak)
+@njit(**PART)
+def _drift_turns(slots, b):
+    return _turns(load(slots, at(b, c.RATE0)), load(slots, at(b, c.RATE)), load(slots, at(b, c.RATE_STRAY)))
+
+
+@njit(**CALLED)
+def _drift_peak(run, i, factor, offset, best, founded):
+    """Largest |factor x drift + offset| of storey i inside the step, at least `best`."""
+    stand_alone()
+    order = run.tally[ORDER]
+    drift_series(run, run.clock[H], i, order, factor, founded)
+    run.scratch[0] += offset
+    return highest(run.scratch, order, run.clock[END], best, True)
+
+
+@njit(**PART)
+def _drift_peaks(run, founded):
+    slots = run.slots
+    for b in range(0, run.padded, 8):
+        peak = load(slots, at(b, c.MOST_DRIFT))
+        reach = maximum(magnitude(load(slots, at(b, c.DRIFT0))), magnitude(load(slots, at(b, c.DRIFT))))
+        suspects = greater(reach + load(slots, at(b, c.DRIFT_STRAY)), peak)
         if suspects != 0:
-            store(peaks.drift, b, maximum(peak, reach))
-            suspects &= _turns(load(ends.rate0, b), load(ends.rate, b), load(ends.rate_stray, b))
+            store(slots, at(b, c.MOST_DRIFT), maximum(peak, reach))
+            suspects &= _drift_turns(slots, b)
             while suspects != 0:
                 i = b + lowest(suspects)
                 suspects &= suspects - 1
-                for k in range(order + 1):
-                    scratch[k] = work.D[k * padded + i]
-                peaks.drift[i] = highest(scratch, order, end, peaks.drift[i], True)
+                best = slots[of(i, c.MOST_DRIFT)]
+                slots[of(i, c.MOST_DRIFT)] = _drift_peak(run, i, 1.0, 0.0, best, founded)
 
 
-@njit(**INLINE)
-def _shear_peaks(work, ends, peaks, padded, order, end, scratch):
-    for b in range(0, padded, 8):
-        peak = load(peaks.shear, b)
-        tangent = load(work.tangent, b)
-        offset = load(work.offset, b)
-        first = magnitude(tangent * load(work.D, b) + offset)
-        reach = maximum(first, magnitude(tangent * load(ends.drift, b) + offset))
-        suspects = greater(reach + tangent * load(ends.drift_stray, b), peak)
+@njit(**PART)
+def _shear_peaks(run, founded):
+    slots = run.slots
+    for b in range(0, run.padded, 8):
+        peak = load(slots, at(b, c.MOST_SHEAR))
+        tangent = load(slots, at(b, c.TANGENT))
+        offset = load(slots, at(b, c.OFFSET))
+        first = magnitude(fused(tangent, load(slots, at(b, c.DRIFT0)), offset))
+        reach = maximum(first, magnitude(fused(tangent, load(slots, at(b, c.DRIFT)), offset)))
+        suspects = greater(fused(tangent, load(slots, at(b, c.DRIFT_STRAY)), reach), peak)
         if suspects != 0:
-            store(peaks.shear, b, maximum(peak, reach))
-            suspects &= _turns(load(ends.rate0, b), load(ends.rate, b), load(ends.rate_stray, b))
+            store(slots, at(b, c.MOST_SHEAR), maximum(peak, reach))
+            suspects &= _drift_turns(slots, b)
             while suspects != 0:
                 i = b + lowest(suspects)
                 suspects &= suspects - 1
-                for k in range(order + 1):
-                    scratch[k] = work.tangent[i] * work.D[k * padded + i]
-                scratch[0] += work.offset[i]
-                peaks.shear[i] = highest(scratch, order, end, peaks.shear[i], True)
+                best = slots[of(i, c.MOST_SHEAR)]
+                slots[of(i, c.MOST_SHEAR)] = _drift_peak(
+                    run, i, slots[of(i, c.TANGENT)], slots[of(i, c.OFFSET)], best, founded
+                )
 
 
-@njit(**INLINE)
-def _displacement_peaks(work, ends, peaks, padded, order, end, scratch):
+@njit(**CALLED)
+def _displacement_peak(run, i, sign, best):
+    """Largest displacement of slot i times `sign` inside the step, at least `best`."""
+    stand_alone()
+    order = run.tally[ORDER]
+    step = sign * run.clock[H]
+    run.scratch[0] = sign * run.W[i - run.padded]
+    for k in range(1, order + 1):
+        run.scratch[k] = step * run.reciprocal[k] * run.W[(k - 1) * run.padded + i]
+    return highest(run.scratch, order, run.clock[END], best, False)
+
+
+@njit(**PART)
+def _displacement_peaks(run):
+    slots = run.slots
     minus = splat(-1.0)
-    for b in range(0, padded, 8):
-        first = load(work.U, b)
-        last = load(ends.u, b)
-        stray = load(ends.u_stray, b)
-        top = load(peaks.displacement_max, b)
-        bottom = load(peaks.displacement_min, b)
+    for b in range(0, run.padded, 8):
+        first = load(run.W, b - run.padded)
+        last = load(run.ends, b)
+        stray = load(run.ends, run.padded + b)
+        top = load(slots, at(b, c.TOP))
+        bottom = load(slots, at(b, c.BOTTOM))
         above = greater(maximum(first, last) + stray, top)
         below = greater(minus * minimum(first, last) + stray, minus * bottom)
         if above | below != 0:
-            store(peaks.displacement_max, b, maximum(top, maximum(first, last)))
-            store(peaks.displacement_min, b, minimum(bottom, minimum(first, last)))
-            turns = _turns(load(work.W, b), load(ends.v, b), load(ends.v_stray, b))
-            suspects = (above | below) & turns
-            while suspects != 0:
-                i = b + lowest(suspects)
-                suspects &= suspects - 1
-                for k in range(order + 1):
-                    scratch[k] = work.U[k * padded + i]
-                peaks.displacement_max[i] = highest(scratch, order, end, peaks.displacement_max[i], False)
-                for k in range(order + 1):
-                    scratch[k] = -scratch[k]
-                peaks.displacement_min[i] = -highest(scratch, order, end, -peaks.displacement_min[i], False)
+            store(slots, at(b, c.TOP), maximum(top, maximum(first, last)))
+            store(slots, at(b, c.BOTTOM), minimum(bottom, minimum(first, last)))
+            turns = _turns(load(run.W, b), load(slots, at(b, c.V_END)), load(slots, at(b, c.V_STRAY)))
+            above &= turns
+            below &= turns
+            while above != 0:
+                i = b + lowest(above)
+                above &= above - 1
+                slots[of(i, c.TOP)] = _displacement_peak(run, i, 1.0, slots[of(i, c.TOP)])
+            while below != 0:
+                i = b + lowest(below)
+                below &= below - 1
+                low = _displacement_peak(run, i, -1.0, -slots[of(i, c.BOTTOM)])
+                slots[of(i, c.BOTTOM)] = -low
 
 
-@njit(**INLINE)
-def _acceleration_peaks(work, ends, peaks, padded, order, end, scratch, h, ground, ground_slope):
-    scale = 1.0 / (h * h)
-    for b in range(0, padded, 8):
-        peak = load(peaks.acceleration, b)
-        reach = maximum(magnitude(load(ends.acceleration0, b)), magnitude(load(ends.acceleration, b))) * scale
-        suspects = greater(reach + load(ends.acceleration_stray, b) * scale, peak)
+@njit(**CALLED)
+def _acceleration_peak(run, i, best):
+    """Largest |total acceleration| of slot i inside the step, at least `best`."""
+    stand_alone()
+    order = run.tally[ORDER]
+    per_h = run.clock[PER_H]
+    number = per_h
+    for k in range(order):
+        run.scratch[k] = number * run.W[(k + 1) * run.padded + i]
+        number += per_h
+    run.scratch[0] += run.clock[GROUND]
+    run.scratch[1] += run.clock[CHANGE]
+    return highest(run.scratch, order - 1, run.clock[END], best, True)
+
+
+@njit(**PART)
+def _acceleration_peaks(run):
+    slots = run.slots
+    for b in range(0, run.padded, 8):
+        peak = load(slots, at(b, c.MOST_PULL))
+        reach = maximum(magnitude(load(slots, at(b, c.PULL0))), magnitude(load(slots, at(b, c.PULL))))
+        suspects = greater(reach + load(slots, at(b, c.PULL_STRAY)), peak)
         if suspects != 0:
-            store(peaks.acceleration, b, maximum(peak, reach))
-            jerk0 = load(work.W, 2 * padded + b) * 2.0 + ground_slope
-            suspects &= _turns(jerk0, load(ends.jerk, b), load(ends.jerk_stray, b))
+            store(slots, at(b, c.MOST_PULL), maximum(peak, reach))
             while suspects != 0:
                 i = b + lowest(suspects)
                 suspects &= suspects - 1
-                for k in range(order):
-                    scratch[k] = (k + 1) * work.W[(k + 1) * padded + i] * scale
-                scratch[0] += ground * scale
-                scratch[1] += ground_slope * scale
-                peaks.acceleration[i] = highest(scratch, order - 1, end, peaks.acceleration[i], True)
+                best = slots[of(i, c.MOST_PULL)]
+                slots[of(i, c.MOST_PULL)] = _acceleration_peak(run, i, best)
 
 
-@njit(**INLINE)
-def watch(work, ends, peaks, padded, segment):
+@njit(**CALLED)
+def watch(run, top, bottom):
     """Widen the bounds of the displacements in a segment by what this step may reach."""
-    for b in range(0, padded, 8):
-        row = segment * padded + b
-        first = load(work.U, b)
-        last = load(ends.u, b)
-        stray = load(ends.u_stray, b)
-        store(peaks.top, row, maximum(load(peaks.top, row), maximum(first, last) + stray))
-        store(peaks.bottom, row, minimum(load(peaks.bottom, row), minimum(first, last) - stray))
+    stand_alone()
+    for b in range(0, run.padded, 8):
+        row = run.tally[SEGMENT] * run.padded + b
+        first = load(run.W, b - run.padded)
+        last = load(run.ends, b)
+        stray = load(run.ends, run.padded + b)
+        store(top, row, maximum(load(top, row), maximum(first, last) + stray))
+        store(bottom, row, minimum(load(bottom, row), minimum(first, last) - stray))
 
 
-@njit(**INLINE)
-def _rocking_peaks(feet, work, peaks, order, end, scratch):
-    count = feet.number
-    for f in range(count):
-        for k in range(order + 1):
-            scratch[k] = work.phi_D[k * count + f]
-        peaks.rocking[f] = max(peaks.rocking[f], abs(scratch[0]), abs(value(scratch, order, end)))
-        peaks.rocking[f] = highest(scratch, order, end, peaks.rocking[f], True)
+@njit(**CALLED)
+def _closing_peak(run, e, best):
+    """Largest closing of link e inside the step, at least `best`."""
+    stand_alone()
+    order = run.tally[ORDER]
+    h = run.clock[H]
+    left = run.ties[of_tie(e, c.LEFT_SLOT)]
+    right = run.ties[of_tie(e, c.RIGHT_SLOT)]
+    run.scratch[0] = run.W[left - run.padded] - run.W[right - run.padded]
+    for k in range(1, order + 1):
+        row = (k - 1) * run.padded
+        run.scratch[k] = h * run.reciprocal[k] * (run.W[row + left] - run.W[row + right])
+    return highest(run.scratch, order, run.clock[END], best, False)
 
 
-@njit(**INLINE)
-def _link_peaks(links, state, work, ends, peaks, padded, order, end, scratch, h):
-    scale = 1.0 / (h * h)
-    count = links.size
-    for e in range(links.number):
-        left = links.left[e]
-        right = links.right[e]
-        reach = max(work.U[left] - work.U[right], ends.u[left] - ends.u[right])
-        if reach + ends.u_stray[left] + ends.u_stray[right] > peaks.closing[e]:
-            for k in range(order + 1):
-                scratch[k] = work.U[k * padded + left] - work.U[k * padded + right]
-            peaks.closing[e] = highest(scratch, order, end, max(peaks.closing[e], reach), False)
-        if state.link_branch[e] == OPEN or state.link_cut[e] == 1:
+@njit(**CALLED)
+def _force_peak(run, e, best):
+    """Largest |force| of link e inside the step, at least `best`."""
+    stand_alone()
+    order = run.tally[ORDER]
+    end = run.clock[END]
+    for k in range(order):
+        run.scratch[k] = run.series[of_term(run, k, e, c.F_TERM)]
+    best = max(best, abs(run.scratch[0]), abs(value(run.scratch, order - 1, end)))
+    return highest(run.scratch, order - 1, end, best, True)
+
+
+@njit(**PART)
+def _link_peaks(run, order, busy):
+    links = run.links
+    end = splat(run.clock[END])
+    duration = splat(run.clock[H]) * end
+    for b in range(0, run.linked, 8):
+        first = apart(run, run.W, -run.padded, b)
+        last, stray = link_end(run, b)
+        peak = load(links, at_link(b, c.MOST_CLOSING))
+        reach = maximum(first, last)
+        suspects = greater(reach + stray, peak) & real_links(run, b)
+        if suspects != 0:
+            store(links, at_link(b, c.MOST_CLOSING), maximum(peak, reach))
+            while suspects != 0:
+                e = b + lowest(suspects)
+                suspects &= suspects - 1
+                best = links[of_link(e, c.MOST_CLOSING)]
+                links[of_link(e, c.MOST_CLOSING)] = _closing_peak(run, e, best)
+        if busy == 0 or closed_at(run, b) == 0:
             continue
-        power = end
-        impulse = 0.0
-        reach = 0.0
-        for k in range(order):
-            force = work.F[k * count + e] * scale
-            scratch[k] = force
-            impulse += force * power * work.reciprocal[k + 1]
-            power *= end
-            reach += abs(force)
-        peaks.impulse[e] += impulse * h
-        peaks.contact_time[e] += end * h
-        if reach > peaks.force[e]:
-            reach = max(abs(scratch[0]), abs(value(scratch, order - 1, end)))
-            peaks.force[e] = highest(scratch, order - 1, end, max(peaks.force[e], reach), True)
+        applied = load(links, at_link(b, c.APPLIED))
+        impulse = splat(0.0)
+        last = splat(0.0)
+        stray = splat(0.0)
+        number = order - 1.0
+        for k in range(order - 1, -1, -1):
+            force = load(run.series, at_term(run, k, b, c.F_TERM))
+            impulse = fused(impulse, end, force * run.reciprocal[k + 1])
+            last = fused(last, end, force)
+            stray = fused(magnitude(force), number * (number - 1.0), stray)
+            number -= 1.0
+        first = load(run.series, at_term(run, 0, b, c.F_TERM))
+        reach = maximum(magnitude(first), magnitude(last)) + 0.125 * stray
+        held = duration * applied
+        store(links, at_link(b, c.IMPULSE), fused(impulse, held, load(links, at_link(b, c.IMPULSE))))
+        store(links, at_link(b, c.CONTACT), load(links, at_link(b, c.CONTACT)) + held)
+        suspects = greater(reach * applied, load(links, at_link(b, c.MOST_FORCE)))
+        while suspects != 0:
+            e = b + lowest(suspects)
+            suspects &= suspects - 1
+            best = links[of_link(e, c.MOST_FORCE)]
+            links[of_link(e, c.MOST_FORCE)] = _force_peak(run, e, best)
 
 
-@njit(**INLINE)
-def track(
-    feet, links, state, work, ends, peaks, padded, order, end, scratch, h, ground, ground_slope,
-    inelastic, founded, kinds,
-):  # fmt: skip
-    """Raise every peak that this step, up to s = `end`, exceeds; `ground` and `ground_slope` as in `summarise`."""
-    _drift_peaks(work, ends, peaks, padded, order, end, scratch)
+@njit(**PART)
+def track(run, feet, order, busy, inelastic, founded):
+    """Raise every peak that this step, up to s = END, exceeds; `order` is the series'."""
+    _drift_peaks(run, founded)
     if inelastic:
-        _shear_peaks(work, ends, peaks, padded, order, end, scratch)
-    _displacement_peaks(work, ends, peaks, padded, order, end, scratch)
-    _acceleration_peaks(work, ends, peaks, padded, order, end, scratch, h, ground, ground_slope)
+        _shear_peaks(run, founded)
+    _displacement_peaks(run)
+    _acceleration_peaks(run)
     if founded:
-        _rocking_peaks(feet, work, peaks, order, end, scratch)
-    if kinds != LINKS_NONE:
-        _link_peaks(links, state, work, ends, peaks, padded, order, end, scratch, h)
+        rocking_peaks(run, feet)
+    if run.number > 0:
+        _link_peaks(run, order, busy)

@@ -9,31 +9,45 @@ import math
 
 from numba import njit
 
-from pounding_cli.kernels.layout import OPTIONS
+from pounding_cli.kernels.layout import CALLED
+from pounding_cli.kernels.simd import (
+    from_left,
+    fused,
+    greater,
+    lowest,
+    maximum,
+    minimum,
+    ramp,
+    splat,
+    stand_alone,
+)
+
+FLAT = 1e-6
+"""How far from a place with no slope [-] the slope is looked at: its values differ by the square of it."""
 
 NEVER = 2.0
 """Returned when there is no crossing: later than any step."""
 
 
-@njit(**OPTIONS)
+@njit(**CALLED)
 def value(c, n, s):
     """The polynomial at s (Horner)."""
     total = c[n]
     for k in range(n - 1, -1, -1):
-        total = total * s + c[k]
+        total = fused(total, s, c[k])
     return total
 
 
-@njit(**OPTIONS)
+@njit(**CALLED)
 def slope(c, n, s):
     """The derivative at s."""
     total = n * c[n]
     for k in range(n - 1, 0, -1):
-        total = total * s + k * c[k]
+        total = fused(total, s, k * c[k])
     return total
 
 
-@njit(**OPTIONS)
+@njit(**CALLED)
 def first_crossing(c, n, end):
     """First s in [0, end] where the polynomial stops being positive, or NEVER.
 
@@ -42,6 +56,7 @@ def first_crossing(c, n, end):
     is negative the answer is 0. From there the search marches: with |p''| <= M on the interval,
     p(s + x) >= p + p' x - M x^2 / 2, whose first zero is never beyond the root and closes in on it quadratically.
     """
+    stand_alone()
     first = 0
     while first <= n and c[first] == 0.0:
         first += 1
@@ -58,8 +73,9 @@ def first_crossing(c, n, end):
     bound = 0.0
     bend = 0.0
     power = 1.0  # end^(j - 1)
+    j = 0.0
     for k in range(first + 1, n + 1):
-        j = k - first
+        j += 1.0
         term = c[k] * power
         sloped = j * term
         last += term * end
@@ -78,9 +94,10 @@ def first_crossing(c, n, end):
     return _march(c, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size)
 
 
-@njit(**OPTIONS)
+@njit(**CALLED)
 def _simple_root(c, first, n, end, start, last):
     """The only root of a monotone polynomial that is positive at 0 and not at `end`: Newton kept inside a bracket."""
+    stand_alone()
     low = 0.0
     high = end
     s = end * start / (start - last)
@@ -88,8 +105,8 @@ def _simple_root(c, first, n, end, start, last):
         p = c[n]
         d = 0.0
         for k in range(n - 1, first - 1, -1):
-            d = d * s + p
-            p = p * s + c[k]
+            d = fused(d, s, p)
+            p = fused(p, s, c[k])
         if p > 0.0:
             low = s
         else:
@@ -103,16 +120,17 @@ def _simple_root(c, first, n, end, start, last):
     return s
 
 
-@njit(**OPTIONS)
+@njit(**CALLED)
 def _march(c, first, n, end, bound, floor):
     """The first root by steps that never pass one; |p''| <= bound."""
+    stand_alone()
     s = 0.0
     for _ in range(400):
         p = c[n]
         d = 0.0
         for k in range(n - 1, first - 1, -1):
-            d = d * s + p
-            p = p * s + c[k]
+            d = fused(d, s, p)
+            p = fused(p, s, c[k])
         if p <= floor:
             return s
         root = math.sqrt(d * d + 2.0 * bound * p)
@@ -125,17 +143,18 @@ def _march(c, first, n, end, bound, floor):
     return s
 
 
-@njit(**OPTIONS)
+@njit(**CALLED)
 def _turn(c, n, low, high, slope_low, slope_high):
     """The polynomial where its derivative, which changes sign between low and high, is zero: Newton in a bracket."""
+    stand_alone()
     s = low + (high - low) * slope_low / (slope_low - slope_high)
     rising = slope_low > 0.0
     for _ in range(60):
         d = n * c[n]
         dd = 0.0
         for k in range(n - 1, 0, -1):
-            dd = dd * s + d
-            d = d * s + k * c[k]
+            dd = fused(dd, s, d)
+            d = fused(d, s, k * c[k])
         if (d > 0.0) == rising:
             low = s
         else:
@@ -150,40 +169,60 @@ def _turn(c, n, low, high, slope_low, slope_high):
     return value(c, n, s)
 
 
-@njit(**OPTIONS)
+@njit(**CALLED)
 def highest(c, n, end, best, absolute):
-    """The larger of `best` and the largest p, or |p| if `absolute`, inside [0, end]; the ends are in `best` already."""
+    """The larger of `best` and the largest p, or |p| if `absolute`, inside [0, end]; the ends are in `best` already.
+
+    A slope that provably keeps its sign has no peak. Otherwise the interval is looked at in eight pieces: a piece holds
+    a peak worth finding if the slope changes its sign there and the values at its ends, with what p can rise above
+    the straight line between them, exceed `best`.
+    """
+    stand_alone()
     if n < 2 or end <= 0.0:
         return best
     first = c[1]
-    second = 2.0 * c[2]
     last = first
-    second_last = 0.0
-    bend = 0.0  # how far p' can stray from the straight line between its ends
-    twist = 0.0  # the same for p''
+    bent = 0.0  # largest |p''| end
+    bend = 0.0  # how far p' can stray from the straight line between its ends, eight times
     power = 1.0
+    number = 2.0
     for k in range(2, n + 1):
-        sloped = k * c[k] * power
-        bent = (k - 1) * sloped
-        last += sloped * end
-        second_last += bent
-        size = (k - 2) * abs(bent)
-        bend += size
-        twist += (k - 3) * size if k > 3 else 0.0
+        sloped = number * (c[k] * power)
+        size = (number - 1.0) * abs(sloped)
+        last = fused(sloped, end, last)
+        bent += size
+        bend = fused(number - 2.0, size, bend)
         power *= end
+        number += 1.0
     if first * last > 0.0 and min(abs(first), abs(last)) > 0.125 * bend * end:
         return best
-    pieces = 16  # without proof of a single turning point look at pieces, each with its own end slopes
-    if second * second_last > 0.0 and min(abs(second), abs(second_last)) > 0.125 * twist:
-        pieces = 1
-    low = 0.0
-    slope_low = first
-    for piece in range(1, pieces + 1):
-        high = end * piece / pieces
-        slope_high = slope(c, n, high) if piece < pieces else last
+    s = (ramp() + 1.0) * (end / 8.0)
+    p = splat(c[n])
+    d = splat(0.0)
+    for k in range(n - 1, -1, -1):
+        d = fused(d, s, p)
+        p = fused(p, s, splat(c[k]))
+    p_before = from_left(splat(c[0]), p)
+    d_before = from_left(splat(first), d)
+    reach = maximum(p_before, p)
+    if absolute:
+        reach = maximum(reach, splat(0.0) - minimum(p_before, p))
+    rise = splat(bent * end / 512.0)  # an eighth of the piece's length squared
+    pieces = ~greater(d_before * d, splat(0.0)) & greater(reach + rise, splat(best))
+    while pieces != 0:
+        piece = lowest(pieces)
+        pieces &= pieces - 1
+        low = end * piece / 8.0
+        high = end * (piece + 1) / 8.0
+        slope_low = slope(c, n, low)
+        slope_high = slope(c, n, high)
+        if slope_low == 0.0:  # the turn is not the one that the piece begins with: look behind it
+            low += FLAT * end
+            slope_low = slope(c, n, low)
+        found = value(c, n, high)
         if slope_low * slope_high < 0.0:
             found = _turn(c, n, low, high, slope_low, slope_high)
-            best = max(best, abs(found) if absolute else found)
-        low = high
-        slope_low = slope_high
+        elif slope_high != 0.0:
+            continue
+        best = max(best, abs(found) if absolute else found)
     return best

@@ -2,9 +2,10 @@
 mathematics.
 
 LLVM maps one `Vec` to one AVX-512 register, two AVX2 registers or four NEON/SSE registers; nothing here depends on
-which. Kernels reach memory through plain pointers (`pointer`), not numpy arrays: an array drags its reference count
-through every call and every field of a tuple, and that costs more than the arithmetic of a small scene. Whoever
-calls a kernel keeps the arrays alive."""
+which. Multiplications and additions are fused only where `fused` says so, never by the compiler's choice: the same
+text gives the same bits wherever it is used. Kernels reach memory through plain pointers (`pointer`), not numpy
+arrays: an array drags its reference count through every call and every field of a tuple, and that costs more than the
+arithmetic of a small scene. Whoever calls a kernel keeps the arrays alive."""
 
 from __future__ import annotations
 
@@ -17,7 +18,6 @@ from numba.extending import intrinsic, models, overload, register_model
 LANES = 8
 _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
-_FAST = ("contract",)  # fused multiply-add allowed; nothing else is reordered
 
 
 class _VecType(types.Type):
@@ -105,6 +105,16 @@ def splat(typingctx, scalar):
     return vec(scalar), codegen
 
 
+@intrinsic
+def ramp(typingctx):
+    """0, 1, ... 7."""
+
+    def codegen(context, builder, signature, args):
+        return ir.Constant(_VECTOR, [float(lane) for lane in range(LANES)])
+
+    return vec(), codegen
+
+
 def _shuffle(offset, doc):
     @intrinsic
     def shuffle(typingctx, first, second):
@@ -188,15 +198,76 @@ def lowest(typingctx, bits):
     return types.int64(types.int64), codegen
 
 
+def _widen(context, builder, value, kind):
+    return value if kind == vec else _splat(builder, context.cast(builder, value, kind, types.float64))
+
+
+@intrinsic
+def fused(typingctx, first, second, third):
+    """first * second + third with one rounding; element by element where one of them is a vector."""
+    wide = vec in (first, second, third)
+
+    def codegen(context, builder, signature, args):
+        if wide:
+            values = [_widen(context, builder, v, t) for v, t in zip(args, signature.args, strict=True)]
+        else:
+            values = [context.cast(builder, v, t, types.float64) for v, t in zip(args, signature.args, strict=True)]
+        sort, name = (_VECTOR, f"v{LANES}f64") if wide else (_DOUBLE, "f64")
+        kind = ir.FunctionType(sort, [sort] * 3)
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.{name}"), values)
+
+    return (vec if wide else types.float64)(first, second, third), codegen
+
+
+@intrinsic
+def choose(typingctx, bits, first, second):
+    """Element i of `first` where bit i is set, else that of `second`."""
+    if first != vec or second != vec:
+        return None
+
+    def codegen(context, builder, signature, args):
+        mask = builder.trunc(args[0], ir.IntType(LANES))
+        return builder.select(builder.bitcast(mask, ir.VectorType(ir.IntType(1), LANES)), args[1], args[2])
+
+    return vec(types.int64, vec, vec), codegen
+
+
+@intrinsic
+def gather(typingctx, place, start, index, first):
+    """The eight elements place[start + index[first + i]], i from 0 to 7; no bounds are checked."""
+    if not (isinstance(place, types.CPointer) and isinstance(index, types.CPointer)):
+        return None
+
+    def codegen(context, builder, signature, args):
+        row, begin = (context.cast(builder, args[j], signature.args[j], types.intp) for j in (1, 3))
+        base, numbers = builder.gep(args[0], [row]), builder.gep(args[2], [begin])
+        value = ir.Constant(_VECTOR, ir.Undefined)
+        for lane in range(LANES):
+            number = builder.load(builder.gep(numbers, [ir.Constant(ir.IntType(64), lane)]))
+            element = builder.load(builder.gep(base, [number]))
+            value = builder.insert_element(value, element, ir.Constant(ir.IntType(32), lane))
+        return value
+
+    return vec(place, start, index, first), codegen
+
+
+@intrinsic
+def stand_alone(typingctx):
+    """Called in a function: that function is compiled once and called, not copied to where it is used."""
+
+    def codegen(context, builder, signature, args):
+        builder.function.attributes.add("noinline")
+        return context.get_dummy_value()
+
+    return types.void(), codegen
+
+
 def _binary(operation, emit):
     @intrinsic
     def apply(typingctx, first, second):
-        def widen(context, builder, value, kind):
-            return value if kind == vec else _splat(builder, context.cast(builder, value, kind, types.float64))
-
         def codegen(context, builder, signature, args):
-            a, b = (widen(context, builder, v, t) for v, t in zip(args, signature.args, strict=True))
-            return getattr(builder, emit)(a, b, flags=_FAST)
+            a, b = (_widen(context, builder, v, t) for v, t in zip(args, signature.args, strict=True))
+            return getattr(builder, emit)(a, b)
 
         return vec(first, second), codegen
 

@@ -6,120 +6,137 @@ both ends, and there exceeds the rate's stray, is monotone: its largest value st
 
 from __future__ import annotations
 
-from collections import namedtuple
-
 from numba import njit
 
-from pounding_cli.kernels.layout import INLINE
-from pounding_cli.kernels.simd import from_left, load, magnitude, splat, store
-
-Ends = namedtuple(
-    "Ends",
-    "u v drift rate0 rate acceleration0 acceleration jerk "
-    "u_stray v_stray drift_stray rate_stray acceleration_stray jerk_stray",
-)
-"""Per slot, shape (padded,), in units of s: displacement, velocity, drift, drift rate, total acceleration and jerk
-at the step's end (with 0: at its start), and strays."""
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels.cells import at, of
+from pounding_cli.kernels.clock import CHANGE, END, GROUND, PER_H, H
+from pounding_cli.kernels.foundations import end_feet
+from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.simd import from_left, fused, load, magnitude, splat, stand_alone, store
 
 
-@njit(**INLINE)
-def summarise(slots, work, ends, padded, order, ground, ground_slope, founded):
-    """Fill `ends` and the drift's coefficients; `ground` and `ground_slope` are h^2 a_g at s = 0 and its change."""
+@njit(**PART)
+def summarise(run, feet, order, founded):
+    """Displacement, velocity, drift, drift rate and total acceleration (pull) of every slot at the step's end, the last
+    three at its start too, and strays."""
+    padded = run.padded
+    slots = run.slots
+    h = splat(run.clock[H])
+    per_h = splat(run.clock[PER_H])
+    ground = splat(run.clock[GROUND])
+    ground_end = ground + splat(run.clock[CHANGE])
+    eighth = h * 0.125
     for b in range(0, padded, 8):
-        couple = load(slots.couple, b)
-        u = splat(0.0)
+        couple = load(slots, at(b, c.COUPLE))
+        travel = splat(0.0)
         v = splat(0.0)
-        drift = splat(0.0)
-        acceleration = splat(ground + ground_slope)
-        jerk = splat(ground_slope)
-        u_stray = splat(0.0)
-        v_stray = splat(0.0)
-        drift_stray = splat(0.0)
+        pull = splat(0.0)
+        bend = splat(0.0)
+        drift_bend = splat(0.0)
         rate_stray = splat(0.0)
-        acceleration_stray = splat(0.0)
-        jerk_stray = splat(0.0)
+        v_stray = splat(0.0)
+        pull_stray = splat(0.0)
+        number = 0.0
         for k in range(order + 1):
             row = k * padded + b
-            curve = work.curve[k]
-            twist = work.twist[k]
-            term = load(work.U, row)
-            size = magnitude(term)
-            below = load(work.U, row - 8) if b > 0 else splat(0.0)
-            u = u + term
-            u_stray = u_stray + size * curve
-            v_stray = v_stray + size * twist
-            term = term - couple * from_left(below, term)
+            w = load(run.W, row)
+            rate = w - couple * from_left(load(run.W, row - 8), w)
             if founded:
-                term = term - load(work.tilt, row)
-            store(work.D, row, term)
+                rate = rate - load(run.tilt, row + padded)
+            travel = fused(w, run.reciprocal[k + 1], travel)
+            v = v + w
+            term = w * number
+            pull = pull + term
             size = magnitude(term)
-            drift = drift + term
-            drift_stray = drift_stray + size * curve
-            rate_stray = rate_stray + size * twist
-            term = load(work.W, row)
-            v = v + term
-            if k > 0:
-                term = term * (1.0 * k)
-                size = magnitude(term)
-                acceleration = acceleration + term
-                jerk = jerk + term * (k - 1.0)
-                acceleration_stray = acceleration_stray + size * work.curve[k - 1]
-                jerk_stray = jerk_stray + size * work.twist[k - 1]
-        store(ends.u, b, u)
-        store(ends.v, b, v)
-        store(ends.drift, b, drift)
-        store(ends.acceleration0, b, load(work.W, padded + b) + ground)
-        store(ends.acceleration, b, acceleration)
-        store(ends.jerk, b, jerk)
-        store(ends.u_stray, b, u_stray)
-        store(ends.v_stray, b, v_stray)
-        store(ends.drift_stray, b, drift_stray)
-        store(ends.rate_stray, b, rate_stray)
-        store(ends.acceleration_stray, b, acceleration_stray)
-        store(ends.jerk_stray, b, jerk_stray)
-    _drift_rates(slots, work, ends, padded, order, founded)
+            bend = bend + size
+            v_stray = fused(size, number - 1.0, v_stray)
+            pull_stray = fused(size, (number - 1.0) * (number - 2.0), pull_stray)
+            size = magnitude(rate * number)
+            drift_bend = drift_bend + size
+            rate_stray = fused(size, number - 1.0, rate_stray)
+            number += 1.0
+        store(run.ends, b, fused(travel, h, load(run.W, b - padded)))
+        store(slots, at(b, c.V_END), v)
+        store(slots, at(b, c.PULL0), fused(load(run.W, padded + b), per_h, ground))
+        store(slots, at(b, c.PULL), fused(pull, per_h, ground_end))
+        store(run.ends, padded + b, bend * eighth)
+        store(slots, at(b, c.DRIFT_STRAY), drift_bend * eighth)
+        store(slots, at(b, c.RATE_STRAY), rate_stray * 0.125)
+        store(slots, at(b, c.V_STRAY), v_stray * 0.125)
+        store(slots, at(b, c.PULL_STRAY), pull_stray * (per_h * 0.125))
+    _drifts(run)
+    if founded:
+        end_feet(run, feet, 1.0)
 
 
-@njit(**INLINE)
-def _drift_rates(slots, work, ends, padded, order, founded):
-    """Drift rates at both ends; with a rocking foundation they are left unknown, so that nothing is excluded by
-    them."""
-    v_left = splat(0.0)
-    w_left = splat(0.0)
+@njit(**PART)
+def _drifts(run):
+    """Differences of displacement and velocity between each slot and the one below it, at both ends of the step."""
+    slots = run.slots
+    zero = splat(0.0)
+    u0_left, v0_left, u_left, v_left = zero, zero, zero, zero
+    for b in range(0, run.padded, 8):
+        couple = load(slots, at(b, c.COUPLE))
+        u0 = load(run.W, b - run.padded)
+        v0 = load(run.W, b)
+        u = load(run.ends, b)
+        v = load(slots, at(b, c.V_END))
+        store(slots, at(b, c.DRIFT0), u0 - couple * from_left(u0_left, u0))
+        store(slots, at(b, c.RATE0), v0 - couple * from_left(v0_left, v0))
+        store(slots, at(b, c.DRIFT), u - couple * from_left(u_left, u))
+        store(slots, at(b, c.RATE), v - couple * from_left(v_left, v))
+        u0_left, v0_left, u_left, v_left = u0, v0, u, v
+
+
+@njit(**CALLED)
+def stop_at(run, feet, order, founded):
+    """Replace what stands for s = 1 by the values at END, where an event was found; the strays stay bounds."""
+    stand_alone()
+    padded = run.padded
+    slots = run.slots
+    s = splat(run.clock[END])
+    hs = splat(run.clock[H]) * s
+    per_h = splat(run.clock[PER_H])
+    ground = fused(splat(run.clock[CHANGE]), s, splat(run.clock[GROUND]))
     for b in range(0, padded, 8):
-        couple = load(slots.couple, b)
-        v = load(ends.v, b)
-        w = load(work.W, b)
-        store(ends.rate, b, v - couple * from_left(v_left, v))
-        store(ends.rate0, b, w - couple * from_left(w_left, w))
-        v_left = v
-        w_left = w
-        if founded:
-            store(ends.rate_stray, b, splat(1e300))
-
-
-@njit(**INLINE)
-def stop_at(slots, work, ends, padded, order, s, ground, ground_slope, founded):
-    """Replace what stands in `ends` for s = 1 by the values at s < 1, where an event was found; the strays stay
-    bounds."""
-    for b in range(0, padded, 8):
-        u = splat(0.0)
+        travel = splat(0.0)
         v = splat(0.0)
-        drift = splat(0.0)
-        acceleration = splat(0.0)
-        jerk = splat(0.0)
-        for k in range(order, -1, -1):
-            u = u * s + load(work.U, k * padded + b)
-            term = load(work.W, k * padded + b)
-            v = v * s + term
-            drift = drift * s + load(work.D, k * padded + b)
-            if k > 0:
-                acceleration = acceleration * s + term * (1.0 * k)
-            if k > 1:
-                jerk = jerk * s + term * (k * (k - 1.0))
-        store(ends.u, b, u)
-        store(ends.v, b, v)
-        store(ends.drift, b, drift)
-        store(ends.acceleration, b, acceleration + (ground + ground_slope * s))
-        store(ends.jerk, b, jerk + ground_slope)
-    _drift_rates(slots, work, ends, padded, order, founded)
+        pull = splat(0.0)
+        number = 1.0 * order
+        for k in range(order, 0, -1):
+            w = load(run.W, k * padded + b)
+            travel = fused(travel, s, w * run.reciprocal[k + 1])
+            v = fused(v, s, w)
+            pull = fused(pull, s, w * number)
+            number -= 1.0
+        w = load(run.W, b)
+        travel = fused(travel, s, w)
+        v = fused(v, s, w)
+        u = fused(travel, hs, load(run.W, b - padded))
+        store(run.ends, b, u)
+        store(slots, at(b, c.V_END), v)
+        store(slots, at(b, c.PULL), fused(pull, per_h, ground))
+    _drifts(run)
+    if founded:
+        end_feet(run, feet, run.clock[END])
+
+
+@njit(**PART)
+def rate_term(run, k, i, founded):
+    """Coefficient k of the drift rate of storey i [m/s]."""
+    row = k * run.padded + i
+    term = run.W[row]
+    if run.slots[of(i, c.COUPLE)] != 0.0:
+        term -= run.W[row - 1]
+    if founded:
+        term -= run.tilt[row + run.padded]
+    return term
+
+
+@njit(**PART)
+def drift_series(run, h, i, order, factor, founded):
+    """`factor` times the coefficients of storey i's drift, into `scratch`."""
+    run.scratch[0] = factor * run.slots[of(i, c.DRIFT0)]
+    for k in range(1, order + 1):
+        run.scratch[k] = factor * h * run.reciprocal[k] * rate_term(run, k - 1, i, founded)

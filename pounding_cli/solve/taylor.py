@@ -8,14 +8,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pounding_cli.kernels import layout
 from pounding_cli.kernels.ledger import MOST_POINTS
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
+from pounding_cli.solve.method import real_slots
 
-SAFETY = 0.2
+SAFETY = 0.5
 """Local tolerance (relative, of acceleration) over the accuracy asked. Ordinary scenes come out hundreds of times
 better than asked; this is for the hard ones, where thousands of contacts hand errors on (tests/hard)."""
 
@@ -28,23 +28,19 @@ COARSEST = 1e-4
 """No series is cut shorter than this, whatever is asked: events would be found where there are none, to save little."""
 
 
-Variant = tuple[bool, bool, int]
-EVERYTHING: Variant = (True, True, layout.LINKS_CUBIC)
-"""The kernel with every effect there is."""
-
-
-def variant(scene: Scene) -> Variant:
-    """Which effects the compiled kernel must contain: (storeys yield, foundations, link laws)."""
-    effects = effects_of(scene)
-    laws = layout.LINKS_CUBIC if effects.infill else layout.LINKS_LINEAR if effects.contact else layout.LINKS_NONE
-    return effects.yielding, effects.foundations, laws
-
-
 @functools.cache
 def gauss_rules(most: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes and weights on [0, 1] of all rules up to `most` points, one after the other."""
-    rules = [np.polynomial.legendre.leggauss(n) for n in range(1, most + 1)]
-    return np.concatenate([(x + 1) / 2 for x, _ in rules]), np.concatenate([w / 2 for _, w in rules])
+    """Gauss-Legendre nodes and weights on [0, 1] of all rules up to `most` points: rule n in row n, zeros beyond it."""
+    nodes, weights = np.zeros((most + 1, most)), np.zeros((most + 1, most))
+    for n in range(1, most + 1):
+        x, w = np.polynomial.legendre.leggauss(n)
+        nodes[n, :n], weights[n, :n] = (x + 1) / 2, w / 2
+    return nodes, weights
+
+
+def local_tolerance(accuracy: float) -> float:
+    """What a series may leave out, relative to the acceleration [-]."""
+    return min(max(accuracy * SAFETY, 1e-16), COARSEST)
 
 
 def most_order(tolerance: float) -> int:
@@ -65,24 +61,35 @@ def quiet_acceleration(scene: Scene, arrays: Arrays, state) -> float:
     return max(float(pulls.max()), float(np.abs(state.v).max()))
 
 
+def most_standing(slots: int, links: int) -> int:
+    """Events in a row without time going on that are too many."""
+    return 20 + 4 * (slots + links)
+
+
 def prepare(
-    scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], kernel_of: Variant | None = None
+    scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], everything: bool = False
 ) -> Callable[..., tuple[int, int, int, int, float]]:
     """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
     last three as in `ground.segments`. Called again it goes on from the state it left; see `kernels.taylor.build`.
-    The kernel contains what the scene needs, or what `kernel_of` says."""
+    It does what the scene needs, or looks for everything there is."""
     from pounding_cli.kernels import taylor
 
-    tolerance = min(max(accuracy * SAFETY, 1e-16), COARSEST)
-    room = aligned(taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size))
-    kernel, rules = taylor.build(*(kernel_of or variant(scene))), gauss_rules(MOST_POINTS)
-    settings = tolerance, quiet_acceleration(scene, arrays, state), most_order(tolerance), *bounds
+    tolerance = local_tolerance(accuracy)
+    doubles, whole = taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size)
+    room, integers = aligned(doubles), np.zeros(whole, np.int64)
+    kernel, rules = taylor.build(), gauss_rules(MOST_POINTS)
+    inelastic = everything or effects_of(scene).yielding
+    quiet = quiet_acceleration(scene, arrays, state)
+    standing = most_standing(real_slots(arrays), arrays.links.number)
+    settings = inelastic, tolerance, quiet, most_order(tolerance), *bounds, standing
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float):
         room.fill(0.0)
+        integers.fill(0)
         return kernel(
-            arrays.slots, arrays.feet, arrays.links, state, peaks, ledger, *rules, room, starts, slopes, dt, *settings
-        )
+            arrays.slots, arrays.feet, arrays.links, state, peaks, ledger, *rules, room, integers, starts, slopes, dt,
+            *settings,
+        )  # fmt: skip
 
     return run
 
@@ -97,5 +104,5 @@ def integrate(
 def integrate_everything(
     scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds: tuple[int, int]
 ) -> tuple[int, int, int, int, float]:
-    """The same with the kernel that contains every effect, whether or not the scene calls for it."""
-    return prepare(scene, arrays, state, accuracy, bounds, EVERYTHING)(state, peaks, ledger, *segments(scene))
+    """The same looking for every effect, whether or not the scene calls for it."""
+    return prepare(scene, arrays, state, accuracy, bounds, everything=True)(state, peaks, ledger, *segments(scene))

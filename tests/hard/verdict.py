@@ -16,7 +16,6 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve import Response, solve
 from pounding_cli.solve.assess import change
 from pounding_cli.solve.groups import GroupSolver
-from pounding_cli.solve.taylor import variant
 from pounding_cli.study import expand, load_study
 
 BOUNDS = (2_000, 2_000)
@@ -41,7 +40,6 @@ class Tally:
     worst_residual: float = 0.0
     over: int = 0
     slowest: float = 0.0
-    compiled: set = field(default_factory=set)
 
 
 def closes_to(accuracy: float) -> float:
@@ -104,12 +102,9 @@ def faults_in(path: Path, tally: Tally) -> list[str]:
                 tally.scenes += 1
                 response = solvers.setdefault(accuracy, _grouped(accuracy))(scene)
                 tally.outcomes[response.status] += 1
-                kernel = variant(scene)
-                if kernel in tally.compiled:
-                    tally.slowest = max(tally.slowest, response.seconds)
-                    if response.seconds > PATIENCE:
-                        found.append(f"{where}: slow, {response.seconds:.1f} s")
-                tally.compiled.add(kernel)
+                tally.slowest = max(tally.slowest, response.seconds)
+                if response.seconds > PATIENCE:
+                    found.append(f"{where}: slow, {response.seconds:.1f} s")
                 if response.status == "done":
                     tally.worst_residual = max(tally.worst_residual, abs(response.energy["residual"]))
                     tally.over += abs(response.energy["residual"]) > 1e-8

@@ -81,3 +81,16 @@ def test_two_turning_points_between_slopes_of_one_sign():
     """10 s (s - 1/2) (s - 1) rises at both ends and is highest between. Fails if end slopes alone prove monotony."""
     c = np.array([0.0, 5.0, -15.0, 10.0])
     assert peak(c, 1.0, 0.0, False) == pytest.approx(10 * np.sqrt(3) / 36, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("c", "end", "top"),
+    [
+        ([0.5, 0.0, 0.125, -1.0], 1.0, 0.5 + 0.125**3 * 4 / 27),  # s^2 (1 - 8 s) / 8 turns at 1/12
+        ([0.0, 1.0, -1.0], 1.0, 0.25),  # turns where two pieces meet
+        ([0.0, 1.0, -1.0], 0.8, 0.25),  # and between
+    ],
+)
+def test_peaks_beside_places_without_slope(c, end, top):
+    """Fails if a slope of exactly zero at the end of a piece hides a turn."""
+    assert peak(np.array(c), end, c[0], False) == pytest.approx(top, abs=1e-12)

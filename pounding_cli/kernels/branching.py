@@ -1,0 +1,119 @@
+"""The branches of storeys and links: what an event changes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels.cells import of, of_link, of_tie
+from pounding_cli.kernels.clock import END, EVENT, LINK
+from pounding_cli.kernels.crossings import CLOSES, OPENS, PULLS, PUSHES, SOFTENS, STIFFENS
+from pounding_cli.kernels.layout import AT_GAP, AT_ZERO, CALLED, CUBIC, INFILL, LINEAR, NO_FORCE, NOTHING, OPEN, PART
+from pounding_cli.kernels.link_series import no_law, set_law
+from pounding_cli.kernels.recurrence import restencil
+from pounding_cli.kernels.simd import stand_alone
+
+
+@njit(**PART)
+def _storey_branch(run, i):
+    """Stiffness and offset of the branch storey i is on."""
+    slots = run.slots
+    k0 = slots[of(i, c.STIFFNESS)]
+    a = slots[of(i, c.HARDENING)]
+    line = slots[of(i, c.LINE)]
+    if line == 0.0:
+        slots[of(i, c.TANGENT)] = k0
+        slots[of(i, c.OFFSET)] = -(1.0 - a) * k0 * slots[of(i, c.PLASTIC)]
+    else:
+        slots[of(i, c.TANGENT)] = a * k0
+        slots[of(i, c.OFFSET)] = line * slots[of(i, c.PLATEAU)]
+
+
+@njit(**CALLED)
+def settle(run):
+    """Laws and stencils of the branches the state is on."""
+    stand_alone()
+    for i in range(run.padded):
+        _storey_branch(run, i)
+    for i in range(run.padded):
+        restencil(run, i)
+    for e in range(run.number):
+        set_law(run, e)
+    for e in range(run.number, run.linked):
+        no_law(run, e)
+
+
+@njit(**PART)
+def _storey_event(run, i, drift):
+    """Change the branch of storey i, which leaves its own at `drift` [m]."""
+    slots = run.slots
+    line = slots[of(i, c.LINE)]
+    if line == 0.0:
+        slots[of(i, c.LINE)] = 1.0 if drift > slots[of(i, c.PLASTIC)] else -1.0
+        slots[of(i, c.PLASTIC)] = np.inf  # no elastic range is watched while the storey is on a yield line
+        run.snapped[i] = 0
+    else:
+        slots[of(i, c.LINE)] = 0.0
+        slots[of(i, c.PLASTIC)] = drift - line * slots[of(i, c.YIELD_DRIFT)]
+        run.snapped[i] = int(line)
+    _storey_branch(run, i)
+    restencil(run, i)
+    if i >= 1:
+        restencil(run, i - 1)
+
+
+@njit(**CALLED)
+def storey_events(run):
+    """Change all storeys that leave their branch at the time of the first, so that twins stay twins."""
+    stand_alone()
+    end = run.clock[END]
+    for i in range(run.padded):
+        if run.slots[of(i, c.ROOT)] == end:
+            _storey_event(run, i, run.slots[of(i, c.DRIFT)])
+
+
+@njit(**CALLED)
+def link_event(run):
+    """Change the branch of the link whose event comes first."""
+    stand_alone()
+    e = run.tally[LINK]
+    event = run.tally[EVENT]
+    infill = run.ties[of_tie(e, c.KIND)] == INFILL
+    branch = run.ties[of_tie(e, c.BRANCH)]
+    cut = run.ties[of_tie(e, c.CUT)]
+    exact = AT_ZERO
+    if event == CLOSES:
+        branch = CUBIC if infill else LINEAR
+        run.ties[of_tie(e, c.IMPACTS)] += 1
+    elif event == OPENS:
+        branch = OPEN
+        cut = 0
+    elif event == STIFFENS:
+        branch = LINEAR
+        exact = AT_GAP
+    elif event == SOFTENS:
+        branch = CUBIC
+        exact = AT_GAP
+    elif event == PULLS:
+        cut = 1
+        exact = NO_FORCE
+    elif event == PUSHES:
+        cut = 0
+        exact = NO_FORCE
+    run.ties[of_tie(e, c.BRANCH)] = branch
+    run.ties[of_tie(e, c.CUT)] = cut
+    run.ties[of_tie(e, c.SNAPPED)] = exact
+    set_law(run, e)
+    run.links[of_link(e, c.TURNS)] += 1.0
+
+
+@njit(**CALLED)
+def unsnap(run):
+    """Time goes on: nothing is exactly zero any more."""
+    stand_alone()
+    for e in range(run.linked):
+        run.ties[of_tie(e, c.SNAPPED)] = NOTHING
+        run.links[of_link(e, c.TURNS)] = 0.0
+    for i in range(run.padded):
+        run.snapped[i] = 0

@@ -1,0 +1,13 @@
+"""Where the time of a run stands: the places of the step's numbers in `Run.clock`, of its counts in `Run.tally`."""
+
+from __future__ import annotations
+
+# Doubles: step h [s] and 1 / h; ground acceleration at the step's start and its change over the step [m/s2]; what is
+# not resolved [m/s2]; length of a segment [s]; time since the segment's start [s]; where in the step it stops [-].
+H, PER_H, GROUND, CHANGE, QUIET, LENGTH, SINCE, END = range(8)
+CLOCK = 8
+
+# Integers: order of the series; segment; place and kind of the next link event; events in a row without time going on;
+# steps, events, orders so far.
+ORDER, SEGMENT, LINK, EVENT, STANDING, STEPS, EVENTS, ORDERS = range(8)
+TALLY = 8
