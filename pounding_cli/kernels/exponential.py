@@ -12,7 +12,19 @@ from numba import njit
 
 from pounding_cli.kernels.layout import OPTIONS
 from pounding_cli.kernels.polynomial import highest
-from pounding_cli.kernels.simd import further, greater, load, lowest, magnitude, maximum, minimum, pointer, splat, store
+from pounding_cli.kernels.simd import (
+    further,
+    fused,
+    greater,
+    load,
+    lowest,
+    magnitude,
+    maximum,
+    minimum,
+    pointer,
+    splat,
+    store,
+)
 from pounding_cli.kernels.source import source_digest
 
 BEND = 1.5
@@ -110,16 +122,16 @@ def build():
                     for b in range(0, broad, 8):
                         value = splat(0.0)
                         for j in range(total):
-                            value = value + load(quadratic, (f * total + j) * broad + b) * here[j]
-                        added = added + value * load(here, b)
+                            value = fused(load(quadratic, (f * total + j) * broad + b), splat(here[j]), value)
+                        added = fused(value, load(here, b), added)
                     store(totals, f * 8, added)
             for b in range(0, wide, 8):
                 value = splat(0.0)
                 bend = splat(0.0)
                 for j in range(total):
-                    x = here[j]
-                    value = value + load(look, j * wide + b) * x
-                    bend = bend + load(bow, j * wide + b) * x
+                    x = splat(here[j])
+                    value = fused(load(look, j * wide + b), x, value)
+                    bend = fused(load(bow, j * wide + b), x, bend)
                 last = load(values, b)
                 stray = maximum(magnitude(load(bows, b)), magnitude(bend - load(jump, b) * turned)) * BEND
                 store(values, b, value)
@@ -164,7 +176,7 @@ def build():
             for b in range(0, width, 8):
                 value = splat(0.0)
                 for j in range(total):
-                    value = value + load(matrix, j * width + b) * here[j]
+                    value = fused(load(matrix, j * width + b), splat(here[j]), value)
                 store(before, b, value)
             part += 1
             if part == parts:

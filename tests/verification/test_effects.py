@@ -13,6 +13,8 @@ from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, shake, shear
 from pounding_cli.batch.attempt import Task
 from pounding_cli.kernels import layout
 from pounding_cli.model.condense import condensed
+from pounding_cli.model.effects import effects_of
+from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
@@ -52,6 +54,50 @@ def test_looking_for_yielding_changes_nothing_in_an_elastic_scene(kind):
 def peaks(response) -> np.ndarray:
     fields = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min")
     return np.concatenate([getattr(b, field) for b in response.buildings for field in fields])
+
+
+def _rebuilt(**changes):
+    return tuple(dataclasses.replace(b, **{k: v(b) for k, v in changes.items()}) for b in (STIFF, SOFT))
+
+
+def _linked(kind="pounding", gap=0.01, **changes):
+    return tuple(dataclasses.replace(link, **changes) for link in links(kind, gap, FLOORS))
+
+
+RIGID = Foundation(2e5, 1e19, 0.0, 1e6, 1e21, 0.0)
+NEUTRAL = {
+    "yielding storeys": (_rebuilt(yield_shear=lambda b: b.yield_shear * np.inf), _linked(), INELASTIC,
+                         _rebuilt(yield_shear=lambda b: b.yield_shear * 1e6), _linked()),
+    "foundation motions": ((STIFF, SOFT), _linked(), INELASTIC, _rebuilt(foundation=lambda b: RIGID), _linked()),
+    "mass-proportional damping": (_rebuilt(alpha=lambda b: 0.0), _linked(), ELASTIC,
+                                  _rebuilt(alpha=lambda b: 1e-14), _linked()),
+    "stiffness-proportional damping": (_rebuilt(beta=lambda b: 0.0), _linked(), ELASTIC,
+                                       _rebuilt(beta=lambda b: 1e-16), _linked()),
+    "pounding links": ((STIFF, SOFT), (), INELASTIC, (STIFF, SOFT), _linked(gap=9.0)),
+    "infill links": ((STIFF, SOFT), (), ELASTIC,
+                     (STIFF, SOFT), _linked("infill", 9.0, stiffness=1e-6, impact_stiffness=1e-6)),
+    "connector links": ((STIFF, SOFT), (), ELASTIC, (STIFF, SOFT), _linked("connector", stiffness=1e-6)),
+    "link dashpots": ((STIFF, SOFT), _linked(damping_ratio=0.0), ELASTIC, (STIFF, SOFT), _linked(damping_ratio=1e-13)),
+    "tension cut-off": ((STIFF, SOFT), _linked(damping_ratio=0.0), ELASTIC,
+                        (STIFF, SOFT), _linked(damping_ratio=0.0, tension_cut=True)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("effect", NEUTRAL)
+def test_an_effect_left_out_equals_the_effect_made_neutral(effect):
+    """The scene without it, pruned, against the scene that has it with nothing to do, with everything simulated.
+
+    Fails if the effect does something where it has nothing to do.
+    """
+    buildings, joined, analysis, neutral_buildings, neutral_links = NEUTRAL[effect]
+    without = Scene(buildings, joined, shake(1.0), analysis)
+    neutral = Scene(neutral_buildings, neutral_links, shake(1.0), analysis)
+    assert effect not in effects_of(without).kept
+    pruned, full = solved_in_groups(without), solve(neutral, 1e-9, all_effects=True)
+    assert pruned.status == full.status == "done"
+    for a, b in zip(pruned.buildings, full.buildings, strict=True):
+        for field in ("shear", "drift", "acceleration", "displacement_max", "displacement_min"):
+            assert getattr(a, field) == pytest.approx(getattr(b, field), rel=2 * ACCURACY), field
 
 
 @pytest.mark.parametrize("foundation", [None, FOUNDATION])
