@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from pounding_cli import solve as solver
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 
@@ -25,13 +24,8 @@ STEPS = (1e-4, 5e-5, 2e-5, 1e-5)
 
 
 def together(many: list[Scene], accuracy: float) -> Callable[[], float]:
-    """A run of many scenes at once: its time in the solver a scene [s]."""
-    solve_many = getattr(solver, "solve_many", None)
-
-    def work() -> list:
-        return list(solve_many(many, accuracy)) if solve_many else [solve(scene, accuracy) for scene in many]
-
-    run = in_solver(work)
+    """A run of many scenes, one after the other as a batch's worker runs them: its time in the solver a scene [s]."""
+    run = in_solver(lambda: [solve(scene, accuracy) for scene in many])
     return lambda: run() / len(many)
 
 
