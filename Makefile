@@ -66,7 +66,7 @@ peers: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
 	$(BIN)/python -m pytest tests/peers
 
-# What it costs beside other programs and as scenes grow, into docs/performance.md (about five minutes on a quiet machine).
+# What it costs beside other programs and as scenes grow, into docs/performance.md (about six minutes on a quiet machine).
 bench: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
 	$(BIN)/python -m tests.bench

@@ -74,10 +74,14 @@ def machine() -> dict[str, str]:
             here[name] = version(name)
         except PackageNotFoundError:
             here[name] = "not installed"
-    words = ["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"]
-    here["commit"] = subprocess.run(words, capture_output=True, text=True).stdout.strip() or "unknown"
+    changed = " and changes" if _git("status", "--porcelain", "--untracked-files=no", "pounding_cli") else ""
+    here["commit"] = (_git("rev-parse", "--short", "HEAD") or "unknown") + changed
     here["day"] = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC")
     return here
+
+
+def _git(*words: str) -> str:
+    return subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True).stdout.strip()
 
 
 def processor() -> str:
