@@ -20,7 +20,7 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 def test_report_of_figure_5(tmp_path):
     write_connector(load_connector_study(CONFIGS / "fig5.yaml"), tmp_path / "fig5.h5")
     files = write_system_report(tmp_path / "fig5.h5", tmp_path / "report", ("svg", "png"))
-    assert {file.name for file in files} == {"fig5.svg", "fig5.png", "numbers.csv", "summary.md"}
+    assert {file.name for file in files} == {"fig5.svg", "fig5.png", "numbers.csv", "report.html", "summary.md"}
     text = (tmp_path / "report" / "summary.md").read_text()
     rows = [line for line in text.splitlines() if line.startswith("| damping")]
     assert [row.rsplit("|", 2)[1].strip() for row in rows] == ["yes", "no", "yes", "no"]
@@ -35,7 +35,7 @@ def test_report_of_a_wall_without_figures(tmp_path):
     study.write_text("title: w\nmesh: {size: 0.5 m}\ntime: {end: 15 ms}\nsweep: {striker.speed: [0.5 m/s, 1 m/s]}\n")
     found = write_wall(load_wall_study(study), tmp_path / "w.h5")
     files = write_system_report(tmp_path / "w.h5", tmp_path / "report", ())
-    assert {file.name for file in files} == {"numbers.csv", "summary.md"}
+    assert {file.name for file in files} == {"numbers.csv", "report.html", "summary.md"}
     table = numbers(tmp_path / "w.h5")
     assert list(table["striker.speed"]) == [0.5, 1.0]
     assert table["peak_force"].to_numpy() == pytest.approx([r.peak_force for r in found])
