@@ -14,10 +14,11 @@ SHARE = 0.01
 def condensed(scene: Scene, accuracy: float) -> tuple[Scene, tuple[str, ...]]:
     """The scene without the foundation motions that cannot matter, and a sentence on each.
 
-    A base that sways moves by u_b = (V_1 + m_b a) / k_h. With V_1 at most k times a drift and a at most the square of
-    the highest frequency times a drift, that is a share of at most (k + m_b omega^2) / k_h of a drift; rocking moves
-    the floors by a share of at most (k H^2 + I omega^2) / k_r likewise. A motion whose share is below SHARE of the
-    accuracy is held at zero.
+    Of a base that sways, u_b k_h is at most the storey's push k D and the base's own inertia. Against the ground that
+    inertia is m_b times at most omega^2 D, with omega^2 = 4 k / m the fastest a storey can be (Gershgorin); against the
+    push, which blows between floors make as fast as (4 k + 2 s) / m, it is m_b (4 k + 2 s) / (m k_h) of the push.
+    Rocking likewise, with the push's moment k D H on the arm H. A motion that adds less than SHARE of the accuracy to
+    a drift D is held at zero.
     """
     said: list[str] = []
     link = max((max(link.stiffness, link.impact_stiffness) for link in scene.links), default=0.0)
@@ -30,20 +31,24 @@ def _condensed(building: Building, link: float, bound: float, said: list[str]) -
     if foundation is None:
         return building
     stiffest = float(building.stiffness.max())
-    square = (4 * stiffest + 2 * link) / float(building.mass.min())  # no mode is faster, by Gershgorin
-    tall = float(building.elevation[-1])
+    slow = 4 * stiffest / float(building.mass.min())
+    fast = slow + 2 * link / float(building.mass.min())
+
+    def share(push: float, inertia: float, spring: float) -> float:
+        return (push * (1 + inertia * fast / spring) + inertia * slow) / spring
+
     sways, rocks = foundation.sways, foundation.rocks
     if sways:
-        share = (stiffest + foundation.mass * square) / foundation.sway_stiffness
-        sways = share >= bound
+        adds = share(stiffest, foundation.mass, foundation.sway_stiffness)
+        sways = adds >= bound
         if not sways:
-            said.append(_sentence("sway", building.name, share))
+            said.append(_sentence("sway", building.name, adds))
     if rocks:
-        inertia = foundation.inertia + float(building.mass @ building.elevation**2)
-        share = (stiffest * tall**2 + inertia * square) / foundation.rocking_stiffness
-        rocks = share >= bound
+        tall = float(building.elevation[-1])
+        adds = share(stiffest * tall**2, foundation.inertia, foundation.rocking_stiffness)
+        rocks = adds >= bound
         if not rocks:
-            said.append(_sentence("rocking", building.name, share))
+            said.append(_sentence("rocking", building.name, adds))
     if (sways, rocks) == (foundation.sways, foundation.rocks):
         return building
     left = dataclasses.replace(foundation, sways=sways, rocks=rocks) if sways or rocks else None

@@ -544,8 +544,8 @@ PRUNING = [
     Mutant(
         "a rigid foundation is judged without the building's height",
         f"{MODEL}/condense.py",
-        "(stiffest * tall**2 + inertia * square)",
-        "(stiffest + 0 * inertia)",
+        "share(stiffest * tall**2, foundation.inertia",
+        "share(stiffest, foundation.inertia",
         RIGID,
     ),
     Mutant(
