@@ -15,16 +15,10 @@ class Effects:
     """The effects of a scene.
 
     yielding : storeys can leave their elastic branch
-    foundations : some base sways or rocks
-    contact : some link is pounding or a connector, whose laws are linear while active
-    infill : some link follows the infill's cubic with its square-root dashpot
-    kept, dropped : the same in words; what is dropped comes with the reason
+    kept, dropped : all of them in words; what is dropped comes with the reason
     """
 
     yielding: bool
-    foundations: bool
-    contact: bool
-    infill: bool
     kept: tuple[str, ...]
     dropped: tuple[str, ...]
 
@@ -49,11 +43,9 @@ def effects_of(scene: Scene) -> Effects:
         "yielding storeys",
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )
-    foundations = decide(any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed")
+    decide(any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed")
     decide(any(b.alpha > 0 for b in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(b.beta > 0 for b in buildings), "stiffness-proportional damping", "beta is 0")
-    contact = Kind.POUNDING in kinds or Kind.CONNECTOR in kinds
-    infill = Kind.INFILL in kinds
     for kind in Kind:
         decide(kind in kinds, f"{kind} links", "the case has none")
     if links:
@@ -66,4 +58,4 @@ def effects_of(scene: Scene) -> Effects:
             "tension cut-off",
             "without a dashpot no link can pull" if asked else "links may pull, as printed",
         )
-    return Effects(yielding, foundations, contact, infill, tuple(kept), tuple(dropped))
+    return Effects(yielding, tuple(kept), tuple(dropped))

@@ -189,8 +189,7 @@ def solve(
 
 def _compile(chosen: Method, scene: Scene, setting: float) -> None:
     """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
-    effects = effects_of(scene)
-    sort = (chosen, effects.yielding, effects.foundations, effects.contact, effects.infill)
+    sort = (chosen, effects_of(scene).yielding)
     if sort in _compiled:
         return
     still = Motion("still", scene.motion.dt, np.zeros(2))
