@@ -7,6 +7,7 @@ else may lie beside it, and no process may have had more than one chunk of its w
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import random
 import signal
@@ -14,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections import Counter, defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -60,6 +62,17 @@ class Trial:
     kept: int
 
 
+@contextlib.contextmanager
+def small_chunks() -> Iterator[None]:
+    """Workers whatever the work, and chunks of a twentieth of a second, so that there is something to interrupt."""
+    before = runner.WORTH_WORKERS, bundles.CHUNK_SECONDS
+    runner.WORTH_WORKERS, bundles.CHUNK_SECONDS = 0.0, 0.05
+    try:
+        yield
+    finally:
+        runner.WORTH_WORKERS, bundles.CHUNK_SECONDS = before
+
+
 class Bench:
     """A study in a folder, a run of it nobody disturbs, and trials against that."""
 
@@ -72,8 +85,6 @@ class Bench:
         (folder / "study.yaml").write_text(STUDY.replace("GAPS", listed))
         self.folder, self.pause = folder, pause
         self.plan = expand(load_study(folder / "study.yaml"))
-        runner.WORTH_WORKERS = 0.0
-        bundles.CHUNK_SECONDS = 0.05
         whole = folder / "whole.h5"
         run_plan(self.plan, whole, engine_name="serial")  # compiles, so that forks need not
         self.wanted = contents(whole)
@@ -168,7 +179,7 @@ def contents(path: Path) -> dict[str, bytes]:
 def hunt(kills: int, seed: int, gaps: int, pause: float) -> list[Trial]:
     """Trials at random moments until so many runs were killed; those that ended before do not count."""
     chance = random.Random(seed)
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, small_chunks():
         bench = Bench(Path(name), gaps, pause)
         found: list[Trial] = []
         while sum(not trial.missed for trial in found) < kills:
