@@ -140,7 +140,10 @@ def test_rigid_foundation_is_held_fixed(spring, held):
     building, or condenses a million times the storeys' stiffness."""
     stiffness = spring * STIFF.stiffness.max()
     foundation = dataclasses.replace(
-        FOUNDATION, sway_stiffness=stiffness, rocking_stiffness=stiffness * STIFF.elevation[-1] ** 2 * 4
+        FOUNDATION,
+        sway_stiffness=stiffness,
+        rocking_stiffness=stiffness * STIFF.elevation[-1] ** 2 * 4,
+        inertia=1e3,  # so that the height decides, not the foundation's own inertia
     )
     building = dataclasses.replace(STIFF, foundation=foundation)
     scene = Scene((building,), (), shake(0.1), INELASTIC)
