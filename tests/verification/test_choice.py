@@ -14,8 +14,8 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def test_costs_of_digits_are_those_of_the_figures():
-    """Taylor orders over those at 1e-3, within 5 %: counts, not times. Fails if the series is cut at another
-    tolerance than asked."""
+    """Taylor orders over those at 1e-3, within 5 %: counts, not times. Fails if a digit more asked brings less or more
+    than a digit's orders."""
     orders = dict.fromkeys((1e-3, 1e-6, 1e-9, 1e-12), 0)
     for figure in ("fig6", "fig7"):
         plan = expand(load_study(CONFIGS / f"{figure}.yaml"))
