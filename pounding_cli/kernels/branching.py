@@ -10,7 +10,7 @@ from pounding_cli.kernels.cells import of, of_link, of_tie
 from pounding_cli.kernels.clock import END, EVENT, LINK
 from pounding_cli.kernels.crossings import CLOSES, OPENS, PULLS, PUSHES, SOFTENS, STIFFENS
 from pounding_cli.kernels.layout import AT_GAP, AT_ZERO, CALLED, CUBIC, INFILL, LINEAR, NO_FORCE, NOTHING, OPEN, PART
-from pounding_cli.kernels.link_series import no_law, set_law
+from pounding_cli.kernels.link_series import set_law
 from pounding_cli.kernels.recurrence import restencil
 from pounding_cli.kernels.simd import stand_alone
 
@@ -38,10 +38,8 @@ def settle(run):
         _storey_branch(run, i)
     for i in range(run.padded):
         restencil(run, i)
-    for e in range(run.number):
+    for e in range(run.linked):
         set_law(run, e)
-    for e in range(run.number, run.linked):
-        no_law(run, e)
 
 
 @njit(**PART)
@@ -68,7 +66,7 @@ def storey_events(run):
     """Change all storeys that leave their branch at the time of the first, so that twins stay twins."""
     stand_alone()
     end = run.clock[END]
-    for i in range(run.padded):
+    for i in range(run.low, run.high):
         if run.slots[of(i, c.ROOT)] == end:
             _storey_event(run, i, run.slots[of(i, c.DRIFT)])
 
@@ -112,8 +110,8 @@ def link_event(run):
 def unsnap(run):
     """Time goes on: nothing is exactly zero any more."""
     stand_alone()
-    for e in range(run.linked):
+    for e in range(run.first, run.last):
         run.ties[of_tie(e, c.SNAPPED)] = NOTHING
         run.links[of_link(e, c.TURNS)] = 0.0
-    for i in range(run.padded):
+    for i in range(run.low, run.high):
         run.snapped[i] = 0

@@ -7,11 +7,12 @@ cost more than the arithmetic. Field f of the eight slots from b on begins at `a
 
 from __future__ import annotations
 
-from collections import namedtuple
-
+import numpy as np
 from numba import njit
+from numba.core import types
 
-from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
+from pounding_cli.kernels.layout import CALLED, NO_LINK, PART
 from pounding_cli.kernels.simd import stand_alone
 
 # A slot: what it is, in the order of `layout.Slots`; its state and branch; stencils (`recurrence`); the step's ends
@@ -40,18 +41,28 @@ _TIE = 8
 V_TERM, RATE_TERM, F_TERM, SQUARE_TERM, ROOT_TERM = range(0, 8 * 5, 8)
 _TERM = 5
 
-Run = namedtuple(
-    "Run",
-    "padded number linked rounds feet W ends slots snapped links ties gains losses pushed series rule reciprocal clock "
-    "tally scratch tilt",
+_POINTERS = {
+    "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "snapped": INTEGERS, "links": DOUBLES, "ties": INTEGERS,
+    "gains": INTEGERS, "losses": INTEGERS, "pushed": DOUBLES, "series": DOUBLES, "rule": DOUBLES,
+    "reciprocal": DOUBLES, "clock": DOUBLES, "tally": INTEGERS, "scratch": DOUBLES, "tilt": DOUBLES,
+}  # fmt: skip
+RUN = Frame(
+    "run",
+    dict.fromkeys(("low", "high", "first", "last", "padded", "linked", "rounds", "feet"), types.int64) | _POINTERS,
+    movable=("low", "high", "first", "last"),
 )
-"""padded: slots with padding; number, linked: links, without and with padding; rounds: see `layout.Links`; feet:
-number of foundations. W: coefficients of velocity by order and slot [m/s], after a row of displacements at the step's
-start [m]. ends: a row of displacements at the step's end and one of their strays (`summary`) [m]. slots, links, ties,
-series: records as above; snapped: of storeys, as in `layout.State`; gains, losses: as in `layout.Links`; pushed: one
-order's link forces [N] and eight zeros. rule: the ledger's points and weights. reciprocal[k] = 1 / k. clock, tally:
-see `clock`. scratch: one polynomial. tilt: storey height times rocking rate by order and slot, after a row of the
-same of the angle."""
+"""[low, high) and [first, last): places of the buildings that are run now, and of the links between them (`focus`);
+padded, linked: places in all; rounds: see `layout.Row`; feet: number of foundations. W: coefficients of velocity by
+order and place [m/s], after a row of displacements at the step's start [m]. ends: rows of displacements at the step's
+end, of their strays (`summary`), and of what they stay below and above in this segment [m]. slots, links, ties, series:
+records as above; snapped: of storeys, as in `layout.State`; gains, losses: by round and place, the link that pushes the
+slot to the right and to the left, or `linked`, the first of eight zeros behind one order's link forces, `pushed` [N];
+where rounds is 0, the first of eight links. rule: the ledger's points and weights. reciprocal[k] = 1 / k. clock, tally:
+see `clock`. scratch: one polynomial. tilt: storey height times rocking rate by order and place, after a row of the same
+of the angle."""
+
+run_frame = filler(RUN)
+focus = mover(RUN)
 
 
 @njit(**PART)
@@ -114,107 +125,145 @@ def parts_of(padded, links, orders):
 
 
 @njit(**CALLED)
-def take_slots(run, slots, state, peaks, ledger):
-    """Copy what is given by slot into the records."""
+def take_slots(run, row, slots, state, peaks, ledger):
+    """Copy what is given by slot into the records; places without a slot stay zero."""
     stand_alone()
     c = run.slots
     for i in range(run.padded):
-        c[of(i, COUPLE)] = slots.couple[i]
-        c[of(i, COUPLE_RIGHT)] = slots.couple_right[i]
-        c[of(i, STIFFNESS)] = slots.stiffness[i]
-        c[of(i, DASHPOT)] = slots.dashpot[i]
-        c[of(i, INVERSE_MASS)] = slots.inverse_mass[i]
-        c[of(i, MASS)] = slots.mass[i]
-        c[of(i, ALPHA)] = slots.alpha[i]
-        c[of(i, REAL)] = slots.real[i]
-        c[of(i, YIELD_DRIFT)] = slots.yield_drift[i]
-        c[of(i, HARDENING)] = slots.hardening[i]
-        c[of(i, PLATEAU)] = slots.plateau[i]
-        c[of(i, RISE)] = slots.rise[i]
-        c[of(i, ELEVATION)] = slots.elevation[i]
-        run.W[i - run.padded] = state.u[i]
-        run.W[i] = state.v[i]
-        c[of(i, LINE)] = state.line[i]
-        c[of(i, PLASTIC)] = state.plastic[i]
-        run.snapped[i] = state.snapped_storey[i]
+        c[of(i, YIELD_DRIFT)] = np.inf
+    for slot in range(row.slots):
+        i = row.spots[slot]
+        c[of(i, COUPLE)] = slots.couple[slot]
+        c[of(i, COUPLE_RIGHT)] = slots.couple_right[slot]
+        c[of(i, STIFFNESS)] = slots.stiffness[slot]
+        c[of(i, DASHPOT)] = slots.dashpot[slot]
+        c[of(i, INVERSE_MASS)] = slots.inverse_mass[slot]
+        c[of(i, MASS)] = slots.mass[slot]
+        c[of(i, ALPHA)] = slots.alpha[slot]
+        c[of(i, REAL)] = slots.real[slot]
+        c[of(i, YIELD_DRIFT)] = slots.yield_drift[slot]
+        c[of(i, HARDENING)] = slots.hardening[slot]
+        c[of(i, PLATEAU)] = slots.plateau[slot]
+        c[of(i, RISE)] = slots.rise[slot]
+        c[of(i, ELEVATION)] = slots.elevation[slot]
+        run.W[i - run.padded] = state.u[slot]
+        run.W[i] = state.v[slot]
+        c[of(i, LINE)] = state.line[slot]
+        c[of(i, PLASTIC)] = state.plastic[slot]
+        run.snapped[i] = state.snapped_storey[slot]
         c[of(i, SCALE)] = 0.0
-        c[of(i, MOST_DRIFT)] = peaks.drift[i]
-        c[of(i, MOST_SHEAR)] = peaks.shear[i]
-        c[of(i, MOST_PULL)] = peaks.acceleration[i]
-        c[of(i, TOP)] = peaks.displacement_max[i]
-        c[of(i, BOTTOM)] = peaks.displacement_min[i]
-        c[of(i, INPUT)] = ledger.input[i]
-        c[of(i, DASHED)] = ledger.dashpots[i]
-        c[of(i, DRAGGED)] = ledger.drag[i]
-        c[of(i, HYSTERESIS)] = ledger.hysteresis[i]
+        c[of(i, MOST_DRIFT)] = peaks.drift[slot]
+        c[of(i, MOST_SHEAR)] = peaks.shear[slot]
+        c[of(i, MOST_PULL)] = peaks.acceleration[slot]
+        c[of(i, TOP)] = peaks.displacement_max[slot]
+        c[of(i, BOTTOM)] = peaks.displacement_min[slot]
+        c[of(i, INPUT)] = ledger.input[slot]
+        c[of(i, DASHED)] = ledger.dashpots[slot]
+        c[of(i, DRAGGED)] = ledger.drag[slot]
+        c[of(i, HYSTERESIS)] = ledger.hysteresis[slot]
 
 
 @njit(**CALLED)
-def give_slots(run, state, peaks, ledger):
+def give_slots(run, row, state, peaks, ledger):
     """Copy what has changed by slot back."""
     stand_alone()
     c = run.slots
-    for i in range(run.padded):
-        state.u[i] = run.W[i - run.padded]
-        state.v[i] = run.W[i]
-        state.line[i] = c[of(i, LINE)]
-        state.plastic[i] = c[of(i, PLASTIC)]
-        state.snapped_storey[i] = run.snapped[i]
-        peaks.drift[i] = c[of(i, MOST_DRIFT)]
-        peaks.shear[i] = c[of(i, MOST_SHEAR)]
-        peaks.acceleration[i] = c[of(i, MOST_PULL)]
-        peaks.displacement_max[i] = c[of(i, TOP)]
-        peaks.displacement_min[i] = c[of(i, BOTTOM)]
-        ledger.input[i] = c[of(i, INPUT)]
-        ledger.dashpots[i] = c[of(i, DASHED)]
-        ledger.drag[i] = c[of(i, DRAGGED)]
-        ledger.hysteresis[i] = c[of(i, HYSTERESIS)]
+    for slot in range(row.slots):
+        i = row.spots[slot]
+        state.u[slot] = run.W[i - run.padded]
+        state.v[slot] = run.W[i]
+        state.line[slot] = c[of(i, LINE)]
+        state.plastic[slot] = c[of(i, PLASTIC)]
+        state.snapped_storey[slot] = run.snapped[i]
+        peaks.drift[slot] = c[of(i, MOST_DRIFT)]
+        peaks.shear[slot] = c[of(i, MOST_SHEAR)]
+        peaks.acceleration[slot] = c[of(i, MOST_PULL)]
+        peaks.displacement_max[slot] = c[of(i, TOP)]
+        peaks.displacement_min[slot] = c[of(i, BOTTOM)]
+        ledger.input[slot] = c[of(i, INPUT)]
+        ledger.dashpots[slot] = c[of(i, DASHED)]
+        ledger.drag[slot] = c[of(i, DRAGGED)]
+        ledger.hysteresis[slot] = c[of(i, HYSTERESIS)]
+
+
+@njit(**PART)
+def _pair_up(run, row):
+    """Sides of the links where each eight of them join eight places to eight, in order."""
+    for b in range(row.number - 1):
+        for e in range(row.joints[b], row.joints[b + 1]):
+            on = e - row.joints[b]
+            run.ties[of_tie(e, LEFT_SLOT)] = row.first[b] + on
+            run.ties[of_tie(e, RIGHT_SLOT)] = row.first[b + 1] + on
+            if (on & 7) == 0:
+                run.losses[row.first[b] + on] = e
+                run.gains[row.first[b + 1] + on] = e
+
+
+@njit(**PART)
+def _list(run, table, i, e):
+    """Enter link e in the first round in which slot i has none."""
+    while table[i] != run.linked:
+        i += run.padded
+    table[i] = e
 
 
 @njit(**CALLED)
-def take_links(run, links, state, peaks, ledger):
+def take_links(run, row, links, state, peaks, ledger):
     """Copy what is given by link into the records."""
     stand_alone()
     c = run.links
     n = run.ties
     for e in range(run.linked):
-        c[of_link(e, GAP)] = links.gap[e]
-        c[of_link(e, SPRING)] = links.stiffness[e]
-        c[of_link(e, DAMPER)] = links.dashpot[e]
-        c[of_link(e, BEYOND)] = links.beyond[e]
-        c[of_link(e, BEYOND_FORCE)] = links.beyond_force[e]
-        c[of_link(e, BEYOND_DAMPER)] = links.beyond_dashpot[e]
-        c[of_link(e, CUBE)] = links.cubic[e]
-        c[of_link(e, ROOT_DAMPER)] = links.root_dashpot[e]
+        n[of_tie(e, KIND)] = NO_LINK
+        c[of_link(e, MOST_CLOSING)] = np.inf
+    for i in range(max(run.rounds, 1) * run.padded):
+        run.gains[i] = run.linked
+        run.losses[i] = run.linked
+    if run.rounds == 0:
+        _pair_up(run, row)
+    for link in range(row.links):
+        e = row.seats[link]
+        c[of_link(e, GAP)] = links.gap[link]
+        c[of_link(e, SPRING)] = links.stiffness[link]
+        c[of_link(e, DAMPER)] = links.dashpot[link]
+        c[of_link(e, BEYOND)] = links.beyond[link]
+        c[of_link(e, BEYOND_FORCE)] = links.beyond_force[link]
+        c[of_link(e, BEYOND_DAMPER)] = links.beyond_dashpot[link]
+        c[of_link(e, CUBE)] = links.cubic[link]
+        c[of_link(e, ROOT_DAMPER)] = links.root_dashpot[link]
         c[of_link(e, TURNS)] = 0.0
-        c[of_link(e, MOST_CLOSING)] = peaks.closing[e]
-        c[of_link(e, MOST_FORCE)] = peaks.force[e]
-        c[of_link(e, IMPULSE)] = peaks.impulse[e]
-        c[of_link(e, CONTACT)] = peaks.contact_time[e]
-        c[of_link(e, WORK_DONE)] = ledger.links[e]
-        n[of_tie(e, LEFT_SLOT)] = links.left[e]
-        n[of_tie(e, RIGHT_SLOT)] = links.right[e]
-        n[of_tie(e, KIND)] = links.kind[e]
-        n[of_tie(e, CUTS)] = links.tension_cut[e]
-        n[of_tie(e, BRANCH)] = state.link_branch[e]
-        n[of_tie(e, CUT)] = state.link_cut[e]
-        n[of_tie(e, SNAPPED)] = state.snapped_link[e]
-        n[of_tie(e, IMPACTS)] = peaks.impacts[e]
+        c[of_link(e, MOST_CLOSING)] = peaks.closing[link]
+        c[of_link(e, MOST_FORCE)] = peaks.force[link]
+        c[of_link(e, IMPULSE)] = peaks.impulse[link]
+        c[of_link(e, CONTACT)] = peaks.contact_time[link]
+        c[of_link(e, WORK_DONE)] = ledger.links[link]
+        if run.rounds > 0:
+            n[of_tie(e, LEFT_SLOT)] = row.spots[links.left[link]]
+            n[of_tie(e, RIGHT_SLOT)] = row.spots[links.right[link]]
+            _list(run, run.gains, n[of_tie(e, RIGHT_SLOT)], e)
+            _list(run, run.losses, n[of_tie(e, LEFT_SLOT)], e)
+        n[of_tie(e, KIND)] = links.kind[link]
+        n[of_tie(e, CUTS)] = links.tension_cut[link]
+        n[of_tie(e, BRANCH)] = state.link_branch[link]
+        n[of_tie(e, CUT)] = state.link_cut[link]
+        n[of_tie(e, SNAPPED)] = state.snapped_link[link]
+        n[of_tie(e, IMPACTS)] = peaks.impacts[link]
 
 
 @njit(**CALLED)
-def give_links(run, state, peaks, ledger):
+def give_links(run, row, state, peaks, ledger):
     """Copy what has changed by link back."""
     stand_alone()
     c = run.links
     n = run.ties
-    for e in range(run.linked):
-        peaks.closing[e] = c[of_link(e, MOST_CLOSING)]
-        peaks.force[e] = c[of_link(e, MOST_FORCE)]
-        peaks.impulse[e] = c[of_link(e, IMPULSE)]
-        peaks.contact_time[e] = c[of_link(e, CONTACT)]
-        ledger.links[e] = c[of_link(e, WORK_DONE)]
-        state.link_branch[e] = n[of_tie(e, BRANCH)]
-        state.link_cut[e] = n[of_tie(e, CUT)]
-        state.snapped_link[e] = n[of_tie(e, SNAPPED)]
-        peaks.impacts[e] = n[of_tie(e, IMPACTS)]
+    for link in range(row.links):
+        e = row.seats[link]
+        peaks.closing[link] = c[of_link(e, MOST_CLOSING)]
+        peaks.force[link] = c[of_link(e, MOST_FORCE)]
+        peaks.impulse[link] = c[of_link(e, IMPULSE)]
+        peaks.contact_time[link] = c[of_link(e, CONTACT)]
+        ledger.links[link] = c[of_link(e, WORK_DONE)]
+        state.link_branch[link] = n[of_tie(e, BRANCH)]
+        state.link_cut[link] = n[of_tie(e, CUT)]
+        state.snapped_link[link] = n[of_tie(e, SNAPPED)]
+        peaks.impacts[link] = n[of_tie(e, IMPACTS)]

@@ -62,14 +62,15 @@ def _storey_crossing(run, i, founded):
     return earliest
 
 
-@njit(**PART)
+@njit(**CALLED)
 def first_storey_event(run, founded):
     """Whether there is a storey event in [0, 1], the first one's place in END; ROOT tells every storey's own."""
+    stand_alone()
     slots = run.slots
     zero = splat(0.0)
     never = splat(NEVER)
     found = False
-    for b in range(0, run.padded, 8):
+    for b in range(run.low, run.high, 8):
         store(slots, at(b, c.ROOT), never)
         plastic = load(slots, at(b, c.PLASTIC))
         first = magnitude(load(slots, at(b, c.DRIFT0)) - plastic)
@@ -162,11 +163,12 @@ def _may_leave(run, b, least, most):
     return ~(greater(least, low) & greater(high, most)) & 255
 
 
-@njit(**PART)
+@njit(**CALLED)
 def first_link_event(run):
     """Whether a link event comes before what stands in END: its place goes there, link and event into the tally."""
+    stand_alone()
     found = False
-    for b in range(0, run.linked, 8):
+    for b in range(run.first, run.last, 8):
         first = load(run.links, at_link(b, c.CLOSING))
         last, stray = link_end(run, b)
         last = last - load(run.links, at_link(b, c.THICKNESS))

@@ -4,32 +4,34 @@ Scenes with foundations run alone. Foundations are few, so all is done one by on
 
 from __future__ import annotations
 
-from collections import namedtuple
-
 from numba import njit
 
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, of
 from pounding_cli.kernels.clock import END, ORDER, H
+from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.polynomial import highest, value
 from pounding_cli.kernels.simd import further, splat, stand_alone, store
 
-Footing = namedtuple(
-    "Footing", "first stop base inertia stiffness dashpot alpha phi phi_v rocking spent W D phi_end turn_end"
-)
+_DOUBLES = (
+    "inertia", "stiffness", "dashpot", "alpha", "phi", "phi_v", "rocking", "spent", "W", "D", "phi_end", "turn_end"
+)  # fmt: skip
+FEET = Frame("feet", dict.fromkeys(("first", "stop", "base"), INTEGERS) | dict.fromkeys(_DOUBLES, DOUBLES))
 """Per foundation: the fields of `layout.Feet`; its angle and rate in `layout.State`; the largest angle; energy lost
 [J]; by order, coefficients of rate W [rad/s] and angle D [rad]; both at the step's end."""
 
+_fill = filler(FEET)
+
 
 @njit(**PART)
-def footing_of(feet, state, peaks, ledger, number, rows, room):
-    """A Footing of pointers, its series in `room`."""
-    return Footing(
+def footing_of(place, feet, state, peaks, ledger, number, rows, room):
+    """A frame of feet at `place`, its series in `room`."""
+    return _fill(place, (
         feet.first, feet.stop, feet.base, feet.inertia, feet.stiffness, feet.dashpot, feet.alpha, state.phi,
         state.phi_v, peaks.rocking, ledger.feet, room, further(room, rows * number), further(room, 2 * rows * number),
         further(room, (2 * rows + 1) * number),
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 @njit(**CALLED)

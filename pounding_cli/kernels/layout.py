@@ -35,8 +35,8 @@ CALLED: dict[str, Any] = {**PLAIN, "cache": False}
 OPEN, LINEAR, CUBIC = 0, 1, 2
 """Link branches: no contact; F = s v + F0 + c v'; the infill's cubic with its square-root dashpot."""
 
-POUNDING, INFILL, CONNECTOR = 0, 1, 2
-"""Link kinds."""
+NO_LINK, POUNDING, INFILL, CONNECTOR = -1, 0, 1, 2
+"""Link kinds; the first fills up the eight places of a vector."""
 
 NOTHING, AT_ZERO, AT_GAP, NO_FORCE = 0, 1, 2, 3
 """What is known to be exactly zero after a link event: v, v - d, or the force."""
@@ -63,15 +63,21 @@ inertia [kg m2] (inf: no rocking), rocking stiffness [N m/rad], rocking dashpot 
 
 Links = namedtuple(
     "Links",
-    "number size rounds left right gains losses kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic "
+    "number size left right kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic "
     "root_dashpot tension_cut",
 )
 """number of links and the same padded to a multiple of eight; per link, shape (size,): slots left and right, kind,
 gap d [m], stiffness s [N/m] (infill: s_mat), dashpot [N s/m]; for an infill beyond its thickness F = beyond v +
 beyond_force + beyond_dashpot v'; cubic p = (s_imp - s_mat) / (3 d^2) [N/m3]; root_dashpot 2 xi sqrt(m') so that
-c_cur = root_dashpot sqrt(s_cur); tension_cut 0 or 1. The same by slot, shape (rounds, slots): the link that pushes a
-slot to the right (gains) and to the left (losses), or the number `size` where there is none; rounds is the most links
-that any slot has on one side."""
+c_cur = root_dashpot sqrt(s_cur); tension_cut 0 or 1."""
+
+Row = namedtuple("Row", "number slots links rounds first joints spots seats")
+"""How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
+a multiple of eight *places*, and so do the links between each two (of a few buildings that would take more places so,
+one follows the other). number of buildings, slots and links; rounds: the most links that a slot has on one side, or 0
+where the links of two neighbours stand like the places they join; by building: the place of its first slot (and, one
+more, the number of places), the place of the first link to its right neighbour (the last is the number of these
+places); by slot and by link of the arrays: their places."""
 
 State = namedtuple("State", "u v line plastic snapped_storey link_branch link_cut snapped_link phi phi_v")
 """What evolves: u [m], v [m/s]; per storey: line (0 between the yield lines, +1 or -1 on the upper or lower one),
@@ -113,10 +119,17 @@ def foot_pointers(a):
 def link_pointers(a):
     """Links of pointers from Links of arrays."""
     return Links(
-        a.number, a.size, a.rounds, pointer(a.left), pointer(a.right), pointer(a.gains), pointer(a.losses),
-        pointer(a.kind), pointer(a.gap), pointer(a.stiffness), pointer(a.dashpot), pointer(a.beyond),
-        pointer(a.beyond_force), pointer(a.beyond_dashpot), pointer(a.cubic), pointer(a.root_dashpot),
-        pointer(a.tension_cut),
+        a.number, a.size, pointer(a.left), pointer(a.right), pointer(a.kind), pointer(a.gap), pointer(a.stiffness),
+        pointer(a.dashpot), pointer(a.beyond), pointer(a.beyond_force), pointer(a.beyond_dashpot), pointer(a.cubic),
+        pointer(a.root_dashpot), pointer(a.tension_cut),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def row_pointers(a):
+    """Row of pointers from Row of arrays."""
+    return Row(
+        a.number, a.slots, a.links, a.rounds, pointer(a.first), pointer(a.joints), pointer(a.spots), pointer(a.seats),
     )  # fmt: skip
 
 

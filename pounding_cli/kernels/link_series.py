@@ -13,7 +13,7 @@ from numba import njit
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at_link, at_term, at_tie, of_link, of_term, of_tie
 from pounding_cli.kernels.clock import PER_H
-from pounding_cli.kernels.layout import AT_GAP, AT_ZERO, CONNECTOR, CUBIC, INFILL, OPEN, PART, POUNDING
+from pounding_cli.kernels.layout import AT_GAP, AT_ZERO, CALLED, CONNECTOR, CUBIC, INFILL, NO_LINK, OPEN, PART, POUNDING
 from pounding_cli.kernels.simd import (
     choose,
     fused,
@@ -24,6 +24,7 @@ from pounding_cli.kernels.simd import (
     maximum,
     splat,
     square_root,
+    stand_alone,
     store,
 )
 
@@ -60,6 +61,10 @@ def set_law(run, e):
     links = run.links
     branch = run.ties[of_tie(e, c.BRANCH)]
     kind = run.ties[of_tie(e, c.KIND)]
+    if kind == NO_LINK:  # no event is ever expected of it
+        links[of_link(e, c.LOW)] = -np.inf
+        links[of_link(e, c.HIGH)] = np.inf
+        return
     gap = links[of_link(e, c.GAP)]
     closed = branch != OPEN
     linear = 0.0
@@ -102,51 +107,47 @@ def set_law(run, e):
 
 
 @njit(**PART)
-def no_law(run, e):
-    """The place of a link that is none, in the padding: no event is ever expected of it."""
-    run.links[of_link(e, c.LOW)] = -np.inf
-    run.links[of_link(e, c.HIGH)] = np.inf
-
-
-@njit(**PART)
-def real_links(run, b):
-    """Lanes that hold a link, not padding."""
-    return (1 << min(8, run.number - b)) - 1
-
-
-@njit(**PART)
 def closed_at(run, b):
     """Lanes whose link, from place b on, is not open."""
     return greater(load(run.links, at_link(b, c.CLOSED)), splat(0.0))
 
 
 @njit(**PART)
+def beside(run, values, row, b, side):
+    """The value of the slot on one side (LEFT_SLOT or RIGHT_SLOT) of eight links."""
+    place = at_tie(b, side)
+    if run.rounds == 0:
+        return load(values, row + run.ties[place])
+    return gather(values, row, run.ties, place)
+
+
+@njit(**PART)
 def apart(run, values, row, b):
     """Left minus right slot's value, of eight links."""
-    left = gather(values, row, run.ties, at_tie(b, c.LEFT_SLOT))
-    return left - gather(values, row, run.ties, at_tie(b, c.RIGHT_SLOT))
+    return beside(run, values, row, b, c.LEFT_SLOT) - beside(run, values, row, b, c.RIGHT_SLOT)
 
 
 @njit(**PART)
 def link_end(run, b):
     """(u_l - u_r at the step's end, by how much it may stray from the straight line there) of eight links [m]."""
-    left = gather(run.ends, run.padded, run.ties, at_tie(b, c.LEFT_SLOT))
-    right = gather(run.ends, run.padded, run.ties, at_tie(b, c.RIGHT_SLOT))
+    left = beside(run, run.ends, run.padded, b, c.LEFT_SLOT)
+    right = beside(run, run.ends, run.padded, b, c.RIGHT_SLOT)
     return apart(run, run.ends, 0, b), left + right
 
 
-@njit(**PART)
+@njit(**CALLED)
 def closings(run, snapped):
     """Order 0 of v, exactly zero (or d) where an event has just put it there; returns (which of eight
     links are not open, which on the infill's cubic)."""
+    stand_alone()
     busy = 0
     curved = 0
     zero = splat(0.0)
     links = run.links
     start = -run.padded
-    for b in range(0, run.linked, 8):
-        left = gather(run.W, start, run.ties, at_tie(b, c.LEFT_SLOT))
-        right = gather(run.W, start, run.ties, at_tie(b, c.RIGHT_SLOT))
+    for b in range(run.first, run.last, 8):
+        left = beside(run, run.W, start, b, c.LEFT_SLOT)
+        right = beside(run, run.W, start, b, c.RIGHT_SLOT)
         v = differences(left - load(links, at_link(b, c.THICKNESS)), right, zero)
         closed = closed_at(run, b)
         busy |= closed
@@ -157,7 +158,7 @@ def closings(run, snapped):
         store(links, at_link(b, c.SIZE), maximum(magnitude(left), magnitude(right)) * run.clock[PER_H])
         store(run.pushed, b, zero)
     if snapped:
-        for e in range(run.number):
+        for e in range(run.first, run.last):
             exact = run.ties[of_tie(e, c.SNAPPED)]
             if exact in (AT_ZERO, AT_GAP):
                 v_exact = links[of_link(e, c.GAP)] if exact == AT_GAP else 0.0
@@ -175,38 +176,45 @@ def expand_links(run, k, after, curved, snapped):
     must not decide its sign. What waits for order k of the floors' velocities comes last: all else is computed while
     they are."""
     row = k * run.padded
+    for b in range(run.first, run.last, 8):
+        if closed_at(run, b) != 0:
+            v = load(run.series, at_term(run, k, b, c.V_TERM))
+            store(run.pushed, b, push(run, k, b, v, apart(run, run.W, row, b), after, curved, snapped)[0])
+
+
+@njit(**PART)
+def push(run, k, b, v, rate, after, curved, snapped):
+    """Order k of the force of eight links, as the series keep it and as it acts, from those of the closing v and of the
+    floors' difference in velocity; returns (what acts [N], order k + 1 of v)."""
     links = run.links
     series = run.series
-    for b in range(0, run.linked, 8):
-        if closed_at(run, b) == 0:
-            continue
-        here = at_term(run, k, b, 0)
-        v = load(series, here + c.V_TERM)
-        known = load(links, at_link(b, c.LINEAR_LAW)) * v
-        if k == 0:
-            known = known + load(links, at_link(b, c.OFFSET_LAW))
-            store(links, at_link(b, c.DAMPING), load(links, at_link(b, c.RATE_LAW)))
-        if curved != 0:
-            known = _cubic(run, k, b, v, known)
-        damping = load(links, at_link(b, c.DAMPING))
-        applied = load(links, at_link(b, c.APPLIED))
-        known_applied = known * applied
-        damping_applied = damping * applied
-        rate = apart(run, run.W, row, b) * load(links, at_link(b, c.CLOSED))
-        if snapped:
-            rate = _exact_rate(run, row, b, rate)
-        store(run.pushed, b, fused(damping_applied, rate, known_applied))
-        force = fused(damping, rate, known)
-        store(series, here + c.RATE_TERM, rate)
-        store(series, here + c.F_TERM, force)
-        store(series, at_term(run, k + 1, b, c.V_TERM), rate * after)
+    here = at_term(run, k, b, 0)
+    known = load(links, at_link(b, c.LINEAR_LAW)) * v
+    if k == 0:
+        known = known + load(links, at_link(b, c.OFFSET_LAW))
+        store(links, at_link(b, c.DAMPING), load(links, at_link(b, c.RATE_LAW)))
+    if curved != 0:
+        known = _cubic(run, k, b, v, known)
+    damping = load(links, at_link(b, c.DAMPING))
+    applied = load(links, at_link(b, c.APPLIED))
+    known_applied = known * applied
+    damping_applied = damping * applied
+    rate = rate * load(links, at_link(b, c.CLOSED))
+    if snapped:
+        rate = _exact_rate(run, k * run.padded, b, rate)
+    force = fused(damping, rate, known)
+    v_next = rate * after
+    store(series, here + c.RATE_TERM, rate)
+    store(series, here + c.F_TERM, force)
+    store(series, at_term(run, k + 1, b, c.V_TERM), v_next)
+    return fused(damping_applied, rate, known_applied), v_next
 
 
 @njit(**PART)
 def _exact_rate(run, row, b, rate):
     """`rate` of eight links, exactly zero where it is rounding (`difference`)."""
-    left = magnitude(gather(run.W, row, run.ties, at_tie(b, c.LEFT_SLOT)))
-    right = magnitude(gather(run.W, row, run.ties, at_tie(b, c.RIGHT_SLOT)))
+    left = magnitude(beside(run, run.W, row, b, c.LEFT_SLOT))
+    right = magnitude(beside(run, run.W, row, b, c.RIGHT_SLOT))
     size = load(run.links, at_link(b, c.SIZE))
     store(run.links, at_link(b, c.SIZE), maximum(size, maximum(left, right)))
     rounding = ROUNDING * (left + right) + LAST_DIGITS * size
@@ -257,6 +265,8 @@ def _cubic(run, k, b, v, known):
 @njit(**PART)
 def forces_on(run, b):
     """What links do to the slots from place b on [N]."""
+    if run.rounds == 0:
+        return load(run.pushed, run.gains[b]) - load(run.pushed, run.losses[b])
     total = splat(0.0)
     for row in range(0, run.rounds * run.padded, run.padded):
         gain = gather(run.pushed, 0, run.gains, row + b)

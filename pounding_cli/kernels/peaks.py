@@ -9,7 +9,7 @@ from pounding_cli.kernels.cells import at, at_link, at_term, of, of_link, of_ter
 from pounding_cli.kernels.clock import CHANGE, END, GROUND, ORDER, PER_H, SEGMENT, H
 from pounding_cli.kernels.foundations import rocking_peaks
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import apart, closed_at, link_end, real_links
+from pounding_cli.kernels.link_series import apart, closed_at, link_end
 from pounding_cli.kernels.polynomial import highest, value
 from pounding_cli.kernels.simd import (
     fused,
@@ -27,15 +27,15 @@ from pounding_cli.kernels.summary import drift_series
 
 
 @njit(**PART)
-def _turns(rate0, rate, stray):
+def turns(rate0, rate, stray):
     """Lanes whose quantity may have a largest value inside the step, by its rate at both ends and that one's stray."""
     same = greater(rate0 * rate, splat(0.0))
     return ~(same & greater(minimum(magnitude(rate0), magnitude(rate)), stray))
 
 
 @njit(**PART)
-def _drift_turns(slots, b):
-    return _turns(load(slots, at(b, c.RATE0)), load(slots, at(b, c.RATE)), load(slots, at(b, c.RATE_STRAY)))
+def drift_turns(slots, b):
+    return turns(load(slots, at(b, c.RATE0)), load(slots, at(b, c.RATE)), load(slots, at(b, c.RATE_STRAY)))
 
 
 @njit(**CALLED)
@@ -51,13 +51,13 @@ def _drift_peak(run, i, factor, offset, best, founded):
 @njit(**PART)
 def _drift_peaks(run, founded):
     slots = run.slots
-    for b in range(0, run.padded, 8):
+    for b in range(run.low, run.high, 8):
         peak = load(slots, at(b, c.MOST_DRIFT))
         reach = maximum(magnitude(load(slots, at(b, c.DRIFT0))), magnitude(load(slots, at(b, c.DRIFT))))
         suspects = greater(reach + load(slots, at(b, c.DRIFT_STRAY)), peak)
         if suspects != 0:
             store(slots, at(b, c.MOST_DRIFT), maximum(peak, reach))
-            suspects &= _drift_turns(slots, b)
+            suspects &= drift_turns(slots, b)
             while suspects != 0:
                 i = b + lowest(suspects)
                 suspects &= suspects - 1
@@ -68,7 +68,7 @@ def _drift_peaks(run, founded):
 @njit(**PART)
 def _shear_peaks(run, founded):
     slots = run.slots
-    for b in range(0, run.padded, 8):
+    for b in range(run.low, run.high, 8):
         peak = load(slots, at(b, c.MOST_SHEAR))
         tangent = load(slots, at(b, c.TANGENT))
         offset = load(slots, at(b, c.OFFSET))
@@ -77,7 +77,7 @@ def _shear_peaks(run, founded):
         suspects = greater(fused(tangent, load(slots, at(b, c.DRIFT_STRAY)), reach), peak)
         if suspects != 0:
             store(slots, at(b, c.MOST_SHEAR), maximum(peak, reach))
-            suspects &= _drift_turns(slots, b)
+            suspects &= drift_turns(slots, b)
             while suspects != 0:
                 i = b + lowest(suspects)
                 suspects &= suspects - 1
@@ -103,7 +103,7 @@ def _displacement_peak(run, i, sign, best):
 def _displacement_peaks(run):
     slots = run.slots
     minus = splat(-1.0)
-    for b in range(0, run.padded, 8):
+    for b in range(run.low, run.high, 8):
         first = load(run.W, b - run.padded)
         last = load(run.ends, b)
         stray = load(run.ends, run.padded + b)
@@ -114,9 +114,9 @@ def _displacement_peaks(run):
         if above | below != 0:
             store(slots, at(b, c.TOP), maximum(top, maximum(first, last)))
             store(slots, at(b, c.BOTTOM), minimum(bottom, minimum(first, last)))
-            turns = _turns(load(run.W, b), load(slots, at(b, c.V_END)), load(slots, at(b, c.V_STRAY)))
-            above &= turns
-            below &= turns
+            turning = turns(load(run.W, b), load(slots, at(b, c.V_END)), load(slots, at(b, c.V_STRAY)))
+            above &= turning
+            below &= turning
             while above != 0:
                 i = b + lowest(above)
                 above &= above - 1
@@ -146,7 +146,7 @@ def _acceleration_peak(run, i, best):
 @njit(**PART)
 def _acceleration_peaks(run):
     slots = run.slots
-    for b in range(0, run.padded, 8):
+    for b in range(run.low, run.high, 8):
         peak = load(slots, at(b, c.MOST_PULL))
         reach = maximum(magnitude(load(slots, at(b, c.PULL0))), magnitude(load(slots, at(b, c.PULL))))
         suspects = greater(reach + load(slots, at(b, c.PULL_STRAY)), peak)
@@ -159,17 +159,28 @@ def _acceleration_peaks(run):
                 slots[of(i, c.MOST_PULL)] = _acceleration_peak(run, i, best)
 
 
-@njit(**CALLED)
-def watch(run, top, bottom):
-    """Widen the bounds of the displacements in a segment by what this step may reach."""
-    stand_alone()
-    for b in range(0, run.padded, 8):
-        row = run.tally[SEGMENT] * run.padded + b
+@njit(**PART)
+def widen(run):
+    """Widen what the displacements stay between in this segment by what this step may reach."""
+    for b in range(run.low, run.high, 8):
         first = load(run.W, b - run.padded)
         last = load(run.ends, b)
         stray = load(run.ends, run.padded + b)
-        store(top, row, maximum(load(top, row), maximum(first, last) + stray))
-        store(bottom, row, minimum(load(bottom, row), minimum(first, last) - stray))
+        top = 2 * run.padded + b
+        bottom = top + run.padded
+        store(run.ends, top, maximum(load(run.ends, top), maximum(first, last) + stray))
+        store(run.ends, bottom, minimum(load(run.ends, bottom), minimum(first, last) - stray))
+
+
+@njit(**CALLED)
+def show(run, row, slots, top, bottom):
+    """Enter what the displacements stayed between in this segment, by slot."""
+    stand_alone()
+    line = run.tally[SEGMENT] * slots
+    for slot in range(row.slots):
+        place = 2 * run.padded + row.spots[slot]
+        top[line + slot] = run.ends[place]
+        bottom[line + slot] = run.ends[place + run.padded]
 
 
 @njit(**CALLED)
@@ -204,12 +215,12 @@ def _link_peaks(run, order, busy):
     links = run.links
     end = splat(run.clock[END])
     duration = splat(run.clock[H]) * end
-    for b in range(0, run.linked, 8):
+    for b in range(run.first, run.last, 8):
         first = apart(run, run.W, -run.padded, b)
         last, stray = link_end(run, b)
         peak = load(links, at_link(b, c.MOST_CLOSING))
         reach = maximum(first, last)
-        suspects = greater(reach + stray, peak) & real_links(run, b)
+        suspects = greater(reach + stray, peak)
         if suspects != 0:
             store(links, at_link(b, c.MOST_CLOSING), maximum(peak, reach))
             while suspects != 0:
@@ -243,9 +254,10 @@ def _link_peaks(run, order, busy):
             links[of_link(e, c.MOST_FORCE)] = _force_peak(run, e, best)
 
 
-@njit(**PART)
+@njit(**CALLED)
 def track(run, feet, order, busy, inelastic, founded):
     """Raise every peak that this step, up to s = END, exceeds; `order` is the series'."""
+    stand_alone()
     _drift_peaks(run, founded)
     if inelastic:
         _shear_peaks(run, founded)
@@ -253,5 +265,5 @@ def track(run, feet, order, busy, inelastic, founded):
     _acceleration_peaks(run)
     if founded:
         rocking_peaks(run, feet)
-    if run.number > 0:
+    if run.last > run.first:
         _link_peaks(run, order, busy)

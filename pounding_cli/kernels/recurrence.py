@@ -17,7 +17,7 @@ from pounding_cli.kernels.cells import at, of
 from pounding_cli.kernels.clock import CHANGE, GROUND, ORDER, PER_H, QUIET, H
 from pounding_cli.kernels.foundations import expand_feet, feet_exceed, rescale_feet, top_of
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import expand_links, forces_on
+from pounding_cli.kernels.link_series import expand_links, forces_on, push
 from pounding_cli.kernels.simd import (
     from_left,
     from_right,
@@ -65,18 +65,59 @@ def restencil(run, i):
 
 
 @njit(**PART)
+def by_displacement(slots, b, left, u, right):
+    """What displacements of eight slots and their neighbours add to the accelerations."""
+    total = load(slots, at(b, c.OWN)) * u
+    total = fused(load(slots, at(b, c.LEFT)), from_left(left, u), total)
+    return fused(load(slots, at(b, c.RIGHT)), from_right(u, right), total)
+
+
+@njit(**PART)
+def by_velocity(slots, b, left, w, right, total):
+    """`total` and what velocities add to it."""
+    total = fused(load(slots, at(b, c.OWN_RATE)), w, total)
+    total = fused(load(slots, at(b, c.LEFT_RATE)), from_left(left, w), total)
+    return fused(load(slots, at(b, c.RIGHT_RATE)), from_right(w, right), total)
+
+
+@njit(**PART)
+def by_ground(slots, b, k, ground, total):
+    """`total` and what the ground adds to orders 0 and 1, and the branches' offsets to order 0."""
+    total = total - load(slots, at(b, c.REAL)) * ground
+    return total + load(slots, at(b, c.PUSH)) if k == 0 else total
+
+
+@njit(**PART)
+def _set_allowed(run, tolerance):
+    """What a term may leave out: `tolerance` times the slot's acceleration of late (`renew_scale`), or of what is not
+    resolved."""
+    slots = run.slots
+    quiet = splat(run.clock[QUIET])
+    for b in range(run.low, run.high, 8):
+        store(slots, at(b, c.ALLOWED), maximum(load(slots, at(b, c.SCALE)), quiet) * tolerance)
+
+
+@njit(**PART)
 def expand(run, feet, busy, curved, snapped, tolerance, most, founded):
-    """Coefficients up to the order at which two acceleration terms in a row are below `tolerance` times the slot's
-    acceleration of late (`renew_scale`; at least what is not resolved), or up to `most`.
+    """Coefficients up to the order at which two acceleration terms in a row are below what may be left out, or up to
+    `most`.
 
     Returns (order, whether that held).
     """
+    _set_allowed(run, tolerance)
+    links = run.last - run.first
+    if run.high - run.low == 16 and (links == 0 or (links == 8 and run.rounds == 0)) and not founded:
+        return _expand_two(run, busy, curved, snapped, most)
+    return _expand_all(run, feet, busy, curved, snapped, most, founded)
+
+
+@njit(**CALLED)
+def _expand_all(run, feet, busy, curved, snapped, most, founded):
+    """The series of any number of slots."""
+    stand_alone()
     padded = run.padded
     slots = run.slots
     zero = splat(0.0)
-    quiet = splat(run.clock[QUIET])
-    for b in range(0, padded, 8):
-        store(slots, at(b, c.ALLOWED), maximum(load(slots, at(b, c.SCALE)), quiet) * tolerance)
     h = splat(run.clock[H])
     ground = splat(run.clock[GROUND])
     small_before = False
@@ -92,24 +133,18 @@ def expand(run, feet, busy, curved, snapped, tolerance, most, founded):
         exceeding = 0
         w_left = zero
         u_left = zero
-        w = load(run.W, row)
-        u = load(run.W, row - padded)
-        for b in range(0, padded, 8):
-            more = b + 8 < padded
+        w = load(run.W, row + run.low)
+        u = load(run.W, row - padded + run.low)
+        for b in range(run.low, run.high, 8):
+            more = b + 8 < run.high
             w_right = load(run.W, row + b + 8) if more else zero
             u_right = load(run.W, row - padded + b + 8) if more else zero
-            total = load(slots, at(b, c.OWN)) * u
-            total = fused(load(slots, at(b, c.LEFT)), from_left(u_left, u), total)
-            total = fused(load(slots, at(b, c.RIGHT)), from_right(u, u_right), total) * before
+            total = by_displacement(slots, b, u_left, u, u_right) * before
             if founded:
                 total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FORCE)), total)
             if k < 2:
-                total = total - load(slots, at(b, c.REAL)) * ground
-                if k == 0:
-                    total = total + load(slots, at(b, c.PUSH))
-            total = fused(load(slots, at(b, c.OWN_RATE)), w, total)
-            total = fused(load(slots, at(b, c.LEFT_RATE)), from_left(w_left, w), total)
-            total = fused(load(slots, at(b, c.RIGHT_RATE)), from_right(w, w_right), total)
+                total = by_ground(slots, b, k, ground, total)
+            total = by_velocity(slots, b, w_left, w, w_right, total)
             if busy != 0:
                 total = fused(load(slots, at(b, c.INVERSE_MASS)), forces_on(run, b), total)
             store(run.W, row + padded + b, total * after)
@@ -131,12 +166,67 @@ def expand(run, feet, busy, curved, snapped, tolerance, most, founded):
         ground = splat(run.clock[CHANGE])
 
 
+@njit(**CALLED)
+def _expand_two(run, busy, curved, snapped, most):
+    """The same of sixteen places, and eight links between their halves at most: what one order leaves for the next
+    stays in registers, where the other would wait for the memory."""
+    stand_alone()
+    padded = run.padded
+    slots = run.slots
+    zero = splat(0.0)
+    h = splat(run.clock[H])
+    ground = splat(run.clock[GROUND])
+    a = run.low
+    b = a + 8
+    e = run.first
+    u = load(run.W, a - padded)
+    u_right = load(run.W, b - padded)
+    w = load(run.W, a)
+    w_right = load(run.W, b)
+    v = zero
+    if busy != 0:
+        v = load(run.series, c.at_term(run, 0, e, c.V_TERM))
+    small_before = False
+    before = splat(1.0)
+    k = 0
+    while True:
+        after = h * run.reciprocal[k + 1]
+        total = by_displacement(slots, a, zero, u, u_right) * before
+        total_right = by_displacement(slots, b, u, u_right, zero) * before
+        if k < 2:
+            total = by_ground(slots, a, k, ground, total)
+            total_right = by_ground(slots, b, k, ground, total_right)
+        total = by_velocity(slots, a, zero, w, w_right, total)
+        total_right = by_velocity(slots, b, w, w_right, zero, total_right)
+        if busy != 0:
+            pushed, v = push(run, k, e, v, w - w_right, after, curved, snapped)
+            total = total - load(slots, at(a, c.INVERSE_MASS)) * pushed
+            total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)
+        exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
+        exceeding |= greater(magnitude(total_right), load(slots, at(b, c.ALLOWED)))
+        u = w
+        u_right = w_right
+        w = total * after
+        w_right = total_right * after
+        k += 1
+        store(run.W, k * padded + a, w)
+        store(run.W, k * padded + b, w_right)
+        small = exceeding == 0
+        if small and small_before and k >= LEAST_ORDER:
+            return k, True
+        if k == most:
+            return k, False
+        small_before = small
+        before = h * run.reciprocal[k]
+        ground = splat(run.clock[CHANGE])
+
+
 @njit(**PART)
 def renew_scale(run):
     """The largest acceleration of late: a blow is forgotten at a tenth a step, so that what follows it is not
     sloppy."""
     slots = run.slots
-    for b in range(0, run.padded, 8):
+    for b in range(run.low, run.high, 8):
         now = maximum(magnitude(load(slots, at(b, c.PULL0))), magnitude(load(slots, at(b, c.PULL))))
         store(slots, at(b, c.SCALE), maximum(load(slots, at(b, c.SCALE)) * FORGET, now))
 
@@ -150,7 +240,7 @@ def shrink(run, feet, tolerance):
     worst = 0.0
     for k in (order - 1, order):
         size = 0.0
-        for i in range(run.padded):
+        for i in range(run.low, run.high):
             size = max(size, abs(run.W[k * run.padded + i]) / max(run.slots[of(i, c.SCALE)], quiet))
         for f in range(run.feet):
             top, turning = top_of(run, feet, k, f)
@@ -167,10 +257,11 @@ def rescale(run, feet, ratio, busy, order, founded):
     stand_alone()
     power = splat(1.0)
     for k in range(order + 1):
-        for b in range(k * run.padded, (k + 1) * run.padded, 8):
-            store(run.W, b, load(run.W, b) * power)
+        row = k * run.padded
+        for b in range(run.low, run.high, 8):
+            store(run.W, row + b, load(run.W, row + b) * power)
         if busy != 0:
-            for b in range(0, run.linked, 8):
+            for b in range(run.first, run.last, 8):
                 for field in (c.V_TERM, c.RATE_TERM, c.F_TERM):
                     place = c.at_term(run, k, b, field)
                     store(run.series, place, load(run.series, place) * power)

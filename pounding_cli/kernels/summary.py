@@ -16,10 +16,11 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.simd import from_left, fused, load, magnitude, splat, stand_alone, store
 
 
-@njit(**PART)
+@njit(**CALLED)
 def summarise(run, feet, order, founded):
     """Displacement, velocity, drift, drift rate and total acceleration (pull) of every slot at the step's end, the last
     three at its start too, and strays."""
+    stand_alone()
     padded = run.padded
     slots = run.slots
     h = splat(run.clock[H])
@@ -27,23 +28,16 @@ def summarise(run, feet, order, founded):
     ground = splat(run.clock[GROUND])
     ground_end = ground + splat(run.clock[CHANGE])
     eighth = h * 0.125
-    for b in range(0, padded, 8):
-        couple = load(slots, at(b, c.COUPLE))
+    for b in range(run.low, run.high, 8):
         travel = splat(0.0)
         v = splat(0.0)
         pull = splat(0.0)
         bend = splat(0.0)
-        drift_bend = splat(0.0)
-        rate_stray = splat(0.0)
         v_stray = splat(0.0)
         pull_stray = splat(0.0)
         number = 0.0
         for k in range(order + 1):
-            row = k * padded + b
-            w = load(run.W, row)
-            rate = w - couple * from_left(load(run.W, row - 8), w)
-            if founded:
-                rate = rate - load(run.tilt, row + padded)
+            w = load(run.W, k * padded + b)
             travel = fused(w, run.reciprocal[k + 1], travel)
             v = v + w
             term = w * number
@@ -52,31 +46,66 @@ def summarise(run, feet, order, founded):
             bend = bend + size
             v_stray = fused(size, number - 1.0, v_stray)
             pull_stray = fused(size, (number - 1.0) * (number - 2.0), pull_stray)
-            size = magnitude(rate * number)
-            drift_bend = drift_bend + size
-            rate_stray = fused(size, number - 1.0, rate_stray)
             number += 1.0
         store(run.ends, b, fused(travel, h, load(run.W, b - padded)))
         store(slots, at(b, c.V_END), v)
         store(slots, at(b, c.PULL0), fused(load(run.W, padded + b), per_h, ground))
         store(slots, at(b, c.PULL), fused(pull, per_h, ground_end))
         store(run.ends, padded + b, bend * eighth)
-        store(slots, at(b, c.DRIFT_STRAY), drift_bend * eighth)
-        store(slots, at(b, c.RATE_STRAY), rate_stray * 0.125)
         store(slots, at(b, c.V_STRAY), v_stray * 0.125)
         store(slots, at(b, c.PULL_STRAY), pull_stray * (per_h * 0.125))
-    _drifts(run)
+    drifts(run)
     if founded:
+        _drift_strays(run, order)
         end_feet(run, feet, 1.0)
+    else:
+        _sum_strays(run)
 
 
 @njit(**PART)
-def _drifts(run):
+def _sum_strays(run):
+    """Strays of drifts and their rates: at most those of both slots together."""
+    slots = run.slots
+    bend_left = splat(0.0)
+    v_left = splat(0.0)
+    for b in range(run.low, run.high, 8):
+        couple = load(slots, at(b, c.COUPLE))
+        bend = load(run.ends, run.padded + b)
+        v = load(slots, at(b, c.V_STRAY))
+        store(slots, at(b, c.DRIFT_STRAY), fused(couple, from_left(bend_left, bend), bend))
+        store(slots, at(b, c.RATE_STRAY), fused(couple, from_left(v_left, v), v))
+        bend_left = bend
+        v_left = v
+
+
+@njit(**CALLED)
+def _drift_strays(run, order):
+    """The same where rocking takes its part."""
+    stand_alone()
+    for b in range(run.low, run.high, 8):
+        couple = load(run.slots, at(b, c.COUPLE))
+        bend = splat(0.0)
+        stray = splat(0.0)
+        number = 0.0
+        for k in range(order + 1):
+            row = k * run.padded + b
+            w = load(run.W, row)
+            rate = w - couple * from_left(load(run.W, row - 8), w) - load(run.tilt, row + run.padded)
+            size = magnitude(rate * number)
+            bend = bend + size
+            stray = fused(size, number - 1.0, stray)
+            number += 1.0
+        store(run.slots, at(b, c.DRIFT_STRAY), bend * (0.125 * run.clock[H]))
+        store(run.slots, at(b, c.RATE_STRAY), stray * 0.125)
+
+
+@njit(**PART)
+def drifts(run):
     """Differences of displacement and velocity between each slot and the one below it, at both ends of the step."""
     slots = run.slots
     zero = splat(0.0)
     u0_left, v0_left, u_left, v_left = zero, zero, zero, zero
-    for b in range(0, run.padded, 8):
+    for b in range(run.low, run.high, 8):
         couple = load(slots, at(b, c.COUPLE))
         u0 = load(run.W, b - run.padded)
         v0 = load(run.W, b)
@@ -99,7 +128,7 @@ def stop_at(run, feet, order, founded):
     hs = splat(run.clock[H]) * s
     per_h = splat(run.clock[PER_H])
     ground = fused(splat(run.clock[CHANGE]), s, splat(run.clock[GROUND]))
-    for b in range(0, padded, 8):
+    for b in range(run.low, run.high, 8):
         travel = splat(0.0)
         v = splat(0.0)
         pull = splat(0.0)
@@ -117,7 +146,7 @@ def stop_at(run, feet, order, founded):
         store(run.ends, b, u)
         store(slots, at(b, c.V_END), v)
         store(slots, at(b, c.PULL), fused(pull, per_h, ground))
-    _drifts(run)
+    drifts(run)
     if founded:
         end_feet(run, feet, run.clock[END])
 

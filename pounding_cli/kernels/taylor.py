@@ -5,6 +5,8 @@ events are located to rounding and peaks are found between samples (the recurren
 the branch changes and the series starts anew, so the order is never lost. Method: Jorba & Zou (2005), Experimental
 Mathematics 14(1).
 
+A segment of the ground motion is solved island by island (`islands.py`), each in steps of its own.
+
 One kernel serves all scenes: elastic or not, with foundations or not, whatever their links. Compiling is what a first
 run waits for, and an effect that a scene does not have costs a branch that is never taken."""
 
@@ -14,16 +16,18 @@ import functools
 
 import numpy as np
 from numba import njit
+from numba.core import types
 
 from pounding_cli.kernels.branching import link_event, settle, storey_events, unsnap
 from pounding_cli.kernels.cells import (
     V_END,
-    Run,
     at,
     give_links,
     give_slots,
+    of,
     parts_of,
     room_for,
+    run_frame,
     take_links,
     take_slots,
 )
@@ -40,14 +44,39 @@ from pounding_cli.kernels.clock import (
     QUIET,
     SEGMENT,
     SINCE,
+    SLOPE,
     STANDING,
+    START,
     STEPS,
     TALLY,
     H,
 )
 from pounding_cli.kernels.crossings import first_link_event, first_storey_event
 from pounding_cli.kernels.foundations import footing_of, move_feet, start_feet
+from pounding_cli.kernels.frame import DOUBLES, Frame, filler
+from pounding_cli.kernels.islands import (
+    APART,
+    FOUND,
+    FRESH,
+    HAPPENED,
+    HELD,
+    JOINED,
+    NEXT,
+    NOTES,
+    SOLVED,
+    TOUCH,
+    first_of,
+    last_of,
+    may_touch,
+    put_back,
+    row_frame,
+    set_apart,
+    shelve,
+    silence,
+    touch,
+)
 from pounding_cli.kernels.layout import (
+    CALLED,
     DONE,
     EVENT_BOUND,
     NOT_FINITE,
@@ -58,15 +87,16 @@ from pounding_cli.kernels.layout import (
     foot_pointers,
     link_pointers,
     peak_pointers,
+    row_pointers,
     slot_pointers,
     state_pointers,
 )
 from pounding_cli.kernels.ledger import RULE_ROOM, account, ledger_pointers
 from pounding_cli.kernels.link_series import closings
-from pounding_cli.kernels.peaks import track, watch
+from pounding_cli.kernels.peaks import show, track, widen
 from pounding_cli.kernels.polynomial import NEVER
 from pounding_cli.kernels.recurrence import expand, renew_scale, rescale, shrink
-from pounding_cli.kernels.simd import further, load, pointer, store
+from pounding_cli.kernels.simd import further, load, pointer, splat, stand_alone, store
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.summary import stop_at, summarise
 
@@ -78,52 +108,76 @@ _ROWS = LARGEST_ORDER + 2
 SHORTEST = 1e-14
 """Part of a step [-] below which shortening it would not let time go on."""
 
+SETTINGS = Frame(
+    "settings",
+    dict.fromkeys(("inelastic", "founded", "most_order", "most_steps", "most_events", "most_standing"), types.int64)
+    | {"tolerance": types.float64, "nodes": DOUBLES, "weights": DOUBLES},
+)
+"""What `build` says of its arguments of these names; inelastic, founded: 1 where storeys can yield, where there are
+foundations, else 0."""
 
-def room_needed(padded: int, feet: int, links: int) -> tuple[int, int]:
+_settings_frame = filler(SETTINGS)
+
+FRAMES = 64
+"""Integers that each frame has room for."""
+
+
+def room_needed(padded: int, feet: int, links: int, rounds: int, buildings: int) -> tuple[int, int]:
     """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally."""
     doubles, integers = room_for(padded, links, _ROWS)
-    rows = (_ROWS + 1) * (2 if feet else 1) + 2
+    rows = (_ROWS + 1) * (2 if feet else 1) + 4
     small = 2 * _ROWS + CLOCK + RULE_ROOM + 2 * (_ROWS + 1) * feet + 64
-    return doubles + rows * padded + links + small, TALLY + integers
+    shelf, ties = room_for(padded, links, 0)
+    tables = 2 * max(rounds, 1) * padded + NOTES * buildings + 4 * FRAMES
+    return doubles + rows * padded + links + small + shelf + 2 * padded, TALLY + integers + ties + tables
 
 
 @njit(**PART)
-def _carve(slots, feet, links, room, integers):
-    """The scratch of a run as records and rows, whole vectors first; returns (run, the room left for foundations)."""
-    padded, linked = slots.size, links.size
+def _carve(feet, row, room, integers):
+    """The scratch of a run as records and rows, whole vectors first; returns (run, row, room for two
+    more frames, the room left for foundations)."""
+    padded, linked = row.first[row.number], row.joints[row.number - 1]
     by_slot, by_link, by_term = parts_of(padded, linked, _ROWS)
     ends = further(room, (_ROWS + 1) * padded)
-    records = further(ends, 2 * padded)
+    records = further(ends, 4 * padded)
     link_records = further(records, by_slot)
     series = further(link_records, by_link)
     pushed = further(series, by_term)
     clock = further(pushed, linked + 8)
     rule = further(clock, CLOCK)
-    reciprocal = further(rule, RULE_ROOM)
+    shelf = further(rule, RULE_ROOM)
+    reciprocal = further(shelf, by_slot + by_link + 2 * padded)
     scratch = further(reciprocal, _ROWS)
     tilt = further(scratch, _ROWS)
     ties = further(integers, TALLY)
+    snapped = further(ties, 8 * linked)
+    gains = further(snapped, padded)
+    losses = further(gains, max(row.rounds, 1) * padded)
+    shelved = further(losses, max(row.rounds, 1) * padded)
+    notes = further(shelved, padded + 8 * linked)
     reciprocal[0] = 0.0
     for k in range(1, _ROWS):
         reciprocal[k] = 1.0 / k
-    run = Run(
-        padded, links.number, linked, links.rounds, feet.number, further(room, padded), ends, records,
-        further(ties, 8 * linked), link_records, ties, links.gains, links.losses, pushed, series, rule, reciprocal,
-        clock, integers, scratch, tilt,
-    )  # fmt: skip
-    return run, further(tilt, (_ROWS + 1) * padded if feet.number > 0 else 0)
+    run = run_frame(further(notes, NOTES * row.number), (
+        0, padded, 0, linked, padded, linked, row.rounds, feet.number, further(room, padded), ends, records, snapped,
+        link_records, ties, gains, losses, pushed, series, rule, reciprocal, clock, integers, scratch, tilt,
+    ))  # fmt: skip
+    frames = further(notes, NOTES * row.number + FRAMES)
+    lined_up = row_frame(frames, (
+        row.number, row.slots, row.links, row.first, row.joints, row.spots, row.seats, notes, shelf, shelved,
+    ))  # fmt: skip
+    return run, lined_up, further(frames, FRAMES), further(tilt, (_ROWS + 1) * padded if feet.number > 0 else 0)
 
 
 @njit(**PART)
-def _set_out(run, starts, slopes):
+def _set_out(run):
     """The step that is tried next: to the end of the segment."""
     since = run.clock[SINCE]
     h = run.clock[LENGTH] - since
-    segment = run.tally[SEGMENT]
     run.clock[H] = h
     run.clock[PER_H] = 1.0 / h
-    run.clock[GROUND] = starts[segment] + slopes[segment] * since
-    run.clock[CHANGE] = slopes[segment] * h
+    run.clock[GROUND] = run.clock[START] + run.clock[SLOPE] * since
+    run.clock[CHANGE] = run.clock[SLOPE] * h
     run.clock[END] = NEVER
 
 
@@ -141,8 +195,8 @@ def _shorten(run, feet, busy, order, tolerance, founded):
 
 
 @njit(**PART)
-def _go_on(run, whole, happened, most_steps, most_events, most_standing):
-    """Count a step and move time; returns an outcome, or -1 while the run goes on."""
+def _go_on(run, whole, happened, settings):
+    """Count a step and move time, to -1 at the segment's end; returns an outcome, or -1 while the run goes on."""
     clock = run.clock
     tally = run.tally
     tally[STEPS] += 1
@@ -151,18 +205,151 @@ def _go_on(run, whole, happened, most_steps, most_events, most_standing):
         tally[STANDING] = 0
     clock[SINCE] += clock[H] * clock[END]
     if (whole and clock[END] == 1.0) or clock[SINCE] >= clock[LENGTH]:
-        tally[SEGMENT] += 1
-        clock[SINCE] = 0.0
-    if not np.isfinite(run.ends[0] + run.slots[at(0, V_END)]):
+        clock[SINCE] = -1.0
+    if not np.isfinite(run.ends[run.low] + run.slots[of(run.low, V_END)]):
         return NOT_FINITE
     if happened:
         tally[EVENTS] += 1
         tally[STANDING] += 1
-        if tally[EVENTS] > most_events:
+        if tally[EVENTS] > settings.most_events:
             return EVENT_BOUND
-        if tally[STANDING] > most_standing:
+        if tally[STANDING] > settings.most_standing:
             return STALLED
-    return STEP_BOUND if tally[STEPS] > most_steps else -1
+    return STEP_BOUND if tally[STEPS] > settings.most_steps else -1
+
+
+@njit(**CALLED)
+def _cross(run, feet, settings, snapped):
+    """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
+
+    `snapped`: something may be exactly zero: touching floors at the start, or what an event just met."""
+    stand_alone()
+    inelastic = settings.inelastic > 0
+    founded = settings.founded > 0
+    tolerance = settings.tolerance
+    linked = run.last > run.first
+    clock = run.clock
+    clock[SINCE] = 0.0
+    status = -1
+    while status < 0 and clock[SINCE] >= 0.0:
+        _set_out(run)
+        if founded:
+            start_feet(run, feet)
+        busy = 0
+        curved = 0
+        if linked:
+            busy, curved = closings(run, snapped)
+        order, close = expand(run, feet, busy, curved, snapped, tolerance, settings.most_order, founded)
+        run.tally[ORDER] = order
+        whole = True
+        if not close:
+            ratio = _shorten(run, feet, busy, order, tolerance, founded)
+            if not ratio > SHORTEST:
+                status = STEP_BOUND if np.isfinite(ratio) else NOT_FINITE
+                break
+            whole = ratio >= 1.0
+        summarise(run, feet, order, founded)
+        storeys = inelastic and first_storey_event(run, founded)
+        link = linked and first_link_event(run)
+        if clock[END] < 1.0:
+            stop_at(run, feet, order, founded)
+        else:
+            clock[END] = 1.0
+        account(run, feet, settings.nodes, settings.weights, order, busy, inelastic, founded)
+        track(run, feet, order, busy, inelastic, founded)
+        widen(run)
+        renew_scale(run)
+        if snapped and clock[END] > 0.0:
+            unsnap(run)
+            snapped = False
+        if link:
+            link_event(run)
+        elif storeys:
+            storey_events(run)
+        if link or storeys:
+            snapped = True
+        status = _go_on(run, whole, link or storeys, settings)
+        for b in range(run.low, run.high, 8):
+            store(run.W, b - run.padded, load(run.ends, b))
+            store(run.W, b, load(run.slots, at(b, V_END)))
+        if founded:
+            move_feet(run, feet)
+    return status, snapped
+
+
+@njit(**CALLED)
+def _part(run, row, apart):
+    """Begin a segment: who touches whom, as far as one can tell."""
+    stand_alone()
+    notes = row.notes
+    for b in range(row.number):
+        mine = b * NOTES
+        notes[mine + SOLVED] = 0
+        joined = APART
+        if b + 1 < row.number:
+            held = notes[mine + HELD] + notes[mine + FRESH] + notes[mine + NOTES + FRESH] > 0
+            joined = TOUCH if held or not apart or touch(run, row, b) else APART
+        notes[mine + JOINED] = joined
+
+
+@njit(**PART)
+def _solve(run, row, feet, settings):
+    """Solve every island that is not solved yet; returns an outcome, or -1."""
+    notes = row.notes
+    left = 0
+    while left < row.number:
+        right = last_of(notes, left)
+        if notes[left * NOTES + SOLVED] == 0:
+            set_apart(run, row, left, right)
+            if left > 0 or right + 1 < row.number:
+                shelve(run, row)
+                silence(run, row, left, right)
+            snapped = False
+            for b in range(left, right + 1):
+                snapped = snapped or notes[b * NOTES + FRESH] > 0
+            for b in range(run.low, run.high, 8):
+                store(run.ends, 2 * run.padded + b, splat(-1e300))
+                store(run.ends, 3 * run.padded + b, splat(1e300))
+            before = run.tally[EVENTS]
+            status, snapped = _cross(run, feet, settings, snapped)
+            if status >= 0:
+                return status
+            notes[left * NOTES + HAPPENED] = run.tally[EVENTS] - before
+            for b in range(left, right + 1):
+                notes[b * NOTES + SOLVED] = 1
+                notes[b * NOTES + NEXT] = 1 if snapped else 0
+        left = right + 1
+    return -1
+
+
+@njit(**CALLED)
+def _join(run, row):
+    """Join solved neighbours that may touch after all, and put them back; returns whether there are any."""
+    stand_alone()
+    notes = row.notes
+    found = False
+    for b in range(row.number - 1):
+        solved = notes[b * NOTES + SOLVED] > 0 and notes[(b + 1) * NOTES + SOLVED] > 0
+        if notes[b * NOTES + JOINED] == APART and solved and may_touch(run, row, b):
+            notes[b * NOTES + JOINED] = FOUND
+            found = True
+            for side in (b, b + 1):
+                put_back(run, row, side)
+    for b in range(row.number - 1):
+        if notes[b * NOTES + JOINED] == FOUND:
+            notes[b * NOTES + JOINED] = TOUCH
+    return found
+
+
+@njit(**PART)
+def _go_ashore(row):
+    """End a segment. Neighbours between whom something happened are taken to touch in the next one."""
+    notes = row.notes
+    for b in range(row.number):
+        mine = b * NOTES
+        together = notes[mine + JOINED] == TOUCH
+        notes[mine + HELD] = notes[first_of(notes, b) * NOTES + HAPPENED] if together else 0
+        notes[mine + FRESH] = notes[mine + NEXT]
 
 
 @functools.cache
@@ -173,80 +360,56 @@ def build():
 
     @njit(**PLAIN)
     def integrate(
-        slot_arrays, foot_arrays, link_arrays, state_arrays, peak_arrays, ledger_arrays, nodes, weights, room, integers,
-        starts, slopes, length, inelastic, tolerance, quiet, most_order, most_steps, most_events, most_standing,
+        slot_arrays, foot_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays, nodes, weights,
+        room, integers, starts, slopes, length, inelastic, apart, tolerance, quiet, most_order, most_steps,
+        most_events, most_standing,
     ):  # fmt: skip
         """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
 
         `room` and `integers` are scratch (`room_needed`), zeroed, `room` at a cache line. `nodes` and `weights` are
-        Gauss-Legendre rules on [0, 1] (`ledger.MOST_POINTS`). `inelastic`: storeys can yield. `quiet`: the acceleration
-        below which nothing is resolved [m/s2]. Fills state, peaks and ledger in place; returns (status, steps, events,
-        orders computed, time reached [s]).
+        Gauss-Legendre rules on [0, 1] (`ledger.MOST_POINTS`). `inelastic`: storeys can yield. `apart`: islands are
+        looked for; without it the row is one. `quiet`: the acceleration below which nothing is resolved [m/s2]. Fills
+        state, peaks and ledger in place; returns (status, steps, events, orders computed, time reached [s]).
         """
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
         slots, given_feet, links = slot_pointers(slot_arrays), foot_pointers(foot_arrays), link_pointers(link_arrays)
         state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
         ledger = ledger_pointers(ledger_arrays)
-        points, shares = pointer(nodes), pointer(weights)
         accelerations, rates = pointer(starts), pointer(slopes)
-        run, rest = _carve(slots, given_feet, links, pointer(room), pointer(integers))
-        feet = footing_of(given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
-        founded = run.feet > 0
-        padded = run.padded
-        take_slots(run, slots, state, peaks, ledger)
-        take_links(run, links, state, peaks, ledger)
+        run, row, frames, rest = _carve(given_feet, row_pointers(row_arrays), pointer(room), pointer(integers))
+        feet = footing_of(frames, given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
+        founded = 1 if run.feet > 0 else 0
+        settings = _settings_frame(further(frames, FRAMES), (
+            1 if inelastic else 0, founded, most_order, most_steps, most_events, most_standing, tolerance,
+            pointer(nodes), pointer(weights),
+        ))  # fmt: skip
+        take_slots(run, row, slots, state, peaks, ledger)
+        take_links(run, row, links, state, peaks, ledger)
         settle(run)
         run.clock[LENGTH] = length
         run.clock[QUIET] = quiet
-        snapped = True  # something may be exactly zero: touching floors at the start, or what an event just met
+        for b in range(row.number):
+            row.notes[b * NOTES + FRESH] = 1
         status = -1
-        while status < 0 and run.tally[SEGMENT] < starts.size:
-            _set_out(run, accelerations, rates)
-            if founded:
-                start_feet(run, feet)
-            busy = 0
-            curved = 0
-            if run.number > 0:
-                busy, curved = closings(run, snapped)
-            order, close = expand(run, feet, busy, curved, snapped, tolerance, most_order, founded)
-            run.tally[ORDER] = order
-            whole = True
-            if not close:
-                ratio = _shorten(run, feet, busy, order, tolerance, founded)
-                if not ratio > SHORTEST:
-                    status = STEP_BOUND if np.isfinite(ratio) else NOT_FINITE
-                    break
-                whole = ratio >= 1.0
-            summarise(run, feet, order, founded)
-            storeys = inelastic and first_storey_event(run, founded)
-            linked = run.number > 0 and first_link_event(run)
-            if run.clock[END] < 1.0:
-                stop_at(run, feet, order, founded)
-            else:
-                run.clock[END] = 1.0
-            account(run, feet, points, shares, order, busy, inelastic, founded)
-            track(run, feet, order, busy, inelastic, founded)
+        segment = 0
+        while segment < starts.size:
+            run.tally[SEGMENT] = segment
+            run.clock[START] = accelerations[segment]
+            run.clock[SLOPE] = rates[segment]
+            _part(run, row, apart and founded == 0)
+            unsettled = True
+            while unsettled:
+                status = _solve(run, row, feet, settings)
+                unsettled = status < 0 and _join(run, row)
+            if status >= 0:
+                break
+            _go_ashore(row)
             if peaks.watched != 0:
-                watch(run, peaks.top, peaks.bottom)
-            renew_scale(run)
-            if snapped and run.clock[END] > 0.0:
-                unsnap(run)
-                snapped = False
-            if linked:
-                link_event(run)
-            elif storeys:
-                storey_events(run)
-            if linked or storeys:
-                snapped = True
-            status = _go_on(run, whole, linked or storeys, most_steps, most_events, most_standing)
-            for b in range(0, padded, 8):
-                store(run.W, b - padded, load(run.ends, b))
-                store(run.W, b, load(run.slots, at(b, V_END)))
-            if founded:
-                move_feet(run, feet)
-        give_slots(run, state, peaks, ledger)
-        give_links(run, state, peaks, ledger)
-        time = run.tally[SEGMENT] * length + run.clock[SINCE]
+                show(run, row, slots.size, peaks.top, peaks.bottom)
+            segment += 1
+        give_slots(run, row, state, peaks, ledger)
+        give_links(run, row, state, peaks, ledger)
+        time = segment * length + (max(run.clock[SINCE], 0.0) if segment < starts.size else 0.0)
         return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time
 
     return integrate

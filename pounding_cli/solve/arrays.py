@@ -101,21 +101,19 @@ def pack(scene: Scene) -> Arrays:
         dashpot=np.array([f.rocking_damping if f.rocks else 0.0 for *_, f in grounds], float),
         alpha=np.array([b.alpha for _, _, b, _ in grounds], float),
     )
-    return Arrays(slots, foot_arrays, _pack_links(scene, floors, padded), tuple(floors), tuple(bases), tuple(feet_of))
+    return Arrays(slots, foot_arrays, _pack_links(scene, floors), tuple(floors), tuple(bases), tuple(feet_of))
 
 
-def _pack_links(scene: Scene, floors: list[slice], slots: int) -> Links:
+def _pack_links(scene: Scene, floors: list[slice]) -> Links:
     padded = -(-len(scene.links) // LANES) * LANES
     integers = {"left", "right", "kind", "tension_cut"}
-    fields = {n: np.zeros(padded, np.int64) if n in integers else aligned(padded) for n in Links._fields[7:]}
+    fields = {n: np.zeros(padded, np.int64) if n in integers else aligned(padded) for n in Links._fields[4:]}
     left = np.array([floors[link.left].start + link.left_floor - 1 for link in scene.links], np.int64)
     right = np.array([floors[link.left + 1].start + link.right_floor - 1 for link in scene.links], np.int64)
-    rounds = max(int(np.bincount(side).max()) if side.size else 0 for side in (left, right))
-    gains, losses = (_by_slot(side, rounds, slots, padded) for side in (right, left))
     fill = np.zeros(padded - left.size, np.int64)
     links = Links(
-        len(scene.links), padded, rounds, np.concatenate((left, fill)), np.concatenate((right, fill)),
-        gains, losses, **fields,
+        len(scene.links), padded, np.concatenate((left, fill)), np.concatenate((right, fill)),
+        **fields,
     )  # fmt: skip
     for e, link in enumerate(scene.links):
         left_mass = scene.buildings[link.left].mass[link.left_floor - 1]
@@ -135,16 +133,6 @@ def _pack_links(scene: Scene, floors: list[slice], slots: int) -> Links:
                 at_gap = links.cubic[e] * link.gap**3 + link.stiffness * link.gap
                 links.beyond_force[e] = at_gap - link.impact_stiffness * link.gap
     return links
-
-
-def _by_slot(ends: np.ndarray, rounds: int, slots: int, none: int) -> np.ndarray:
-    """The links that end at every slot, shape (rounds, slots), filled up with the number `none`."""
-    table = np.full((rounds, slots), none, np.int64)
-    taken = np.zeros(slots, np.int64)
-    for e, slot in enumerate(ends):
-        table[taken[slot], slot] = e
-        taken[slot] += 1
-    return table
 
 
 def at_rest(arrays: Arrays) -> State:

@@ -8,10 +8,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pounding_cli.kernels.layout import Feet, Row
 from pounding_cli.kernels.ledger import MOST_POINTS
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.arrays import Arrays, aligned, drift_of
+from pounding_cli.solve.arrays import LANES, Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.method import real_slots
 
@@ -66,6 +67,58 @@ def most_standing(slots: int, links: int) -> int:
     return 20 + 4 * (slots + links)
 
 
+FEW = 3
+"""Buildings that are always solved as one island: to solve fewer at a time saves less than steps of their own cost."""
+
+
+def lined_up(scene: Scene, arrays: Arrays) -> tuple[Row, Feet]:
+    """The buildings by place (`layout.Row`), and the foundations likewise."""
+    begins = tuple(base if base >= 0 else span.start for base, span in zip(arrays.bases, arrays.floors, strict=True))
+    count = arrays.links.number
+    left, right = arrays.links.left[:count].tolist(), arrays.links.right[:count].tolist()
+    row = _row((*begins, arrays.floors[-1].stop), tuple(link.left for link in scene.links), tuple(left), tuple(right))
+    feet = arrays.feet
+    if feet.number:
+        base = np.where(feet.base >= 0, row.spots[feet.base], -1)
+        feet = feet._replace(first=row.spots[feet.first], stop=row.spots[feet.stop - 1] + 1, base=base)
+    return row, feet
+
+
+@functools.lru_cache(maxsize=256)
+def _row(begins: tuple[int, ...], at: tuple[int, ...], left: tuple[int, ...], right: tuple[int, ...]) -> Row:
+    """Buildings that begin at the slots `begins` (and where the last ends), links between neighbours from the building
+    `at` to the next, from slot `left` to slot `right`."""
+    start, where = np.array(begins), np.array(at, np.int64)
+    storeys = np.diff(start)
+    closely = -(-start[-1] // LANES) * LANES
+    first = np.concatenate(([0], np.cumsum(_padded(storeys))))
+    alone = storeys.size > FEW or first[-1] == closely
+    if not alone:  # no building is run by itself: as few places as can be
+        first = np.append(start[:-1], closely)
+    spots = np.concatenate([first[b] + np.arange(n) for b, n in enumerate(storeys)])
+    on, other = np.array(left, np.int64) - start[where], np.array(right, np.int64) - start[where + 1]
+    count = np.bincount(where, minlength=storeys.size)
+    if alone and np.array_equal(on, other) and len({*zip(at, left, strict=True)}) == len(at):
+        width = np.where(count[:-1] > 0, _padded(np.minimum(storeys[:-1], storeys[1:])), 0)
+        joints = np.concatenate(([0], np.cumsum(width)))
+        seats, rounds = joints[where] + on, 0
+    else:
+        width = _padded(count[:-1]) if alone else count[:-1]
+        joints = np.concatenate(([0], np.cumsum(width)))
+        order = np.argsort(where, kind="stable")
+        seats = np.empty(where.size, np.int64)
+        seats[order] = joints[where[order]] + np.concatenate([np.arange(n) for n in count])
+        rounds = max(int(np.bincount(ends).max()) for ends in (left, right))
+    joints[-1] = _padded(joints[-1])
+    whole = (np.ascontiguousarray(table, np.int64) for table in (first, joints, spots, seats))
+    return Row(storeys.size, spots.size, len(at), rounds, *whole)
+
+
+def _padded(count):
+    """The next multiple of eight."""
+    return -(-count // LANES) * LANES
+
+
 def prepare(
     scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], everything: bool = False
 ) -> Callable[..., tuple[int, int, int, int, float]]:
@@ -75,20 +128,23 @@ def prepare(
     from pounding_cli.kernels import taylor
 
     tolerance = local_tolerance(accuracy)
-    doubles, whole = taylor.room_needed(arrays.padded, arrays.feet.number, arrays.links.size)
+    row, feet = lined_up(scene, arrays)
+    needed = row.first[-1], arrays.feet.number, row.joints[-1], row.rounds, row.number
+    doubles, whole = taylor.room_needed(*needed)
     room, integers = aligned(doubles), np.zeros(whole, np.int64)
     kernel, rules = taylor.build(), gauss_rules(MOST_POINTS)
     inelastic = everything or effects_of(scene).yielding
+    apart = not everything and len(scene.buildings) > FEW
     quiet = quiet_acceleration(scene, arrays, state)
     standing = most_standing(real_slots(arrays), arrays.links.number)
-    settings = inelastic, tolerance, quiet, most_order(tolerance), *bounds, standing
+    settings = inelastic, apart, tolerance, quiet, most_order(tolerance), *bounds, standing
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float):
         room.fill(0.0)
         integers.fill(0)
         return kernel(
-            arrays.slots, arrays.feet, arrays.links, state, peaks, ledger, *rules, room, integers, starts, slopes, dt,
-            *settings,
+            arrays.slots, feet, arrays.links, row, state, peaks, ledger, *rules, room, integers, starts, slopes,
+            dt, *settings,
         )  # fmt: skip
 
     return run

@@ -1,0 +1,100 @@
+"""A frame: what the pieces of a kernel share, read by name through one pointer.
+
+A namedtuple of thirty pointers travels as thirty arguments, through registers that are not there; and a kernel that is
+one function instead, so that nothing travels, keeps them all on its stack and moves them about in every loop. A frame
+travels as one pointer. Its fields stay as they are for a whole run, which the compiler is told, so that it reads each
+before a loop and not in it; those called movable may change."""
+
+from __future__ import annotations
+
+from llvmlite import ir
+from numba.core import types
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
+
+_WORD = ir.IntType(64)
+
+DOUBLES = types.CPointer(types.float64)
+INTEGERS = types.CPointer(types.int64)
+
+
+class Frame(types.Type):
+    """The type of a frame: `fields` by name, in the order in which they stand in memory."""
+
+    def __init__(self, name: str, fields: dict[str, types.Type], movable: tuple[str, ...] = ()) -> None:
+        super().__init__(name=f"Frame({name})")
+        self.fields = fields
+        self.places = {field: place for place, field in enumerate(fields)}
+        self.movable = movable
+
+
+@register_model(Frame)
+class _FrameModel(models.PrimitiveModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, _WORD.as_pointer())
+
+
+@infer_getattr
+class _FrameFields(AttributeTemplate):
+    key = Frame
+
+    def generic_resolve(self, frame, attr):
+        return frame.fields.get(attr)
+
+
+@lower_getattr_generic(Frame)
+def _read(context, builder, frame, value, attr):
+    word = builder.load(builder.gep(value, [_WORD(frame.places[attr])]))
+    if attr not in frame.movable:
+        word.set_metadata("invariant.load", builder.module.add_metadata([]))
+    kind = frame.fields[attr]
+    if isinstance(kind, types.CPointer):
+        return builder.inttoptr(word, context.get_value_type(kind))
+    return builder.bitcast(word, ir.DoubleType()) if kind == types.float64 else word
+
+
+def _as_word(context, builder, value, given, wanted):
+    if isinstance(wanted, types.CPointer):
+        return builder.ptrtoint(value, _WORD)
+    value = context.cast(builder, value, given, wanted)
+    return builder.bitcast(value, _WORD) if wanted == types.float64 else value
+
+
+def filler(frame: Frame):
+    """A function of (pointer to integers, tuple of all fields in order): writes them there, returns the frame."""
+
+    @intrinsic
+    def fill(typingctx, place, values):
+        if not isinstance(values, types.BaseTuple) or len(values) != len(frame.fields):
+            return None
+
+        def codegen(context, builder, signature, args):
+            for number, wanted in enumerate(frame.fields.values()):
+                value = builder.extract_value(args[1], number)
+                word = _as_word(context, builder, value, signature.args[1][number], wanted)
+                builder.store(word, builder.gep(args[0], [_WORD(number)]))
+            return args[0]
+
+        return frame(place, values), codegen
+
+    return fill
+
+
+def mover(frame: Frame):
+    """A function of (frame, tuple of all movable fields in order) that changes them."""
+
+    @intrinsic
+    def move(typingctx, place, values):
+        if place != frame or not isinstance(values, types.BaseTuple) or len(values) != len(frame.movable):
+            return None
+
+        def codegen(context, builder, signature, args):
+            for number, name in enumerate(frame.movable):
+                value = builder.extract_value(args[1], number)
+                word = _as_word(context, builder, value, signature.args[1][number], frame.fields[name])
+                builder.store(word, builder.gep(args[0], [_WORD(frame.places[name])]))
+            return context.get_dummy_value()
+
+        return types.void(place, values), codegen
+
+    return move
