@@ -10,7 +10,7 @@ import functools
 
 from numba import njit
 
-from pounding_cli.kernels.layout import OPTIONS
+from pounding_cli.kernels.layout import INLINE, OPTIONS
 from pounding_cli.kernels.polynomial import highest
 from pounding_cli.kernels.simd import (
     further,
@@ -38,7 +38,7 @@ def room_needed(width: int, wide: int) -> int:
 
 
 # Kept as part of the march: captured by it, it would be another one in every process, and never found again.
-@njit(**{**OPTIONS, "cache": False})
+@njit(**{**INLINE, "forceinline": False})
 def look_closely(powers, m, orders, total, z, c, side, best):
     """The larger of `best` and the largest value of quantity m, times `side`, within the step from the state z."""
     for k in range(orders):

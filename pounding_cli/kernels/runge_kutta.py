@@ -74,143 +74,150 @@ def _rates(slots, feet, i, v, phi_v):
     return rate
 
 
-@functools.cache
-def build(inelastic: bool, located: bool):
-    """The method for elastic or inelastic storeys, with or without event location, compiled on first use."""
-    source = source_digest()
+@njit(**INLINE)
+def _causes(slots, feet, links, state, plastic, p, ground, inelastic, located):
+    """Fill accelerations, drifts, shears and link forces of a point."""
+    if located:
+        held_accelerations(
+            slots, feet, links, state, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a, p.turn, p.drift, p.shear,
+            p.force,
+        )  # fmt: skip
+    else:
+        accelerations(
+            slots, feet, links, plastic, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a, p.turn, p.drift,
+            p.shear, p.force,
+        )  # fmt: skip
 
-    @njit(**INLINE)
-    def causes(slots, feet, links, state, plastic, p, ground):
-        """Fill accelerations, drifts, shears and link forces of a point."""
-        if located:
-            held_accelerations(
-                slots, feet, links, state, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a, p.turn, p.drift, p.shear,
-                p.force,
-            )  # fmt: skip
-        else:
-            accelerations(
-                slots, feet, links, plastic, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a, p.turn, p.drift,
-                p.shear, p.force,
-            )  # fmt: skip
 
-    @njit(**INLINE)
-    def stage(slots, feet, links, state, plastic, p, q, r, share, ground):
-        """The point q at p + share * (rates of r), and what it causes; `plastic` is a copy that may move."""
+@njit(**INLINE)
+def _stage(slots, feet, links, state, plastic, p, q, r, share, ground, inelastic, located):
+    """The point q at p + share * (rates of r), and what it causes; `plastic` is a copy that may move."""
+    for i in range(slots.size):
+        q.u[i] = p.u[i] + share * r.v[i]
+        q.v[i] = p.v[i] + share * r.a[i]
+        plastic[i] = state.plastic[i]
+    for f in range(feet.number):
+        q.phi[f] = p.phi[f] + share * r.phi_v[f]
+        q.phi_v[f] = p.phi_v[f] + share * r.turn[f]
+    _causes(slots, feet, links, state, plastic, q, ground, inelastic, located)
+
+
+@njit(**INLINE)
+def _step(slots, feet, links, state, plastic, p, q2, q3, q4, out, h, ground, ground_slope, inelastic, located):
+    """From p over h to `out`, with what the end causes on the same branches."""
+    middle = ground + 0.5 * h * ground_slope
+    last = ground + h * ground_slope
+    _stage(slots, feet, links, state, plastic, p, q2, p, 0.5 * h, middle, inelastic, located)
+    _stage(slots, feet, links, state, plastic, p, q3, q2, 0.5 * h, middle, inelastic, located)
+    _stage(slots, feet, links, state, plastic, p, q4, q3, h, last, inelastic, located)
+    for i in range(slots.size):
+        out.u[i] = p.u[i] + h * p.v[i] + h * h / 6.0 * (p.a[i] + q2.a[i] + q3.a[i])
+        out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])
+        plastic[i] = state.plastic[i]
+    for f in range(feet.number):
+        out.phi[f] = p.phi[f] + h * p.phi_v[f] + h * h / 6.0 * (p.turn[f] + q2.turn[f] + q3.turn[f])
+        out.phi_v[f] = p.phi_v[f] + h / 6.0 * (p.turn[f] + 2.0 * (q2.turn[f] + q3.turn[f]) + q4.turn[f])
+    _causes(slots, feet, links, state, plastic, out, last, inelastic, located)
+
+
+@njit(**INLINE)
+def _first_event(slots, feet, links, state, p, out, h, scratch, inelastic):
+    """(s, storey, link, event) of the first end of a branch within the step."""
+    earliest = NEVER
+    storey = -1
+    link = -1
+    event = 0
+    if inelastic:
         for i in range(slots.size):
-            q.u[i] = p.u[i] + share * r.v[i]
-            q.v[i] = p.v[i] + share * r.a[i]
-            plastic[i] = state.plastic[i]
-        for f in range(feet.number):
-            q.phi[f] = p.phi[f] + share * r.phi_v[f]
-            q.phi_v[f] = p.phi_v[f] + share * r.turn[f]
-        causes(slots, feet, links, state, plastic, q, ground)
-
-    @njit(**INLINE)
-    def step(slots, feet, links, state, plastic, p, q2, q3, q4, out, h, ground, ground_slope):
-        """From p over h to `out`, with what the end causes on the same branches."""
-        middle = ground + 0.5 * h * ground_slope
-        last = ground + h * ground_slope
-        stage(slots, feet, links, state, plastic, p, q2, p, 0.5 * h, middle)
-        stage(slots, feet, links, state, plastic, p, q3, q2, 0.5 * h, middle)
-        stage(slots, feet, links, state, plastic, p, q4, q3, h, last)
-        for i in range(slots.size):
-            out.u[i] = p.u[i] + h * p.v[i] + h * h / 6.0 * (p.a[i] + q2.a[i] + q3.a[i])
-            out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])
-            plastic[i] = state.plastic[i]
-        for f in range(feet.number):
-            out.phi[f] = p.phi[f] + h * p.phi_v[f] + h * h / 6.0 * (p.turn[f] + q2.turn[f] + q3.turn[f])
-            out.phi_v[f] = p.phi_v[f] + h / 6.0 * (p.turn[f] + 2.0 * (q2.turn[f] + q3.turn[f]) + q4.turn[f])
-        causes(slots, feet, links, state, plastic, out, last)
-
-    @njit(**INLINE)
-    def first_event(slots, feet, links, state, p, out, h, scratch):
-        """(s, storey, link, event) of the first end of a branch within the step."""
-        earliest = NEVER
-        storey = -1
-        link = -1
-        event = 0
-        if inelastic:
-            for i in range(slots.size):
-                if slots.yield_drift[i] == np.inf:
-                    continue
-                s = storey_branch_end(
-                    slots, state, i, h,
-                    p.drift[i], _rates(slots, feet, i, p.v, p.phi_v), _rates(slots, feet, i, p.a, p.turn),
-                    out.drift[i], _rates(slots, feet, i, out.v, out.phi_v), _rates(slots, feet, i, out.a, out.turn),
-                    scratch,
-                )  # fmt: skip
-                if s < earliest:
-                    earliest = s
-                    storey = i
-        for e in range(links.number):
-            left = links.left[e]
-            right = links.right[e]
-            gap = links.gap[e] if links.kind[e] == POUNDING else 0.0
-            s, kind = link_branch_end(
-                links, state, e, h,
-                p.u[left] - p.u[right] - gap, p.v[left] - p.v[right], p.a[left] - p.a[right],
-                out.u[left] - out.u[right] - gap, out.v[left] - out.v[right], out.a[left] - out.a[right],
+            if slots.yield_drift[i] == np.inf:
+                continue
+            s = storey_branch_end(
+                slots, state, i, h,
+                p.drift[i], _rates(slots, feet, i, p.v, p.phi_v), _rates(slots, feet, i, p.a, p.turn),
+                out.drift[i], _rates(slots, feet, i, out.v, out.phi_v), _rates(slots, feet, i, out.a, out.turn),
                 scratch,
             )  # fmt: skip
             if s < earliest:
                 earliest = s
-                storey = -1
-                link = e
-                event = kind
-        return earliest, storey, link, event
-
-    @njit(**INLINE)
-    def raise_ends(slots, feet, links, peaks, p, ground):
-        """Peaks at a point."""
-        size = slots.size
-        for i in range(size):
-            peaks.drift[i] = max(peaks.drift[i], abs(p.drift[i]))
-            peaks.shear[i] = max(peaks.shear[i], abs(p.shear[i]))
-            peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.real[i]))
-            peaks.displacement_max[i] = max(peaks.displacement_max[i], p.u[i])
-            peaks.displacement_min[i] = min(peaks.displacement_min[i], p.u[i])
-        for f in range(feet.number):
-            peaks.rocking[f] = max(peaks.rocking[f], abs(p.phi[f]))
-        for e in range(links.number):
-            peaks.closing[e] = max(peaks.closing[e], p.u[links.left[e]] - p.u[links.right[e]])
-            peaks.force[e] = max(peaks.force[e], abs(p.force[size + e]))
-
-    @njit(**INLINE)
-    def passes_over_contact(links, peaks, p, out):
-        """Whether a link opens, closes or changes its law within the step; counts those that close as impacts."""
-        passed = False
-        for e in range(links.number):
-            if links.kind[e] == CONNECTOR:
-                continue
-            gap = links.gap[e] if links.kind[e] == POUNDING else 0.0
-            before = p.u[links.left[e]] - p.u[links.right[e]] - gap
-            after = out.u[links.left[e]] - out.u[links.right[e]] - gap
-            if before <= 0.0 and after > 0.0:
-                peaks.impacts[e] += 1
-            passed = passed or (before > 0.0) != (after > 0.0)
-            if links.kind[e] == INFILL:
-                passed = passed or (before > links.gap[e]) != (after > links.gap[e])
-        return passed
-
-    @njit(**INLINE)
-    def raise_inside(slots, feet, links, state, peaks, scratch, p, out, h, ground, ground_slope):
-        """Peaks between two points; `state` still has the branches and plastic drifts of the step."""
-        size = slots.size
-        raise_displacements(slots, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a)
-        # Accelerations jump with the contact forces: a parabola over a jump would show peaks that are not there.
-        if located or not passes_over_contact(links, peaks, p, out):
-            raise_accelerations(slots, peaks, h, ground, ground + h * ground_slope, p.v, p.a, out.v, out.a)
-        for i in range(size):
-            raise_drift(
-                slots, peaks, i, h,
-                p.drift[i], _rates(slots, feet, i, p.v, p.phi_v), _rates(slots, feet, i, p.a, p.turn),
-                out.drift[i], _rates(slots, feet, i, out.v, out.phi_v), _rates(slots, feet, i, out.a, out.turn),
-                state.line[i], state.plastic[i], located, scratch,
-            )  # fmt: skip
-        raise_links(
-            links, state, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a, further(p.force, size),
-            further(out.force, size), located,
+                storey = i
+    for e in range(links.number):
+        left = links.left[e]
+        right = links.right[e]
+        gap = links.gap[e] if links.kind[e] == POUNDING else 0.0
+        s, kind = link_branch_end(
+            links, state, e, h,
+            p.u[left] - p.u[right] - gap, p.v[left] - p.v[right], p.a[left] - p.a[right],
+            out.u[left] - out.u[right] - gap, out.v[left] - out.v[right], out.a[left] - out.a[right],
+            scratch,
         )  # fmt: skip
+        if s < earliest:
+            earliest = s
+            storey = -1
+            link = e
+            event = kind
+    return earliest, storey, link, event
+
+
+@njit(**INLINE)
+def _raise_ends(slots, feet, links, peaks, p, ground):
+    """Peaks at a point."""
+    size = slots.size
+    for i in range(size):
+        peaks.drift[i] = max(peaks.drift[i], abs(p.drift[i]))
+        peaks.shear[i] = max(peaks.shear[i], abs(p.shear[i]))
+        peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.real[i]))
+        peaks.displacement_max[i] = max(peaks.displacement_max[i], p.u[i])
+        peaks.displacement_min[i] = min(peaks.displacement_min[i], p.u[i])
+    for f in range(feet.number):
+        peaks.rocking[f] = max(peaks.rocking[f], abs(p.phi[f]))
+    for e in range(links.number):
+        peaks.closing[e] = max(peaks.closing[e], p.u[links.left[e]] - p.u[links.right[e]])
+        peaks.force[e] = max(peaks.force[e], abs(p.force[size + e]))
+
+
+@njit(**INLINE)
+def _passes_over_contact(links, peaks, p, out):
+    """Whether a link opens, closes or changes its law within the step; counts those that close as impacts."""
+    passed = False
+    for e in range(links.number):
+        if links.kind[e] == CONNECTOR:
+            continue
+        gap = links.gap[e] if links.kind[e] == POUNDING else 0.0
+        before = p.u[links.left[e]] - p.u[links.right[e]] - gap
+        after = out.u[links.left[e]] - out.u[links.right[e]] - gap
+        if before <= 0.0 and after > 0.0:
+            peaks.impacts[e] += 1
+        passed = passed or (before > 0.0) != (after > 0.0)
+        if links.kind[e] == INFILL:
+            passed = passed or (before > links.gap[e]) != (after > links.gap[e])
+    return passed
+
+
+@njit(**INLINE)
+def _raise_inside(slots, feet, links, state, peaks, scratch, p, out, h, ground, ground_slope, located):
+    """Peaks between two points; `state` still has the branches and plastic drifts of the step."""
+    size = slots.size
+    raise_displacements(slots, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a)
+    # Accelerations jump with the contact forces: a parabola over a jump would show peaks that are not there.
+    if located or not _passes_over_contact(links, peaks, p, out):
+        raise_accelerations(slots, peaks, h, ground, ground + h * ground_slope, p.v, p.a, out.v, out.a)
+    for i in range(size):
+        raise_drift(
+            slots, peaks, i, h,
+            p.drift[i], _rates(slots, feet, i, p.v, p.phi_v), _rates(slots, feet, i, p.a, p.turn),
+            out.drift[i], _rates(slots, feet, i, out.v, out.phi_v), _rates(slots, feet, i, out.a, out.turn),
+            state.line[i], state.plastic[i], located, scratch,
+        )  # fmt: skip
+    raise_links(
+        links, state, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a, further(p.force, size),
+        further(out.force, size), located,
+    )  # fmt: skip
+
+
+@functools.cache
+def build(inelastic: bool, located: bool):
+    """The method for elastic or inelastic storeys, with or without event location, compiled on first use."""
+    source = source_digest()
 
     @njit(**OPTIONS)
     def integrate(
@@ -242,8 +249,8 @@ def build(inelastic: bool, located: bool):
         for f in range(feet.number):
             p.phi[f] = state.phi[f]
             p.phi_v[f] = state.phi_v[f]
-        causes(slots, feet, links, state, state.plastic, p, starts[0])
-        raise_ends(slots, feet, links, peaks, p, starts[0])
+        _causes(slots, feet, links, state, state.plastic, p, starts[0], inelastic, located)
+        _raise_ends(slots, feet, links, peaks, p, starts[0])
         for segment in range(starts.size):
             slope = slopes[segment]
             # The ground jumps where a tail begins.
@@ -255,34 +262,36 @@ def build(inelastic: bool, located: bool):
                 h = end - offset
                 ground = starts[segment] + slope * offset
                 if jumps:
-                    causes(slots, feet, links, state, state.plastic, p, ground)
-                    raise_ends(slots, feet, links, peaks, p, ground)
+                    _causes(slots, feet, links, state, state.plastic, p, ground, inelastic, located)
+                    _raise_ends(slots, feet, links, peaks, p, ground)
                     jumps = False
-                step(slots, feet, links, state, plastic, p, q2, q3, q4, out, h, ground, slope)
+                _step(slots, feet, links, state, plastic, p, q2, q3, q4, out, h, ground, slope, inelastic, located)
                 steps += 1
                 storey = -1
                 link = -1
                 event = 0
                 whole = True
                 if located:
-                    s, storey, link, event = first_event(slots, feet, links, state, p, out, h, scratch)
+                    s, storey, link, event = _first_event(slots, feet, links, state, p, out, h, scratch, inelastic)
                     if s <= 1.0:
                         whole = False
                         h *= s
-                        step(slots, feet, links, state, plastic, p, q2, q3, q4, out, h, ground, slope)
+                        _step(
+                            slots, feet, links, state, plastic, p, q2, q3, q4, out, h, ground, slope, inelastic, located
+                        )
                     else:
                         storey = -1
                         link = -1
                 if h > 0.0:
                     standing = 0
-                    raise_inside(slots, feet, links, state, peaks, scratch, p, out, h, ground, slope)
+                    _raise_inside(slots, feet, links, state, peaks, scratch, p, out, h, ground, slope, located)
                     if located:
                         for e in range(links.number):
                             state.snapped_link[e] = NOTHING
                         for i in range(size):
                             state.snapped_storey[i] = 0
                 last = ground + h * slope
-                raise_ends(slots, feet, links, peaks, out, last)
+                _raise_ends(slots, feet, links, peaks, out, last)
                 if not located:
                     for i in range(size):
                         state.plastic[i] = plastic[i]
@@ -302,8 +311,8 @@ def build(inelastic: bool, located: bool):
                     return EVENT_BOUND, steps, events, 0, segment * dt
                 if standing > 20 + 4 * (size + links.size):
                     return STALLED, steps, events, 0, segment * dt
-                causes(slots, feet, links, state, state.plastic, p, last)
-                raise_ends(slots, feet, links, peaks, p, last)
+                _causes(slots, feet, links, state, state.plastic, p, last, inelastic, located)
+                _raise_ends(slots, feet, links, peaks, p, last)
             if not np.isfinite(p.u[0] + p.v[0]) or abs(p.u[0]) > 1e6:
                 return NOT_FINITE, steps, events, 0, segment * dt
         for i in range(size):

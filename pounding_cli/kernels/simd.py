@@ -10,14 +10,39 @@ arithmetic of a small scene. Whoever calls a kernel keeps the arrays alive."""
 from __future__ import annotations
 
 import operator
+from typing import ClassVar
 
 from llvmlite import ir
 from numba.core import cgutils, types
-from numba.extending import intrinsic, models, overload, register_model
+from numba.core.typing.templates import AbstractTemplate, infer_global
+from numba.extending import lower_builtin, models, register_model
 
 LANES = 8
 _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, LANES)
+
+
+def instruction(definition):
+    """As numba's `intrinsic`: `definition(typingctx, *types)` gives (signature, code generator), or None for types that
+    are not its own.
+
+    Numba's own looks through all its registries again at every call of one; a kernel has a thousand such calls."""
+
+    class Rule(AbstractTemplate):
+        key = definition
+
+        def generic(self, args, kws):
+            found = definition(self.context, *args)
+            return found and found[0]
+
+    infer_global(definition, types.Function(Rule))
+
+    @lower_builtin(definition, types.VarArg(types.Any))
+    def lower(context, builder, signature, args):
+        _, codegen = definition(context.typing_context, *signature.args)
+        return codegen(context, builder, signature, args)
+
+    return definition
 
 
 class _VecType(types.Type):
@@ -34,7 +59,7 @@ class _VecModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, _VECTOR)
 
 
-@intrinsic
+@instruction
 def pointer(typingctx, array):
     """Where the data of a C-contiguous array begin; the array must outlive the pointer."""
     if not isinstance(array, types.Array):
@@ -46,7 +71,7 @@ def pointer(typingctx, array):
     return types.CPointer(array.dtype)(array), codegen
 
 
-@intrinsic
+@instruction
 def further(typingctx, place, count):
     """The pointer `count` elements on."""
     if not isinstance(place, types.CPointer):
@@ -63,7 +88,7 @@ def _address(context, builder, signature, args):
     return builder.bitcast(builder.gep(args[0], [index]), _VECTOR.as_pointer())
 
 
-@intrinsic
+@instruction
 def load(typingctx, place, index):
     """The eight elements from `place[index]` on; no bounds are checked."""
     if not isinstance(place, types.CPointer):
@@ -75,7 +100,7 @@ def load(typingctx, place, index):
     return vec(place, index), codegen
 
 
-@intrinsic
+@instruction
 def store(typingctx, place, index, value):
     """Write the eight elements of `value` from `place[index]` on; no bounds are checked."""
     if not isinstance(place, types.CPointer) or value != vec:
@@ -95,7 +120,7 @@ def _splat(builder, scalar):
     return builder.shuffle_vector(first, undefined, mask)
 
 
-@intrinsic
+@instruction
 def splat(typingctx, scalar):
     """Eight copies of a scalar."""
 
@@ -105,7 +130,7 @@ def splat(typingctx, scalar):
     return vec(scalar), codegen
 
 
-@intrinsic
+@instruction
 def ramp(typingctx):
     """0, 1, ... 7."""
 
@@ -116,7 +141,7 @@ def ramp(typingctx):
 
 
 def _shuffle(offset, doc):
-    @intrinsic
+    @instruction
     def shuffle(typingctx, first, second):
         if first != vec or second != vec:
             return None
@@ -136,7 +161,7 @@ from_right = _shuffle(1, "Of two neighbouring blocks (this, right): each element
 
 
 def _unary(name, doc):
-    @intrinsic
+    @instruction
     def apply(typingctx, value):
         if value != vec:
             return None
@@ -157,7 +182,7 @@ square_root = _unary("sqrt", "Square root, element by element.")
 
 
 def _select_pair(name):
-    @intrinsic
+    @instruction
     def apply(typingctx, first, second):
         if first != vec or second != vec:
             return None
@@ -175,7 +200,7 @@ maximum = _select_pair("maximum")
 minimum = _select_pair("minimum")
 
 
-@intrinsic
+@instruction
 def greater(typingctx, first, second):
     """Eight bits: bit i is set where element i of `first` exceeds its partner in `second`."""
     if first != vec or second != vec:
@@ -188,7 +213,7 @@ def greater(typingctx, first, second):
     return types.int64(vec, vec), codegen
 
 
-@intrinsic
+@instruction
 def lowest(typingctx, bits):
     """Number of the lowest set bit; at least one must be set. A loop over set bits: `bits &= bits - 1`."""
 
@@ -202,7 +227,7 @@ def _widen(context, builder, value, kind):
     return value if kind == vec else _splat(builder, context.cast(builder, value, kind, types.float64))
 
 
-@intrinsic
+@instruction
 def fused(typingctx, first, second, third):
     """first * second + third with one rounding; element by element where one of them is a vector."""
     wide = vec in (first, second, third)
@@ -219,7 +244,7 @@ def fused(typingctx, first, second, third):
     return (vec if wide else types.float64)(first, second, third), codegen
 
 
-@intrinsic
+@instruction
 def choose(typingctx, bits, first, second):
     """Element i of `first` where bit i is set, else that of `second`."""
     if first != vec or second != vec:
@@ -232,7 +257,7 @@ def choose(typingctx, bits, first, second):
     return vec(types.int64, vec, vec), codegen
 
 
-@intrinsic
+@instruction
 def gather(typingctx, place, start, index, first):
     """The eight elements place[start + index[first + i]], i from 0 to 7; no bounds are checked."""
     if not (isinstance(place, types.CPointer) and isinstance(index, types.CPointer)):
@@ -251,7 +276,7 @@ def gather(typingctx, place, start, index, first):
     return vec(place, start, index, first), codegen
 
 
-@intrinsic
+@instruction
 def stand_alone(typingctx):
     """Called in a function: that function is compiled once and called, not copied to where it is used."""
 
@@ -263,20 +288,23 @@ def stand_alone(typingctx):
 
 
 def _binary(operation, emit):
-    @intrinsic
-    def apply(typingctx, first, second):
-        def codegen(context, builder, signature, args):
-            a, b = (_widen(context, builder, v, t) for v, t in zip(args, signature.args, strict=True))
-            return getattr(builder, emit)(a, b)
+    """Teach numba `operation` for vectors: a type rule and one instruction, with no function behind it to compile."""
 
-        return vec(first, second), codegen
+    @infer_global(operation)
+    class Rule(AbstractTemplate):
+        metadata: ClassVar = {"target": "cpu"}  # asked first: a dozen rules for other types stand before it
 
-    @overload(operation)
-    def _typed(a, b):
-        numeric = (types.Float, types.Integer)
-        if (a == vec and (b == vec or isinstance(b, numeric))) or (b == vec and isinstance(a, numeric)):
-            return lambda a, b: apply(a, b)
-        return None
+        def generic(self, args, kws):
+            if vec in args and all(kind == vec or isinstance(kind, types.Float | types.Integer) for kind in args):
+                return vec(*args)
+            return None
+
+    def lower(context, builder, signature, args):
+        a, b = (_widen(context, builder, v, t) for v, t in zip(args, signature.args, strict=True))
+        return getattr(builder, emit)(a, b)
+
+    for pair in ((vec, vec), (vec, types.Float), (types.Float, vec), (vec, types.Integer), (types.Integer, vec)):
+        lower_builtin(operation, *pair)(lower)
 
 
 _binary(operator.add, "fadd")

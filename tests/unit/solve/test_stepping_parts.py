@@ -6,11 +6,9 @@ import dataclasses
 
 import numpy as np
 import pytest
+from numba import njit
 
-from pounding_cli.kernels.branches import held_force, held_force_rate
-from pounding_cli.kernels.cholesky import factorise, solve
-from pounding_cli.kernels.forces import link_force
-from pounding_cli.kernels.hermite import cubic, quintic
+from pounding_cli.kernels import branches, cholesky, forces, hermite
 from pounding_cli.kernels.layout import CUBIC, LINEAR
 from pounding_cli.model.building import Building
 from pounding_cli.model.foundation import Foundation
@@ -21,6 +19,21 @@ from pounding_cli.records import Motion
 from pounding_cli.solve.arrays import pack
 from pounding_cli.solve.linear import central_difference_limit, matrices, runge_kutta_limit, with_links
 from pounding_cli.solve.method import steps_a_sample
+
+
+def called(piece):
+    """A piece of a kernel in a kernel of its own, which Python may call."""
+
+    @njit
+    def kernel(*arguments):
+        return piece(*arguments)
+
+    return kernel
+
+
+held_force, held_force_rate = map(called, (branches.held_force, branches.held_force_rate))
+link_force = called(forces.link_force)
+factorise, solve, cubic, quintic = map(called, (cholesky.factorise, cholesky.solve, hermite.cubic, hermite.quintic))
 
 STILL = Motion("still", 0.01, np.zeros(3))
 

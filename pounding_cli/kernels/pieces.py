@@ -1,0 +1,114 @@
+"""How the pieces of a kernel are compiled: not one by one, but as parts of the kernel that they stand in.
+
+By itself numba takes every function, however small, through LLVM's optimiser and on to machine code before another may
+call it, and does the same with its copy in each caller. A piece stops at unoptimised code, which is linked into the
+kernel; the kernel is optimised as a whole, once. That halves the wait of a first run."""
+
+from __future__ import annotations
+
+import ctypes
+from types import ModuleType
+from typing import Any
+
+from numba import _dynfunc
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager
+from numba.core.typed_passes import AnnotateTypes, DumpParforDiagnostics, InlineOverloads, NopythonRewrites
+from numba.core.untyped_passes import (
+    FindLiterallyCalls,
+    InlineClosureLikes,
+    InlineInlinables,
+    LiteralPropagationSubPipelinePass,
+    LiteralUnroll,
+    MakeFunctionToJitFunction,
+    RewriteDynamicRaises,
+    WithLifting,
+)
+
+_IDLE = {
+    AnnotateTypes, DumpParforDiagnostics, FindLiterallyCalls, InlineClosureLikes, InlineInlinables, InlineOverloads,
+    LiteralPropagationSubPipelinePass, LiteralUnroll, MakeFunctionToJitFunction, NopythonRewrites,
+    RewriteDynamicRaises, WithLifting,
+}  # fmt: skip
+"""Numba's passes for what no piece has: closures, arithmetic of whole arrays, context managers, unrolling by type."""
+
+_REFUSAL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
+"""What Python finds where a piece's entry should be: it raises TypeError."""
+
+
+class _Unfinished(JITCodeLibrary):
+    """Code that has not met the optimiser."""
+
+    def add_llvm_module(self, ll_module: Any) -> None:
+        """Take the module as it is."""
+        self._final_module.link_in(ll_module)
+
+    def finalize(self) -> None:
+        """Take in what the piece calls; whoever links the piece links that with it, each function once."""
+        for library in dict.fromkeys(self._linking_libraries):
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                function.linkage = "linkonce_odr"
+        self._shared_module = self._final_module
+        self._finalized = True
+
+
+class _Kernel(JITCodeLibrary):
+    """A kernel with all its pieces."""
+
+    def _optimize_final_module(self) -> None:
+        """Each function by itself before they are inlined into one another, and all once more after that: both make
+        faster kernels (Taylor 2 %, Runge-Kutta with events 10 %) and cost little."""
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                passes, builder = self._codegen._function_pass_manager()
+                passes.run(function, builder)
+        super()._optimize_final_module()
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
+
+class KernelCompiler(Compiler):
+    """A `pipeline_class` for `numba.njit`: what it compiles is called from Python and made of pieces."""
+
+    def compile_extra(self, func: Any) -> Any:
+        """Compile a function and optimise it together with its pieces."""
+        self.state.library = _Kernel(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.library.enable_object_caching()
+        return super().compile_extra(func)
+
+
+class PieceCompiler(Compiler):
+    """A `pipeline_class` for `numba.njit`. What it compiles is called from compiled functions only, and owns no memory:
+    it works on pointers, or on arrays that its caller holds."""
+
+    def __init__(
+        self, typingctx: Any, targetctx: Any, library: Any, args: Any, return_type: Any, flags: Any, locals: Any
+    ) -> None:
+        flags.no_compile = True
+        flags.no_cpython_wrapper = True
+        flags.no_cfunc_wrapper = True
+        flags.nrt = False  # no counting of references
+        super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Numba's passes without those that would find nothing."""
+        passes = PassManager("piece")
+        for manager in super().define_pipelines():
+            passes.passes.extend(each for each in manager.passes if each[0] not in _IDLE)
+        passes.finalize()
+        return [passes]
+
+    def compile_extra(self, func: Any) -> Any:
+        """Compile a function as far as it goes without its kernel."""
+        context = self.state.targetctx
+        self.state.library = _Unfinished(context.codegen(), func.__qualname__)
+        found = super().compile_extra(func)
+        # Numba knows a compiled function by the object that Python would call.
+        entry = _dynfunc.make_function(
+            ModuleType(func.__module__), func.__name__, "", _REFUSAL, found.environment, (found.library,)
+        )
+        context.insert_user_function(entry, found.fndesc, [found.library])
+        return found._replace(entry_point=entry)
