@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 from dataclasses import dataclass
@@ -14,6 +15,10 @@ class Progress(Protocol):
 
     def start(self, total: int, reused: int) -> None:
         """`total` scenes are to be solved; `reused` were found solved."""
+        ...
+
+    def compiled(self) -> None:
+        """Kernels are compiled: what came so far took far longer than the rest will, and says nothing about it."""
         ...
 
     def step(self, done: int, failed: int) -> None:
@@ -37,10 +42,14 @@ class Counts:
     reused: int = 0
     done: int = 0
     failed: int = 0
-    begun: float = 0.0
+    begun: float = math.inf
+    come_before: int = 0
 
     def start(self, total: int, reused: int) -> None:
-        self.total, self.reused, self.begun = total, reused, time.monotonic()
+        self.total, self.reused = total, reused
+
+    def compiled(self) -> None:
+        self.begun, self.come_before = time.monotonic(), self.done + self.failed
 
     def step(self, done: int, failed: int) -> None:
         self.done += done
@@ -52,8 +61,8 @@ class Counts:
 
     @property
     def seconds_left(self) -> float | None:
-        """Time the rest will take if it is like what came before [s]; None before anything came."""
-        come = self.done + self.failed
+        """Time the rest will take if it is like what came since kernels were compiled [s]; None before anything did."""
+        come = self.done + self.failed - self.come_before if self.begun < math.inf else 0
         return (time.monotonic() - self.begun) / come * self.left if come else None
 
     @property
@@ -77,6 +86,8 @@ class Quiet:
 
     def start(self, total: int, reused: int) -> None: ...
 
+    def compiled(self) -> None: ...
+
     def step(self, done: int, failed: int) -> None: ...
 
     def say(self, sentence: str) -> None: ...
@@ -97,6 +108,9 @@ class Lines:
         self.counts.start(total, reused)
         found = f" ({reused} already solved)" if reused else ""
         self.say(f"{total} scenes to solve{found}")
+
+    def compiled(self) -> None:
+        self.counts.compiled()
 
     def step(self, done: int, failed: int) -> None:
         self.counts.step(done, failed)
@@ -123,6 +137,9 @@ class JsonLines:
     def start(self, total: int, reused: int) -> None:
         self.counts.start(total, reused)
         self._progress("start")
+
+    def compiled(self) -> None:
+        self.counts.compiled()
 
     def step(self, done: int, failed: int) -> None:
         self.counts.step(done, failed)
@@ -166,6 +183,9 @@ class Bar:
         self._rich.update(self._task, total=total, description=self.counts.words)
         self._rich.start()
         self._rich.refresh()
+
+    def compiled(self) -> None:
+        self.counts.compiled()
 
     def step(self, done: int, failed: int) -> None:
         self.counts.step(done, failed)

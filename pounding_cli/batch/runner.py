@@ -153,6 +153,7 @@ def _solve_missing(
     with _compile_notice(progress, solve):
         for digests in order.samples.values():
             here(digests[0])
+    progress.compiled()
     work = sum(here(digests[1]) * (order.counts[sort] - 2) for sort, digests in order.samples.items() if digests[1:])
     sampled = set(itertools.chain.from_iterable(order.samples.values()))
     rest = [digest for digest in order.digests if digest not in sampled]

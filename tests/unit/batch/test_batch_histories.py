@@ -172,6 +172,8 @@ def test_a_history_that_cannot_be_run_is_told_and_the_file_is_written(plan, outp
         def say(self, sentence):
             self.said.append(sentence)
 
+        def compiled(self): ...
+
         def stop(self): ...
 
     monkeypatch.setattr(histories, "history", fails)

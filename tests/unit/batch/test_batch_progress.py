@@ -33,11 +33,28 @@ def test_counts_say_what_is_left_and_for_how_long(clock):
     counts = Counts()
     counts.start(100, 7)
     assert counts.seconds_left is None
+    counts.compiled()
+    assert counts.seconds_left is None
     clock.now += 10
     counts.step(18, 2)
     assert counts.words == "18 done, 2 failed, 7 reused, 80 left, about 40 s to go"
     counts.step(80, 0)
     assert counts.words == "98 done, 2 failed, 7 reused, 0 left"
+
+
+def test_compiling_says_nothing_about_the_rest(clock):
+    """Two scenes that came in half a minute, most of it compiling, and eight in four seconds. Fails if the half minute
+    counts: a first run said 22 minutes of half a second."""
+    counts = Counts()
+    counts.start(30, 0)
+    for _ in range(2):
+        clock.now += 15
+        counts.step(1, 0)
+        assert counts.words.endswith("left")
+    counts.compiled()
+    clock.now += 4
+    counts.step(8, 0)
+    assert counts.seconds_left == 10.0
 
 
 @pytest.mark.parametrize(("seconds", "words"), [(3.2, "3 s"), (600, "10 min"), (7300, "2 h 2 min")])
@@ -49,6 +66,7 @@ def test_plain_lines_come_at_intervals(clock):
     stream = io.StringIO()
     lines = Lines(stream, every=5.0)
     lines.start(10, 0)
+    lines.compiled()
     for _ in range(4):
         clock.now += 3
         lines.step(1, 0)
@@ -65,6 +83,7 @@ def test_json_lines_are_json_with_the_counts(clock):
     stream = io.StringIO()
     lines = JsonLines(stream)
     lines.start(10, 3)
+    lines.compiled()
     clock.now += 2
     lines.step(4, 1)
     lines.step(1, 0)

@@ -73,6 +73,8 @@ class Interrupting:
     def say(self, sentence):
         self.said.append(sentence)
 
+    def compiled(self): ...
+
     def stop(self): ...
 
 
