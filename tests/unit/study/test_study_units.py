@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -46,6 +49,22 @@ from pounding_cli.study.rules import StiffnessRule, read_stiffness
 )
 def test_reads(quantity, text, value):
     assert quantity.read(text) == pytest.approx(value, rel=1e-14)
+
+
+def test_common_units_are_what_pint_makes_of_them():
+    """To the last bit, so that it does not matter which way a number was read; gravity is the program's own (`g` is a
+    gram to pint)."""
+    for si, factors in units._COMMON.items():
+        for unit, factor in factors.items():
+            if unit != "g":
+                assert units._converted(unit, si) == factor, unit
+
+
+def test_a_study_in_common_units_does_without_pint():
+    """Fails if something else on the way of a run loads it: a quarter of a second."""
+    read = "from pounding_cli.study import expand, load_study; expand(load_study('configs/fig6.yaml'))"
+    code = f"import sys; {read}; sys.exit('pint' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parents[3]).returncode == 0
 
 
 def test_gravity_is_that_of_the_records():
