@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,7 @@ class Effects:
     dropped: tuple[str, ...]
 
 
+@functools.lru_cache(maxsize=8)  # a run asks five times about one scene
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""
     kept, dropped = [], []

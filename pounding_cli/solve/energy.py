@@ -10,6 +10,9 @@ from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, drift_of
 
+AT_REST = {"kinetic": 0.0, "stored": 0.0, "links_stored": 0.0}
+"""What a scene at rest holds [J]."""
+
 
 def held(scene: Scene, arrays: Arrays, state: State) -> dict[str, float]:
     """Energy in the scene now [J]: kinetic, stored in storeys and foundations, stored in links."""

@@ -18,7 +18,7 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.solve import central_difference, taylor
 from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
 from pounding_cli.solve.choice import AUTO, cheapest_method
-from pounding_cli.solve.energy import balance, held
+from pounding_cli.solve.energy import AT_REST, balance, held
 from pounding_cli.solve.exponential import EXPONENTIAL
 from pounding_cli.solve.flags import flags_of
 from pounding_cli.solve.generalized_alpha import GENERALIZED_ALPHA, HHT_ALPHA
@@ -154,7 +154,7 @@ def solve(
         for span, u, v in zip(arrays.floors, *initial, strict=True):
             state.u[span], state.v[span] = u, v
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
-    ledger, before = empty_ledger(arrays), held(scene, arrays, state)
+    ledger, before = empty_ledger(arrays), AT_REST if initial is None else held(scene, arrays, state)
     limit = chosen.largest_step(arrays)
     status, steps, events, orders, seconds = UNSTABLE, 0, 0, 0, 0.0
     if not chosen.takes_step or step_taken(scene, accuracy) <= limit:
@@ -162,7 +162,7 @@ def solve(
         begin = time.perf_counter()
         status, steps, events, orders, _ = chosen.integrate(scene, arrays, state, peaks, ledger, accuracy, bounds)
         seconds = time.perf_counter() - begin
-    if status == layout.DONE and not all(np.isfinite(p).all() for p in peaks):
+    if status == layout.DONE and not np.isfinite(np.concatenate([peak.ravel() for peak in peaks[1:]])).all():
         status = layout.NOT_FINITE
     energy = balance(scene, arrays, before, state, ledger) if chosen.keeps_ledger else {}
     outcome, advice = OUTCOMES[status]
