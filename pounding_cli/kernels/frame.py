@@ -10,7 +10,9 @@ from __future__ import annotations
 from llvmlite import ir
 from numba.core import types
 from numba.core.typing.templates import AttributeTemplate
-from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
+from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
+
+from pounding_cli.kernels.simd import instruction
 
 _WORD = ir.IntType(64)
 
@@ -63,7 +65,7 @@ def _as_word(context, builder, value, given, wanted):
 def filler(frame: Frame):
     """A function of (pointer to integers, tuple of all fields in order): writes them there, returns the frame."""
 
-    @intrinsic
+    @instruction
     def fill(typingctx, place, values):
         if not isinstance(values, types.BaseTuple) or len(values) != len(frame.fields):
             return None
@@ -83,7 +85,7 @@ def filler(frame: Frame):
 def mover(frame: Frame):
     """A function of (frame, tuple of all movable fields in order) that changes them."""
 
-    @intrinsic
+    @instruction
     def move(typingctx, place, values):
         if place != frame or not isinstance(values, types.BaseTuple) or len(values) != len(frame.movable):
             return None
