@@ -8,11 +8,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.families import order_of
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.choice import AUTO
 from pounding_cli.solve.groups import GroupSolver
+from pounding_cli.solve.methods import TAYLOR
 from pounding_cli.solve.price import ASSESSED, BESIDE, method_of, price
 
 if TYPE_CHECKING:
@@ -56,8 +58,8 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
     found = Forecast(proven=prove and not plan.all_effects)
     baselines = {digest for row in plan.rows for digest in row.baselines}
     cases = {row.scene: row.case for row in reversed(plan.rows)}
-    every = max(1, len(plan.scenes) // MOST_SCENES)
-    digests = list(itertools.islice(plan.scenes, 0, None, every))
+    digests = _looked_at(plan)
+    every = _every(plan)
     found.looked_at = len(digests) / max(1, len(plan.scenes))
     solver = _prover(plan) if found.proven else None
     runs = {"none": 1.0, "sample": 1 + (ASSESSED - 1) / 8, "all": float(ASSESSED)}[plan.estimate]
@@ -69,12 +71,45 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
             if solver is not None and solver.by_proof(scene) is not None:
                 found.spared[cases[digest]] += every
                 continue
-        method = plan.method
-        if method == AUTO:
-            method = "taylor" if plan.all_effects else method_of(scene)
+        method = _method(plan, scene)
         found.scenes[what, method] += every
         found.seconds[what, method] += every * (runs * price(scene, method, plan.accuracy) + BESIDE)
     return found
+
+
+def methods_needed(plan: Plan) -> set[str]:
+    """Keys in METHODS of the methods that a run of the plan will take.
+
+    Where the buildings alone need no series, a row of the group may not either: its gaps may never close. Rows are
+    looked at until one is found that does.
+    """
+    baselines = {digest for row in plan.rows for digest in row.baselines}
+    some = itertools.chain(_looked_at(plan), *order_of(plan, ()).samples.values())
+    methods = {digest: _method(plan, plan.scenes[digest]) for digest in some}
+    in_series = [digest for digest, method in methods.items() if method == TAYLOR.name]
+    needed, solver = set(methods.values()), _prover(plan)
+    if solver is None or plan.method != AUTO or not baselines.isdisjoint(in_series):
+        return needed
+    answers = (solver.by_proof(plan.scenes[digest]) for digest in in_series)
+    if any(answer is None or TAYLOR.name in answer.methods for answer in answers):
+        return needed
+    return needed - {TAYLOR.name}
+
+
+def _every(plan: Plan) -> int:
+    return max(1, len(plan.scenes) // MOST_SCENES)
+
+
+def _looked_at(plan: Plan) -> list[str]:
+    """Digests of all scenes, or of MOST_SCENES of them and a few more, spread evenly."""
+    return list(itertools.islice(plan.scenes, 0, None, _every(plan)))
+
+
+def _method(plan: Plan, scene: Scene) -> str:
+    """Key in METHODS of what solves a scene that is not answered by proof."""
+    if plan.method != AUTO:
+        return plan.method
+    return TAYLOR.name if plan.all_effects else method_of(scene)
 
 
 def _prover(plan: Plan) -> GroupSolver | None:

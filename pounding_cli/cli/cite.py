@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,8 @@ import click
 def command(source: Path, form: str) -> None:
     """List the references of what a study or a results file used, with what each stands for.
 
-    Laws (by the paper's equations), the building code's edition, intensity measure, method of solution; and where the
-    motions come from.
+    Laws (by the paper's equations), the building code's edition, intensity measure, methods of solution (of a study
+    those that a run would take); and where the motions come from.
 
     \b
     Example:
@@ -32,8 +32,8 @@ def command(source: Path, form: str) -> None:
     """
     from pounding_cli.report.citations import citations, motions
 
-    title, kind, resolved, sources = _study(source) if source.suffix in (".yaml", ".yml") else _results(source)
-    found = citations(kind, resolved, sources)
+    title, kind, resolved, sources, methods = _study(source) if source.suffix in (".yaml", ".yml") else _results(source)
+    found = citations(kind, resolved, sources, methods)
     if form == "bibtex":
         click.echo("\n\n".join(citation.reference.bibtex for citation in found))
         return
@@ -46,8 +46,11 @@ def command(source: Path, form: str) -> None:
         click.echo(f"  {motion.name} ({motion.kind}): {motion.text}")
 
 
-def _study(path: Path) -> tuple[str, str, Mapping[str, Any], Mapping[str, str]]:
-    """Title, kind, study with every default filled in, and the motions' sources."""
+_Used = tuple[str, str, Mapping[str, Any], Mapping[str, str], Collection[str]]
+"""Title, kind, study with every default filled in, the motions' sources, the methods."""
+
+
+def _study(path: Path) -> _Used:
     from pounding_cli.study.kinds import kind_of_file
 
     kind = kind_of_file(path)
@@ -55,20 +58,21 @@ def _study(path: Path) -> tuple[str, str, Mapping[str, Any], Mapping[str, str]]:
         from pounding_cli.study.connector_study import load_connector_study
 
         connector = load_connector_study(path)
-        return connector.title, kind, connector.resolved, {}
+        return connector.title, kind, connector.resolved, {}, ()
     if kind == "wall":
         from pounding_cli.study.wall_study import load_wall_study
 
         wall = load_wall_study(path)
-        return wall.title, kind, wall.resolved, {}
+        return wall.title, kind, wall.resolved, {}, ()
+    from pounding_cli.batch.forecast import methods_needed
     from pounding_cli.study import expand, load_study
 
     study = load_study(path)
-    return study.title, kind, study.resolved(), {use.name: use.source for use in expand(study).motions}
+    plan = expand(study)
+    return study.title, kind, study.resolved(), {use.name: use.source for use in plan.motions}, methods_needed(plan)
 
 
-def _results(path: Path) -> tuple[str, str, Mapping[str, Any], Mapping[str, str]]:
-    """The same of a results file."""
+def _results(path: Path) -> _Used:
     import json
 
     from pounding_cli.store import open_results
@@ -76,7 +80,8 @@ def _results(path: Path) -> tuple[str, str, Mapping[str, Any], Mapping[str, str]
 
     if kind := kind_of(path):
         with open_swept(path, kind) as file:
-            return str(file.attrs["title"]), kind, json.loads(file.attrs["resolved"]), {}
+            return str(file.attrs["title"]), kind, json.loads(file.attrs["resolved"]), {}, ()
     results = open_results(path)
     records = results.records()
-    return results.title, "run", results.resolved, dict(zip(records["record"], records["source"], strict=True))
+    sources = dict(zip(records["record"], records["source"], strict=True))
+    return results.title, "run", results.resolved, sources, results.methods

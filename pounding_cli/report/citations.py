@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.records import Entry, catalogue
 from pounding_cli.report.references import REFERENCES, Reference, named_in
-from pounding_cli.solve.choice import AUTO
-from pounding_cli.solve.methods import METHODS
+from pounding_cli.solve.methods import METHODS, TAYLOR
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,9 @@ _LAWS = {
 }
 
 
-def citations(kind: str, resolved: Mapping[str, Any], sources: Mapping[str, str]) -> list[Citation]:
+def citations(
+    kind: str, resolved: Mapping[str, Any], sources: Mapping[str, str], methods: Collection[str] = ()
+) -> list[Citation]:
     """What to cite for a study.
 
     Parameters
@@ -44,6 +45,7 @@ def citations(kind: str, resolved: Mapping[str, Any], sources: Mapping[str, str]
     kind : the command that runs it: "run", "connector" or "wall"
     resolved : the study with every default filled in
     sources : motion -> "real", "stand-in" or "user"
+    methods : of a "run", the keys in METHODS that solve its scenes, buildings alone included
     """
     uses: dict[str, dict[str, None]] = {}
 
@@ -51,7 +53,11 @@ def citations(kind: str, resolved: Mapping[str, Any], sources: Mapping[str, str]
         uses.setdefault(key, {})[what] = None
 
     used("pounding_cli", "the computations")
-    {"run": _groups, "connector": _oscillators, "wall": _wall}[kind](resolved, sources, used)
+    if kind == "run":
+        _groups(resolved, sources, used)
+        _methods(methods, resolved["estimate"] != "none", used)
+    else:
+        {"connector": _oscillators, "wall": _wall}[kind](resolved, used)
     return [Citation(reference, tuple(uses[key])) for key, reference in REFERENCES.items() if key in uses]
 
 
@@ -89,7 +95,6 @@ def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> No
         if building["yield_shear"] is None:
             used(f"ubc{building['yield']['code'][-4:]}", f"the yield shears of {name}, the separation")
     _scaling(resolved["records"]["scale"], used)
-    _methods(resolved, used)
     if "stand-in" in sources.values():
         used("lilhanand1988", "the synthesis of the stand-in motions")
 
@@ -112,26 +117,23 @@ def _scaling(scale: Any, used) -> None:
         used("arias1970", "the intensity by which the motions are scaled")
 
 
-def _methods(resolved: Mapping[str, Any], used) -> None:
-    names = [resolved["method"]]
-    if names == [AUTO]:
-        names = ["taylor", "exponential"] if "elastic" in resolved["analyses"] else ["taylor"]
+def _methods(names: Collection[str], estimated: bool, used) -> None:
     for method in (METHODS[name] for name in names):
         for reference in named_in(method.source):
             used(reference.key, f"the method of solution, {method.title}")
-    if resolved["estimate"] != "none":
-        for reference in named_in(METHODS["taylor"].source):
+        judge = TAYLOR if method.takes_step else method  # as solve.assess has it
+        for reference in named_in(judge.source) if estimated else ():
             used(reference.key, "the finer runs that error and sensitivity are estimated by")
 
 
-def _oscillators(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> None:
+def _oscillators(resolved: Mapping[str, Any], used) -> None:
     used("spiliopoulos1996", "two connected oscillators, Figs 4 and 5")
     used("westermo1989", "connecting buildings")
     if resolved["connector"]["damping_ratio"]:
         used("anagnostopoulos1988", "the connector's dashpot, eq. (7)")
 
 
-def _wall(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> None:
+def _wall(resolved: Mapping[str, Any], used) -> None:
     used("spiliopoulos1996", "the bumper wall, Fig. 8")
     used("anagnostopoulos1992", "bumper walls")
     used("gustafsson2020", "the plane-stress elements of the wall")

@@ -17,7 +17,7 @@ import numpy as np
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import LinkResponse, Response
+from pounding_cli.solve.response import LinkResponse, Response, composed_method
 
 ERRORS = 10.0
 """By so many accuracies, relative to the floors' own displacements, a gap must stay open to count as never closed."""
@@ -167,7 +167,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], reach: l
         links,
         "done",
         "",
-        parts[0].method,
+        composed_method(parts),
         parts[0].tolerance,
         steps=0,
         events=0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -63,7 +64,8 @@ class Response:
 
     status : "done", or a named outcome such as "event bound reached" (then the numbers are NaN)
     advice : what to do about a status other than "done"
-    method, tolerance : how it was solved; tolerance is the accuracy asked [-] or the time step [s]
+    method, tolerance : how it was solved, of a row that fell into groups `composed_method`; the accuracy asked [-] or
+        the time step [s]
     steps, events : counts [-]
     seconds : time inside the solver [s]
     energy : ledger [J]: input, kinetic, stored, damping, hysteresis, links; residual is relative to the input [-]
@@ -93,3 +95,18 @@ class Response:
     sensitivity: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     envelopes: tuple[Envelope, ...] = ()
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Keys in METHODS of all that solved it: one, or those of the groups the row fell into."""
+        return methods_in(self.method)
+
+
+def composed_method(parts: Iterable[Response]) -> str:
+    """The `method` of a row that fell into groups: theirs, each once, with commas."""
+    return ", ".join(dict.fromkeys(name for part in parts for name in part.methods))
+
+
+def methods_in(method: str) -> tuple[str, ...]:
+    """The methods that a response's `method` names."""
+    return tuple(method.split(", "))

@@ -55,7 +55,7 @@ RESPONSES = (
 SCENES = (
     Variable("status", PLACE, "", "outcome of the scene: done, or what stopped it", "s"),
     Variable("advice", PLACE, "", "what to do about an outcome other than done", "s"),
-    Variable("method", PLACE, "", "method of solution", "s"),
+    Variable("method", PLACE, "", "method of solution, of a row that fell into groups theirs", "s"),
     Variable("tolerance", PLACE, "1", "accuracy asked, or the time step [s] of a fixed-step method"),
     Variable("steps", PLACE, "1", "time steps", "i"),
     Variable("events", PLACE, "1", "events located", "i"),

@@ -14,6 +14,7 @@ from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
 from pounding_cli.store.layout import PLACE, SCENES
+from pounding_cli.store.solutions import stored_methods
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,6 +82,12 @@ class Results:
     def resolved(self) -> dict[str, Any]:
         """The study with every default filled in, SI."""
         return json.loads(self.resolved_text)
+
+    @cached_property
+    def methods(self) -> tuple[str, ...]:
+        """The methods that solved the scenes, buildings alone included: keys of `solve.METHODS`."""
+        with opened(self.path) as file:
+            return stored_methods(file)
 
     def storey(self) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios."""

@@ -9,7 +9,9 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError
+from pounding_cli.solve.response import methods_in
 from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.codec import parse
 from pounding_cli.store.files import opened
 from pounding_cli.store.parts import PartStore
 
@@ -57,3 +59,9 @@ def stored_chunks(path: Path, key: str, wanted: Mapping[str, object]) -> Iterato
                 yield chunk if len(good) == len(some) else chunk.only(good)
     except (InputError, OSError, KeyError, ValueError, TypeError, IndexError):
         return  # nothing that can be reused
+
+
+def stored_methods(file: h5py.File) -> tuple[str, ...]:
+    """Keys in METHODS of the methods that solved the scenes of a results file, buildings alone included."""
+    lines = [parse(line) for line in file["solutions/line"].asstr()[:]]
+    return tuple(sorted({name for line in lines if line.is_done for name in methods_in(line.facts["method"])}))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 
-from test_run import folder, known, pound  # noqa: F401  (fixtures)
+import pytest
+from test_run import STUDY, folder, pound  # noqa: F401  (fixtures)
 
 
 def test_a_study_and_its_results_cite_the_same(folder, pound):  # noqa: F811
-    pound("run", "two.yaml", "-o", "r.h5", "-q")
+    pound("run", "two.yaml", "-o", "r.h5", "-q", solve=None)
     code, of_study, err = pound("cite", "two.yaml")
     assert (code, err) == (0, "")
     assert pound("cite", "r.h5")[1] == of_study
@@ -16,6 +17,22 @@ def test_a_study_and_its_results_cite_the_same(folder, pound):  # noqa: F811
     assert "\nUniform Building Code" not in of_study
     assert "Uniform Building Code, 1991 edition. Whittier, California.\n    for the yield shears of stiff" in of_study
     assert "\nMotions\n  weak (user): a file of your own" in of_study
+
+
+@pytest.mark.parametrize(
+    ("options", "series", "exact"),
+    [
+        ([], False, True),
+        (["--all-effects"], True, False),
+    ],  # nothing pounds here; or all is solved by series all the same
+)
+def test_a_results_file_cites_the_methods_it_was_made_by(folder, pound, options, series, exact):  # noqa: F811
+    study = STUDY.replace("gap: 0 cm", "gap: 60 cm").replace("gap: 1 cm", "gap: 50 cm")
+    (folder / "two.yaml").write_text(study.replace("[elastic, inelastic]", "[elastic]"))
+    pound("run", "two.yaml", "-o", "r.h5", "-q", *options, solve=None)
+    cited = pound("cite", "r.h5")[1]
+    assert ("for the method of solution, Taylor" in cited) is series
+    assert ("for the method of solution, exponential" in cited) is exact
 
 
 def test_bibtex_has_the_same_entries(folder, pound):  # noqa: F811

@@ -89,6 +89,12 @@ def test_a_fixed_step_without_an_estimate_is_compared_to_rounding(made):
     assert not compare(first, made("c", moved("shear", 1e-11), np.nan, method="newmark", accuracy=1e-3)).same_numbers
 
 
+def test_a_row_solved_in_groups_is_compared_to_the_accuracy_asked(made):
+    both = {"error": np.nan, "method": "exponential, taylor"}
+    assert compare(made("a", **both), made("b", moved("shear", 1e-6), **both)).same_numbers
+    assert not compare(made("a", **both), made("b", moved("shear", 3e-6), **both)).same_numbers
+
+
 def test_numbers_near_zero_are_judged_by_the_largest_of_their_kind(made):
     """A residual drift of 1e-9 of the largest drift is no change, though it was exactly zero."""
 
