@@ -3,8 +3,8 @@
 Random phases under an envelope (from the target's Husid curve) are brought to the target spectrum first in
 the frequency domain, then in the time domain by Levenberg-Marquardt steps of least norm on all targets
 together.  Their adjustments are combinations of time-reversed oscillator responses, as in Lilhanand and Tseng
-(1988, Proc. 9th World Conf. Earthquake Eng., II-819); see also Al Atik and Abrahamson (2010, Earthquake
-Spectra 26(3), 601-617).
+(1988, Proc. 9th World Conf. Earthquake Eng.); see also Al Atik and Abrahamson (2010, Earthquake Spectra 26(3),
+601-617).
 """
 
 from __future__ import annotations
