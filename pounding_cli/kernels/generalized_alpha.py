@@ -47,7 +47,7 @@ def room_needed(size: int, feet: int, links: int, unknowns: int) -> int:
 
 
 @njit(**INLINE)
-def _tangents(slots, links, plastic, drift, shear, u, inelastic, tangent, dashpot):
+def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
     """Slopes of storeys and links [N/m] into `tangent`, dashpots of links [N s/m]; True if any differs from before.
 
     The slope of the infill's dashpot constant is left out: it would cost the matrix its definiteness and gains
@@ -200,7 +200,7 @@ def build(inelastic: bool):
                             slots, feet, links, plastic, u, v, phi, phi_v, ground, inelastic, pushed, turned, drift,
                             shear, force,
                         )  # fmt: skip
-                        changed = _tangents(slots, links, plastic, drift, shear, u, inelastic, tangent, dashpot)
+                        changed = _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot)
                         if changed or factored != level:
                             for k in range(unknowns * unknowns):
                                 matrix[k] = rate_share * damping[k]

@@ -47,9 +47,6 @@ NOTHING, AT_ZERO, AT_GAP, NO_FORCE = 0, 1, 2, 3
 DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED = 0, 1, 2, 3, 4
 """How a run ended."""
 
-LINKS_NONE, LINKS_LINEAR, LINKS_CUBIC = 0, 1, 2
-"""Which link laws a compiled kernel contains."""
-
 Slots = namedtuple(
     "Slots",
     "size couple couple_right stiffness dashpot inverse_mass mass alpha real yield_drift hardening plateau "

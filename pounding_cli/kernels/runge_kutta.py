@@ -55,7 +55,7 @@ def room_needed(size: int, feet: int, links: int) -> int:
 
 
 @njit(**INLINE)
-def _point(place, size, feet, links):
+def _point(place, size, feet):
     at = further(place, 5 * size)
     return Point(
         place, further(place, size), at, further(at, feet), further(place, 2 * size), further(at, 2 * feet),
@@ -233,11 +233,11 @@ def build(inelastic: bool, located: bool):
         size = slots.size
         place = pointer(room)
         each = 6 * size + 3 * feet.number + links.size
-        p = _point(place, size, feet.number, links.size)
-        out = _point(further(place, each), size, feet.number, links.size)
-        q2 = _point(further(place, 2 * each), size, feet.number, links.size)
-        q3 = _point(further(place, 3 * each), size, feet.number, links.size)
-        q4 = _point(further(place, 4 * each), size, feet.number, links.size)
+        p = _point(place, size, feet.number)
+        out = _point(further(place, each), size, feet.number)
+        q2 = _point(further(place, 2 * each), size, feet.number)
+        q3 = _point(further(place, 3 * each), size, feet.number)
+        q4 = _point(further(place, 4 * each), size, feet.number)
         plastic = further(place, 6 * each)
         scratch = further(plastic, size)
         steps = 0

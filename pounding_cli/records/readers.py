@@ -95,14 +95,6 @@ def read_file(
     return Reading(motion, kind, used, who)
 
 
-def read_header(path: str | Path) -> dict[str, str]:
-    """The `# key: value` lines at the top of a motion file, keys in lower case.
-
-    Raises `InputError` for a file that is missing, empty or not text.
-    """
-    return dict(load(Path(path)).header)
-
-
 def _refuse_stray(text: Text, kind: str, asked: Asked) -> None:
     if asked.channel is not None and kind not in CHANNELS:
         raise text.refuse(f"a file of format '{kind}' has no channels", "leave 'channel' out")

@@ -218,7 +218,7 @@ def _profiles(ax: Axes, rows: pd.DataFrame, level: str, column: str, cases: Sequ
     for case in drawn:
         spread = rows[rows["case"] == case].groupby(level)[column].agg(["mean", "min", "max"]).dropna()
         _profile(ax, spread, dodge[case], look[case], case)
-    low, high = _span(rows[rows["case"].isin(drawn)], level, column)
+    low, high = _span(rows[rows["case"].isin(drawn)], column)
     if low > 0 and high / low > 8:
         ax.set_xscale("log")
         ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -247,7 +247,7 @@ def _profile(ax: Axes, spread: pd.DataFrame, dodge: float, look: Look, case: str
     )
 
 
-def _span(rows: pd.DataFrame, level: str, column: str) -> tuple[float, float]:
+def _span(rows: pd.DataFrame, column: str) -> tuple[float, float]:
     values = rows[column].to_numpy(float)
     values = values[np.isfinite(values)]
     return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)

@@ -153,7 +153,7 @@ def _factors(
                 name: records.sa_factor(motion, scale.sa, scale.period, scale.damping) for name, motion in cut.items()
             }
         if isinstance(scale, SpectrumScale):
-            target = _target(scale, spec, whole, cut, names, shelf, root, faults)
+            target = _target(scale, spec, whole, cut, shelf, root, faults)
             return (
                 {}
                 if target is None
@@ -196,7 +196,6 @@ def _target(
     spec: Records,
     whole: dict[str, Motion],
     cut: dict[str, Motion],
-    names: set[str],
     shelf: Shelf,
     root: Node | Tree,
     faults: Faults,

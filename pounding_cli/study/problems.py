@@ -6,7 +6,7 @@ import difflib
 import types
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -133,19 +133,6 @@ def keys_at(model: type[BaseModel], path: Sequence[str | int], root: Node | Tree
         if values and node is not None and node.is_mapping:
             found.update(dict.fromkeys(node.value))
     return list(found)
-
-
-def literals(model: type[BaseModel], name: str) -> list[str]:
-    """The words a field of a model may hold."""
-    field: FieldInfo = model.model_fields[name]
-    stack, words = [field.annotation], []
-    while stack:
-        kind = stack.pop(0)
-        if get_origin(kind) is Literal:
-            words += [str(word) for word in get_args(kind)]
-        else:
-            stack += get_args(kind)
-    return words
 
 
 def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: Node | Tree) -> tuple[str, str, bool]:

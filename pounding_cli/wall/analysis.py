@@ -107,7 +107,7 @@ class _Recorder:
         self.rows = np.zeros((operators.row_height.size, 3))
         self.members = np.zeros(system.members.shape[0])
 
-    def __call__(self, n: int, force: float, u: np.ndarray) -> None:
+    def __call__(self, n: int, u: np.ndarray) -> None:
         stress = von_mises((self.operators.elements @ u).reshape(-1, 3))
         np.maximum(self.elements, stress, out=self.elements)
         top = stress.max()

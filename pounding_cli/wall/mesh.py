@@ -90,11 +90,6 @@ class WallMesh:
         entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
         return sp.csr_matrix(entries, shape=shape), basis.dx.ravel()
 
-    def centroids(self) -> Basis:
-        """The same space evaluated at the element centres."""
-        centre = (np.array([[0.5], [0.5]]), np.array([1.0]))
-        return Basis(self.mesh, self.basis.elem, quadrature=centre)
-
     def pressure(self, low: float, high: float) -> np.ndarray:
         """Nodal shares of a uniform pressure on the face between two mesh lines [-], shape (n,), sum 1."""
         middle = self.mesh.p[:, self.mesh.facets].mean(axis=1)

@@ -54,7 +54,7 @@ def stress_operators(model: WallModel, wall: WallMesh, system: System) -> Stress
     element_stress = (sp.kron(mean, sp.eye_array(3)) @ stress).tocsr()
 
     height = _cell_heights(model)
-    cells = sp.kron(_overlaps(model, wall, height, area), sp.eye_array(3)) @ element_stress
+    cells = sp.kron(_overlaps(model, wall, height), sp.eye_array(3)) @ element_stress
 
     x, y = wall.basis.global_coordinates().reshape(2, -1)
     row = np.searchsorted(wall.y_lines, y) - 1
@@ -80,7 +80,7 @@ def _cell_heights(model: WallModel) -> np.ndarray:
     return np.concatenate([below, above])
 
 
-def _overlaps(model: WallModel, wall: WallMesh, height: np.ndarray, area: np.ndarray) -> sp.csr_matrix:
+def _overlaps(model: WallModel, wall: WallMesh, height: np.ndarray) -> sp.csr_matrix:
     """Share of each cell's area that lies in each element [-], shape (cells, elements)."""
     side = model.averaging_length
     corners = wall.mesh.p[:, wall.mesh.t]

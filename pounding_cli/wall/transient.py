@@ -20,8 +20,7 @@ class Transient:
 
     time [s]; force on the wall [N]; position [m] and velocity [m/s] of the striker;
     indentation : displacement of the wall under the striker [m];
-    energies [J] : striker, kinetic (wall and frame), strain;
-    steps_lost : energy lost where the contact opens or closes within a step [J]
+    energies [J] : striker, kinetic (wall and frame), strain
     """
 
     time: np.ndarray
@@ -32,7 +31,6 @@ class Transient:
     striker_energy: np.ndarray
     kinetic_energy: np.ndarray
     strain_energy: np.ndarray
-    steps_lost: float
 
 
 def factorise(matrix: csc_matrix) -> SuperLU:
@@ -67,7 +65,7 @@ def integrate(
     end: float,
     step: float,
     rho: float,
-    each: Callable[[int, float, np.ndarray], None] | None = None,
+    each: Callable[[int, np.ndarray], None] | None = None,
 ) -> Transient:
     """Wood-Bossak-Zienkiewicz alpha method (1980); forces balance at the end of each step.
 
@@ -82,7 +80,7 @@ def integrate(
 
     Parameters
     ----------
-    each : called after every step with (step, force [N], displacements), to take what it wants from them
+    each : called after every step with (step, displacements), to take what it wants from them
     """
     steps = round(end / step)
     h = end / steps
@@ -98,28 +96,24 @@ def integrate(
     x, xv, xa = 0.0, striker.speed, 0.0
     out = np.zeros((8, steps + 1))
     out[:, 0] = (0, 0, x, xv, 0, 0.5 * striker.mass * xv**2, 0.5 * float(mass @ v**2), 0)
-    lost = 0.0
-    force = 0.0
     for n in range(1, steps + 1):
         guess = u + h * v + (0.5 - beta) * h**2 * a
         u1 = factor.solve(mass * (inertia * guess - am * a))
         x_guess = x + h * xv + (0.5 - beta) * h**2 * xa
         x1 = x_guess - am / inertia * xa
         overlap = x1 - float(push @ u1)
-        new_force = overlap / compliance
+        force = overlap / compliance
         if bond is Bond.UNILATERAL:
-            new_force = max(new_force, 0.0)
-        u1 += new_force * answer
-        x1 -= new_force / (inertia * striker.mass)
+            force = max(force, 0.0)
+        u1 += force * answer
+        x1 -= force / (inertia * striker.mass)
         a1, xa1 = (u1 - guess) / (beta * h**2), (x1 - x_guess) / (beta * h**2)
         v = v + h * ((1 - gamma) * a + gamma * a1)
         xv = xv + h * ((1 - gamma) * xa + gamma * xa1)
         w1 = float(push @ u1)
-        lost += 0.5 * (force + new_force) * ((x1 - x) - (w1 - out[4, n - 1]))
-        u, a, x, xa, force = u1, a1, x1, xa1, new_force
+        u, a, x, xa = u1, a1, x1, xa1
         strain = 0.5 * float(u @ (stiffness @ u))
         out[:, n] = (n * h, force, x, xv, w1, 0.5 * striker.mass * xv**2, 0.5 * float(mass @ v**2), strain)
         if each is not None:
-            each(n, force, u)
-    t, f, xs, vs, w, e1, e2, e3 = out
-    return Transient(t, f, xs, vs, w, e1, e2, e3, steps_lost=lost)
+            each(n, u)
+    return Transient(*out)

@@ -445,8 +445,8 @@ OTHERS = [
     Mutant(
         "wall: the striker is glued to the wall",
         f"{WALL}/transient.py",
-        "new_force = max(new_force, 0.0)",
-        "new_force = new_force + 0.0",
+        "force = max(force, 0.0)",
+        "force = force + 0.0",
         f"{UNIT}/wall/test_transient.py::test_unilateral_force_never_pulls_and_the_gap_never_closes_through",
     ),
     Mutant(

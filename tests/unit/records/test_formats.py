@@ -148,7 +148,6 @@ def test_series_of_velocity_between_channels_are_passed_over(read) -> None:
     assert read(text).motion.acceleration == pytest.approx(np.array(CM) * 0.01)
 
 
-HEAD = layouts.at2(IN_G).splitlines()
 REFUSED = {
     "at2 of velocity": (layouts.at2(CM, "CM/S", "VELOCITY"), {}, "3: the file holds velocity, not acceleration"),
     "at2 of displacement": (layouts.at2(CM, "CM", "DISPLACEMENT"), {}, "3: the file holds displacement"),
