@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from reference.closed_forms import oscillator_under_ramp
 from reference.exponential import march
+from reference.modes import modes
 from reference.scenes import ELASTIC, oscillator, shake, shear_building, still
 
-from pounding_cli.model.modes import modes
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve

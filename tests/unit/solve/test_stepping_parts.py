@@ -7,13 +7,13 @@ import dataclasses
 import numpy as np
 import pytest
 from numba import njit
+from reference.modes import matrices as building_matrices
 
 from pounding_cli.kernels import branches, cholesky, forces, hermite
 from pounding_cli.kernels.layout import CUBIC, LINEAR
 from pounding_cli.model.building import Building
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import Kind, Link
-from pounding_cli.model.modes import matrices as building_matrices
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records import Motion
 from pounding_cli.solve.arrays import pack

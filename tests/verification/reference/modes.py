@@ -1,4 +1,4 @@
-"""Matrices and undamped modes of a linear building, with its foundation where it has one."""
+"""Matrices and undamped modes of one linear building, with its foundation where it has one."""
 
 from __future__ import annotations
 

@@ -1,0 +1,6 @@
+"""The matrices of tests/verification/reference serve here too."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "verification"))
