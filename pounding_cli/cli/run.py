@@ -172,12 +172,13 @@ def _print(found: Overview, outcome: Outcome) -> None:
     for number, point in enumerate(found.points if 1 < count <= FEW_POINTS else (), start=1):
         click.echo(f"Line {number}, {point}")
     motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
-    click.echo(f"Means over {found.records} motions{many}.\nMotions, {motions}")
+    click.echo(f"Means over {_counted(found.records, 'motion')}{many}.\nMotions, {motions}")
     _print_trust(found.trust)
     for flag, scenes in found.flags.items():
-        click.echo(f"Note, {scenes} scenes: {flag}")
+        click.echo(f"Note, {_counted(scenes, 'scene')}: {flag}")
     if found.spared:
-        click.echo(f"Spared, {found.spared} scenes: their gaps never close, so their buildings alone are the answer")
+        spared = _counted(found.spared, "scene")
+        click.echo(f"Spared, {spared}: gaps that never close, so the buildings alone are the answer")
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
     click.echo(
         f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
@@ -215,6 +216,10 @@ def _number(values: np.ndarray, at: np.ndarray | None = None) -> str:
         return "\n".join(shown)
     known = values[values == values]
     return f"{known.min():.3f} to {known.max():.3f}" if known.size else "-"
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _time(seconds: float) -> str:

@@ -107,6 +107,14 @@ def test_summary_shows_ratios_motions_flags_counts_and_times(folder, pound):
     assert len(open_results("results/two.h5").storey()) == 2 * 2 * 2 * 5
 
 
+def test_one_of_a_thing_is_told_in_the_singular(folder, pound):
+    one = STUDY.replace("{file: weak.txt}, ", "").replace("[elastic, inelastic]", "[elastic]")
+    (folder / "two.yaml").write_text(one)
+    out = pound("run", "two.yaml")[1]
+    assert "Means over 1 motion.\n" in out
+    assert "Note, 1 scene: a sentence to know\n" in out
+
+
 def test_second_run_solves_nothing_and_says_so(folder, pound):
     pound("run", "two.yaml", "-o", "r.h5")
     code, out, err = pound("run", "two.yaml", "-o", "r.h5", solve=lambda *_, **__: 1 / 0)
