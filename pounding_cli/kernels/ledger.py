@@ -1,8 +1,8 @@
 """Where the energy of a step goes: what the ground puts in, what dashpots, yielding storeys and links take out.
 
 Powers are integrated over the step by Gauss-Legendre points on the step's own polynomials. A third as many points as
-the series has orders integrate two thirds of it exactly; of what a term beyond that adds, 4^-order is lost, so where
-the series leaves 1e-6 of a step the rule leaves less than 1e-9 of its energy. Hysteresis needs no points: on a yield
+the series has orders, and one, integrate two thirds of it exactly; of what a term beyond that adds, 4^-order is lost,
+so where the series leaves 1e-6 of a step the rule leaves less than 1e-9 of its energy. Hysteresis needs no points: on a yield
 line the storey dissipates (1 - a) Vy per unit of drift."""
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pounding_cli.kernels.simd import from_left, fused, load, pointer, splat, st
 MOST_POINTS = 18
 """Points of the largest rule; rule n stands in row n of the tables, its weights beyond n zero."""
 
-LEAST_POINTS = 6
+LEAST_POINTS = 4
 """Points of the smallest rule: short series are of coarse accuracy, which is no reason to book carelessly."""
 
 Ledger = namedtuple("Ledger", "input dashpots drag hysteresis links feet")
@@ -56,8 +56,8 @@ RULE_ROOM = 24 * MOST_POINTS
 @njit(**PART)
 def _set_rule(run, nodes, weights, order):
     """Points (s of the step) and weights [s] for a series of this order, eight copies of each; returns their number,
-    a multiple of three."""
-    points = max((order + 8) // 9 * 3, LEAST_POINTS)
+    which is even."""
+    points = max((order + 8) // 6 * 2, LEAST_POINTS)
     row = points * MOST_POINTS
     end = run.clock[END]
     duration = end * run.clock[H]
@@ -94,21 +94,17 @@ def account(run, feet, nodes, weights, order, busy, inelastic, founded):
         pushed = splat(0.0)
         drag = splat(0.0)
         dashed = splat(0.0)
-        for g in range(0, 8 * points, 24):  # three at once: each by itself would wait for its own last product
+        for g in range(0, 8 * points, 16):  # two at once share what they read
             s0 = load(rule, g)
             s1 = load(rule, g + 8)
-            s2 = load(rule, g + 16)
             v0 = load(run.W, order * padded + b)
             v1 = v0
-            v2 = v0
             for row in range((order - 1) * padded + b, b - 1, -padded):
                 w = load(run.W, row)
                 v0 = fused(v0, s0, w)
                 v1 = fused(v1, s1, w)
-                v2 = fused(v2, s2, w)
             pushed, drag, dashed = _powers(rule, g, s0, v0, couple, ground, change, pushed, drag, dashed)
             pushed, drag, dashed = _powers(rule, g + 8, s1, v1, couple, ground, change, pushed, drag, dashed)
-            pushed, drag, dashed = _powers(rule, g + 16, s2, v2, couple, ground, change, pushed, drag, dashed)
         mass = load(slots, at(b, c.MASS))
         store(slots, at(b, c.INPUT), load(slots, at(b, c.INPUT)) - mass * pushed)
         store(slots, at(b, c.DASHED), fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHED))))
@@ -120,25 +116,20 @@ def account(run, feet, nodes, weights, order, busy, inelastic, founded):
             if closed_at(run, b) == 0:
                 continue
             spent = splat(0.0)
-            for g in range(0, 8 * points, 24):
+            for g in range(0, 8 * points, 16):
                 s0 = load(rule, g)
                 s1 = load(rule, g + 8)
-                s2 = load(rule, g + 16)
-                force0, force1, force2 = splat(0.0), splat(0.0), splat(0.0)
-                rate0, rate1, rate2 = splat(0.0), splat(0.0), splat(0.0)
+                force0, force1, rate0, rate1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
                 for k in range(order - 1, -1, -1):
                     term = at_term(run, k, b, 0)
                     pushed = load(run.series, term + c.F_TERM)
                     closed = load(run.series, term + c.RATE_TERM)
                     force0 = fused(force0, s0, pushed)
                     force1 = fused(force1, s1, pushed)
-                    force2 = fused(force2, s2, pushed)
                     rate0 = fused(rate0, s0, closed)
                     rate1 = fused(rate1, s1, closed)
-                    rate2 = fused(rate2, s2, closed)
                 spent = fused(force0 * load(rule, _SHARES + g), rate0, spent)
                 spent = fused(force1 * load(rule, _SHARES + g + 8), rate1, spent)
-                spent = fused(force2 * load(rule, _SHARES + g + 16), rate2, spent)
             applied = load(run.links, at_link(b, c.APPLIED))
             store(run.links, at_link(b, c.WORK_DONE), fused(spent, applied, load(run.links, at_link(b, c.WORK_DONE))))
     if inelastic:
