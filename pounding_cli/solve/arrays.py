@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -10,8 +11,9 @@ import numpy as np
 from pounding_cli.kernels import layout
 from pounding_cli.kernels.layout import Feet, Links, Peaks, Slots, State
 from pounding_cli.kernels.ledger import Ledger
+from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
-from pounding_cli.model.links import InfillLaw, Kind
+from pounding_cli.model.links import InfillLaw, Kind, Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
@@ -52,11 +54,17 @@ def rows(names: Iterable[str], count: int) -> dict[str, np.ndarray]:
 
 
 def pack(scene: Scene) -> Arrays:
-    """Lay a scene out in slots (see `kernels.layout`)."""
+    """Lay a scene out in slots (see `kernels.layout`). Scenes that differ in their motion alone share the arrays, which
+    nothing writes to."""
+    return _packed(scene.buildings, scene.links, scene.analysis)
+
+
+@functools.lru_cache(maxsize=8)
+def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     floors, bases, feet_of = [], [], []
     place = 0
     feet: list[int] = []
-    for b, building in enumerate(scene.buildings):
+    for b, building in enumerate(buildings):
         foundation = building.foundation
         sways = foundation is not None and foundation.sways
         bases.append(place if sways else -1)
@@ -71,13 +79,13 @@ def pack(scene: Scene) -> Arrays:
     slots = Slots(padded, **rows(Slots._fields[1:], padded))
     slots.yield_drift[:] = np.inf
     slots.real[:place] = 1.0
-    for building, span, base in zip(scene.buildings, floors, bases, strict=True):
+    for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation
         slots.couple[span] = 1.0
         slots.stiffness[span] = building.stiffness
         slots.dashpot[span] = building.beta * building.stiffness
         slots.mass[span] = building.mass
-        if scene.analysis == Analysis.INELASTIC:
+        if analysis == Analysis.INELASTIC:
             slots.yield_drift[span] = building.yield_drift
             slots.hardening[span] = building.hardening
             finite = np.isfinite(building.yield_shear)
@@ -97,7 +105,7 @@ def pack(scene: Scene) -> Arrays:
     slots.couple_right[:-1] = slots.couple[1:]
     slots.inverse_mass[:place] = 1.0 / slots.mass[:place]
 
-    founded = [(floors[b], bases[b], scene.buildings[b]) for b in feet]
+    founded = [(floors[b], bases[b], buildings[b]) for b in feet]
     grounds = [(span, base, b, b.foundation) for span, base, b in founded if b.foundation is not None]
     foot_arrays = Feet(
         number=len(grounds),
@@ -109,24 +117,25 @@ def pack(scene: Scene) -> Arrays:
         dashpot=np.array([f.rocking_damping if f.rocks else 0.0 for *_, f in grounds], float),
         alpha=np.array([b.alpha for _, _, b, _ in grounds], float),
     )
-    return Arrays(slots, foot_arrays, _pack_links(scene, floors), tuple(floors), tuple(bases), tuple(feet_of))
+    return Arrays(
+        slots, foot_arrays, _pack_links(buildings, links, floors), tuple(floors), tuple(bases), tuple(feet_of)
+    )
 
 
-def _pack_links(scene: Scene, floors: list[slice]) -> Links:
-    padded = -(-len(scene.links) // LANES) * LANES
+def _pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: list[slice]) -> Links:
+    padded = -(-len(given) // LANES) * LANES
     integers = ("kind", "tension_cut")
     fields = rows((name for name in Links._fields[4:] if name not in integers), padded)
     fields |= {name: np.zeros(padded, np.int64) for name in integers}
-    left = np.array([floors[link.left].start + link.left_floor - 1 for link in scene.links], np.int64)
-    right = np.array([floors[link.left + 1].start + link.right_floor - 1 for link in scene.links], np.int64)
+    left = np.array([floors[link.left].start + link.left_floor - 1 for link in given], np.int64)
+    right = np.array([floors[link.left + 1].start + link.right_floor - 1 for link in given], np.int64)
     fill = np.zeros(padded - left.size, np.int64)
     links = Links(
-        len(scene.links), padded, np.concatenate((left, fill)), np.concatenate((right, fill)),
-        **fields,
+        len(given), padded, np.concatenate((left, fill)), np.concatenate((right, fill)), **fields,
     )  # fmt: skip
-    for e, link in enumerate(scene.links):
-        left_mass = scene.buildings[link.left].mass[link.left_floor - 1]
-        right_mass = scene.buildings[link.left + 1].mass[link.right_floor - 1]
+    for e, link in enumerate(given):
+        left_mass = buildings[link.left].mass[link.left_floor - 1]
+        right_mass = buildings[link.left + 1].mass[link.right_floor - 1]
         mass = link.dashpot_mass(left_mass, right_mass)
         links.kind[e] = KINDS[link.kind]
         links.gap[e] = link.gap

@@ -108,7 +108,7 @@ def _row(begins: tuple[int, ...], at: tuple[int, ...], left: tuple[int, ...], ri
         order = np.argsort(where, kind="stable")
         seats = np.empty(where.size, np.int64)
         seats[order] = joints[where[order]] + np.concatenate([np.arange(n) for n in count])
-        rounds = max(int(np.bincount(ends).max()) for ends in (left, right))
+        rounds = max((int(np.bincount(ends).max()) for ends in (left, right) if ends), default=0)
     joints[-1] = _padded(joints[-1])
     whole = (np.ascontiguousarray(table, np.int64) for table in (first, joints, spots, seats))
     return Row(storeys.size, spots.size, len(at), rounds, *whole)
