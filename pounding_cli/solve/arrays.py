@@ -117,7 +117,8 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         dashpot=np.array([f.rocking_damping if f.rocks else 0.0 for *_, f in grounds], float),
         alpha=np.array([b.alpha for _, _, b, _ in grounds], float),
     )
-    return Arrays(
+    packed_links = _pack_links(buildings, links, floors)
+    return Arrays(slots, foot_arrays, packed_links, tuple(floors), tuple(bases), tuple(feet_of))
         slots, foot_arrays, _pack_links(buildings, links, floors), tuple(floors), tuple(bases), tuple(feet_of)
     )
 
