@@ -110,11 +110,13 @@ SHORTEST = 1e-14
 
 SETTINGS = Frame(
     "settings",
-    dict.fromkeys(("inelastic", "founded", "most_order", "most_steps", "most_events", "most_standing"), types.int64)
+    dict.fromkeys(
+        ("inelastic", "founded", "bounded", "most_order", "most_steps", "most_events", "most_standing"), types.int64
+    )
     | {"tolerance": types.float64, "nodes": DOUBLES, "weights": DOUBLES},
 )
-"""What `build` says of its arguments of these names; inelastic, founded: 1 where storeys can yield, where there are
-foundations, else 0."""
+"""What `build` says of its arguments of these names; inelastic, founded, bounded: 1 where storeys can yield, where there
+are foundations, where displacements are to be bounded in every segment, else 0."""
 
 _settings_frame = filler(SETTINGS)
 
@@ -257,7 +259,8 @@ def _cross(run, feet, settings, snapped):
             clock[END] = 1.0
         account(run, feet, settings.nodes, settings.weights, order, busy, inelastic, founded)
         track(run, feet, order, busy, inelastic, founded)
-        widen(run)
+        if settings.bounded > 0:
+            widen(run)
         renew_scale(run)
         if snapped and clock[END] > 0.0:
             unsnap(run)
@@ -380,7 +383,7 @@ def build():
         feet = footing_of(frames, given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
         founded = 1 if run.feet > 0 else 0
         settings = _settings_frame(further(frames, FRAMES), (
-            1 if inelastic else 0, founded, most_order, most_steps, most_events, most_standing, tolerance,
+            1 if inelastic else 0, founded, 1 if apart or peaks.watched != 0 else 0, most_order, most_steps, most_events, most_standing, tolerance,
             pointer(nodes), pointer(weights),
         ))  # fmt: skip
         take_slots(run, row, slots, state, peaks, ledger)

@@ -119,8 +119,6 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
     )
     packed_links = _pack_links(buildings, links, floors)
     return Arrays(slots, foot_arrays, packed_links, tuple(floors), tuple(bases), tuple(feet_of))
-        slots, foot_arrays, _pack_links(buildings, links, floors), tuple(floors), tuple(bases), tuple(feet_of)
-    )
 
 
 def _pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: list[slice]) -> Links:

@@ -70,6 +70,10 @@ def most_standing(slots: int, links: int) -> int:
 FEW = 3
 """Buildings that are always solved as one island: to solve fewer at a time saves less than steps of their own cost."""
 
+ROOM = 2
+"""Places that buildings may take to stand alone, over those that they take one behind the other [-]: where buildings of
+one or two storeys would leave most of every eight places empty, the row stays one island."""
+
 
 def lined_up(scene: Scene, arrays: Arrays) -> tuple[Row, Feet]:
     """The buildings by place (`layout.Row`), and the foundations likewise."""
@@ -92,7 +96,7 @@ def _row(begins: tuple[int, ...], at: tuple[int, ...], left: tuple[int, ...], ri
     storeys = np.diff(start)
     closely = -(-start[-1] // LANES) * LANES
     first = np.concatenate(([0], np.cumsum(_padded(storeys))))
-    alone = storeys.size > FEW or first[-1] == closely
+    alone = first[-1] <= ROOM * closely if storeys.size > FEW else first[-1] == closely
     if not alone:  # no building is run by itself: as few places as can be
         first = np.append(start[:-1], closely)
     spots = np.concatenate([first[b] + np.arange(n) for b, n in enumerate(storeys)])
@@ -134,7 +138,7 @@ def prepare(
     room, integers = aligned(doubles), np.zeros(whole, np.int64)
     kernel, rules = taylor.build(), gauss_rules(MOST_POINTS)
     inelastic = everything or effects_of(scene).yielding
-    apart = not everything and len(scene.buildings) > FEW
+    apart = not everything and row.number > FEW and bool(np.all(row.first % LANES == 0))
     quiet = quiet_acceleration(scene, arrays, state)
     standing = most_standing(real_slots(arrays), arrays.links.number)
     settings = inelastic, apart, tolerance, quiet, most_order(tolerance), *bounds, standing
