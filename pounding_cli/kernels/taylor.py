@@ -115,8 +115,8 @@ SETTINGS = Frame(
     )
     | {"tolerance": types.float64, "nodes": DOUBLES, "weights": DOUBLES},
 )
-"""What `build` says of its arguments of these names; inelastic, founded, bounded: 1 where storeys can yield, where there
-are foundations, where displacements are to be bounded in every segment, else 0."""
+"""What `build` says of its arguments of these names; inelastic, founded, bounded: whether storeys can yield, there are
+foundations, bounds of displacements are wanted (1 or 0)."""
 
 _settings_frame = filler(SETTINGS)
 
@@ -382,8 +382,9 @@ def build():
         run, row, frames, rest = _carve(given_feet, row_pointers(row_arrays), pointer(room), pointer(integers))
         feet = footing_of(frames, given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
         founded = 1 if run.feet > 0 else 0
+        bounded = 1 if apart or peaks.watched != 0 else 0
         settings = _settings_frame(further(frames, FRAMES), (
-            1 if inelastic else 0, founded, 1 if apart or peaks.watched != 0 else 0, most_order, most_steps, most_events, most_standing, tolerance,
+            1 if inelastic else 0, founded, bounded, most_order, most_steps, most_events, most_standing, tolerance,
             pointer(nodes), pointer(weights),
         ))  # fmt: skip
         take_slots(run, row, slots, state, peaks, ledger)
