@@ -19,6 +19,12 @@ BATCH = 64
 NAMED = 2e-5
 """The step [s] at which every integrator that is right at all keeps about 1e-3."""
 
+SETTINGS = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+"""Accuracies of pound and tolerances of heyoka tried [-]."""
+
+WANTED = 1e-9
+"""Error of the storey shears asked of both [-]."""
+
 STEPS = (1e-4, 5e-5, 2e-5, 1e-5)
 """OpenSees' steps tried [s]."""
 
@@ -40,22 +46,27 @@ def row(work: str, target: str, most: float, ours: tuple, peer: tuple) -> dict:
 
 
 def heyoka() -> Iterator[dict]:
-    """Elastic, touching, error 1e-9."""
+    """Elastic, touching, error 1e-9: the fastest setting of each that keeps it."""
     from tests.peers.heyoka_scene import ElasticScene
 
     scene = scenes.touching("elastic")
     exact = scenes.shears(solve(scene, 1e-14, "taylor"))
-    precise = ElasticScene(scene, 1e-9).run()
-    plain = ElasticScene(scene, 1e-9, peaks=False)
+
+    def fastest(error_at: Callable[[float], float]) -> tuple[float, float]:
+        """The coarsest of SETTINGS whose error [-] is below WANTED, and that error."""
+        return next((setting, error) for setting in SETTINGS if (error := error_at(setting)) <= WANTED)
+
+    mine, error = fastest(lambda accuracy: scenes.error(scenes.shears(solve(scene, accuracy)), exact))
+    theirs, peer_error = fastest(lambda accuracy: scenes.error(ElasticScene(scene, accuracy).run().shear, exact))
+    plain = ElasticScene(scene, theirs, peaks=False)
     many = scenes.batch(scene, BATCH)
     alone, peer, batch = least(
-        (in_solver(lambda: solve(scene, 1e-9)), lambda: plain.run().seconds, together(many, 1e-9)), budget=20.0
+        (in_solver(lambda: solve(scene, mine)), lambda: plain.run().seconds, together(many, mine)), budget=20.0
     )
-    error = scenes.error(scenes.shears(solve(scene, 1e-9)), exact)
-    other = ("heyoka, tolerance 1e-9", scenes.error(precise.shear, exact), peer)
+    other = (f"heyoka, tolerance {theirs:g}", peer_error, peer)
     work = "elastic, touching, 2 x 5 storeys, 10 s, error 1e-9"
-    yield row(f"{work}: one scene", "1/3", 1 / 3, ("accuracy 1e-9", error, alone), other)
-    yield row(f"{work}: in a batch of {BATCH}", "1/8", 1 / 8, ("accuracy 1e-9", error, batch), other)
+    yield row(f"{work}: one scene", "1/3", 1 / 3, (f"accuracy {mine:g}", error, alone), other)
+    yield row(f"{work}: in a batch of {BATCH}", "1/8", 1 / 8, (f"accuracy {mine:g}", error, batch), other)
 
 
 def opensees() -> Iterator[dict]:
