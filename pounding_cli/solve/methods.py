@@ -149,6 +149,8 @@ def solve(
     if method == AUTO and not all_effects and cheapest_method(scene, arrays) == EXPONENTIAL.name:
         chosen = EXPONENTIAL
         condensing += ("event location: nothing in the scene can change its stiffness, so it is stepped exactly",)
+    if chosen is TAYLOR and taylor.solved_in_islands(scene, arrays):
+        condensing += ("the rest of the row, while a few touch or yield: what does not touch takes steps of its own",)
     state, peaks = at_rest(arrays), no_peaks(arrays, segments_of(scene) if watch else 0)
     if initial is not None:
         for span, u, v in zip(arrays.floors, *initial, strict=True):

@@ -88,6 +88,15 @@ def lined_up(scene: Scene, arrays: Arrays) -> tuple[Row, Feet]:
     return row, feet
 
 
+def solved_in_islands(scene: Scene, arrays: Arrays) -> bool:
+    """Whether buildings that do not touch take steps of their own."""
+    return not arrays.feet.number and _stand_alone(lined_up(scene, arrays)[0])
+
+
+def _stand_alone(row: Row) -> bool:
+    return row.number > FEW and bool(np.all(row.first % LANES == 0))
+
+
 @functools.lru_cache(maxsize=256)
 def _row(begins: tuple[int, ...], at: tuple[int, ...], left: tuple[int, ...], right: tuple[int, ...]) -> Row:
     """Buildings that begin at the slots `begins` (and where the last ends), links between neighbours from the building
@@ -138,7 +147,7 @@ def prepare(
     room, integers = aligned(doubles), np.zeros(whole, np.int64)
     kernel, rules = taylor.build(), gauss_rules(MOST_POINTS)
     inelastic = everything or effects_of(scene).yielding
-    apart = not everything and row.number > FEW and bool(np.all(row.first % LANES == 0))
+    apart = not everything and _stand_alone(row)
     quiet = quiet_acceleration(scene, arrays, state)
     standing = most_standing(real_slots(arrays), arrays.links.number)
     settings = inelastic, apart, tolerance, quiet, most_order(tolerance), *bounds, standing

@@ -241,8 +241,8 @@ MOTION = [
     Mutant(
         "an event anywhere ends the step of the whole row",
         f"{SOLVE}/taylor.py",
-        "    apart = not everything and row.number > FEW and",
-        "    apart = everything and row.number > FEW and",
+        "    apart = not everything and _stand_alone(row)",
+        "    apart = everything and _stand_alone(row)",
         f"{VERIFICATION}/test_islands.py::test_what_stands_apart_costs_a_step_of_its_own",
     ),
     Mutant(
