@@ -10,7 +10,7 @@ from pounding_cli.kernels.clock import CHANGE, END, GROUND, ORDER, PER_H, SEGMEN
 from pounding_cli.kernels.foundations import rocking_peaks
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import apart, closed_at, link_end
-from pounding_cli.kernels.polynomial import highest, value
+from pounding_cli.kernels.polynomial import highest
 from pounding_cli.kernels.simd import (
     fused,
     greater,
@@ -31,6 +31,13 @@ def turns(rate0, rate, stray):
     """Lanes whose quantity may have a largest value inside the step, by its rate at both ends and that one's stray."""
     same = greater(rate0 * rate, splat(0.0))
     return ~(same & greater(minimum(magnitude(rate0), magnitude(rate)), stray))
+
+
+@njit(**PART)
+def bends(first, last, stray):
+    """Lanes whose quantity may have a largest value inside the step, by its ends and its stray: its slope differs from
+    the mean by half the largest second derivative at most, which is eight strays."""
+    return ~greater(magnitude(last - first), stray * 4.0)
 
 
 @njit(**PART)
@@ -149,9 +156,11 @@ def _acceleration_peaks(run):
     for b in range(run.low, run.high, 8):
         peak = load(slots, at(b, c.MOST_PULL))
         reach = maximum(magnitude(load(slots, at(b, c.PULL0))), magnitude(load(slots, at(b, c.PULL))))
-        suspects = greater(reach + load(slots, at(b, c.PULL_STRAY)), peak)
+        stray = load(slots, at(b, c.PULL_STRAY))
+        suspects = greater(reach + stray, peak)
         if suspects != 0:
             store(slots, at(b, c.MOST_PULL), maximum(peak, reach))
+            suspects &= bends(load(slots, at(b, c.PULL0)), load(slots, at(b, c.PULL)), stray)
             while suspects != 0:
                 i = b + lowest(suspects)
                 suspects &= suspects - 1
@@ -206,7 +215,6 @@ def _force_peak(run, e, best):
     end = run.clock[END]
     for k in range(order):
         run.scratch[k] = run.series[of_term(run, k, e, c.F_TERM)]
-    best = max(best, abs(run.scratch[0]), abs(value(run.scratch, order - 1, end)))
     return highest(run.scratch, order - 1, end, best, True)
 
 
@@ -223,6 +231,7 @@ def _link_peaks(run, order, busy):
         suspects = greater(reach + stray, peak)
         if suspects != 0:
             store(links, at_link(b, c.MOST_CLOSING), maximum(peak, reach))
+            suspects &= bends(first, last, stray)
             while suspects != 0:
                 e = b + lowest(suspects)
                 suspects &= suspects - 1
@@ -242,11 +251,16 @@ def _link_peaks(run, order, busy):
             stray = fused(magnitude(force), number * (number - 1.0), stray)
             number -= 1.0
         first = load(run.series, at_term(run, 0, b, c.F_TERM))
-        reach = maximum(magnitude(first), magnitude(last)) + 0.125 * stray
+        stray = 0.125 * stray
+        reach = maximum(magnitude(first), magnitude(last))
+        peak = load(links, at_link(b, c.MOST_FORCE))
         held = duration * applied
         store(links, at_link(b, c.IMPULSE), fused(impulse, held, load(links, at_link(b, c.IMPULSE))))
         store(links, at_link(b, c.CONTACT), load(links, at_link(b, c.CONTACT)) + held)
-        suspects = greater(reach * applied, load(links, at_link(b, c.MOST_FORCE)))
+        suspects = greater((reach + stray) * applied, peak)
+        if suspects != 0:
+            store(links, at_link(b, c.MOST_FORCE), maximum(peak, reach * applied))
+            suspects &= bends(first, last, stray)
         while suspects != 0:
             e = b + lowest(suspects)
             suspects &= suspects - 1

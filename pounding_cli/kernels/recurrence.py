@@ -66,18 +66,18 @@ def restencil(run, i):
 
 @njit(**PART)
 def by_displacement(slots, b, left, u, right):
-    """What displacements of eight slots and their neighbours add to the accelerations."""
+    """What displacements of eight slots and those of their neighbours add to the accelerations."""
     total = load(slots, at(b, c.OWN)) * u
-    total = fused(load(slots, at(b, c.LEFT)), from_left(left, u), total)
-    return fused(load(slots, at(b, c.RIGHT)), from_right(u, right), total)
+    total = fused(load(slots, at(b, c.LEFT)), left, total)
+    return fused(load(slots, at(b, c.RIGHT)), right, total)
 
 
 @njit(**PART)
 def by_velocity(slots, b, left, w, right, total):
-    """`total` and what velocities add to it."""
+    """`total` and what velocities of eight slots and those of their neighbours add to it."""
     total = fused(load(slots, at(b, c.OWN_RATE)), w, total)
-    total = fused(load(slots, at(b, c.LEFT_RATE)), from_left(left, w), total)
-    return fused(load(slots, at(b, c.RIGHT_RATE)), from_right(w, right), total)
+    total = fused(load(slots, at(b, c.LEFT_RATE)), left, total)
+    return fused(load(slots, at(b, c.RIGHT_RATE)), right, total)
 
 
 @njit(**PART)
@@ -139,12 +139,12 @@ def _expand_all(run, feet, busy, curved, snapped, most, founded):
             more = b + 8 < run.high
             w_right = load(run.W, row + b + 8) if more else zero
             u_right = load(run.W, row - padded + b + 8) if more else zero
-            total = by_displacement(slots, b, u_left, u, u_right) * before
+            total = by_displacement(slots, b, from_left(u_left, u), u, from_right(u, u_right)) * before
             if founded:
                 total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FORCE)), total)
             if k < 2:
                 total = by_ground(slots, b, k, ground, total)
-            total = by_velocity(slots, b, w_left, w, w_right, total)
+            total = by_velocity(slots, b, from_left(w_left, w), w, from_right(w, w_right), total)
             if busy != 0:
                 total = fused(load(slots, at(b, c.INVERSE_MASS)), forces_on(run, b), total)
             store(run.W, row + padded + b, total * after)
@@ -179,10 +179,12 @@ def _expand_two(run, busy, curved, snapped, most):
     a = run.low
     b = a + 8
     e = run.first
+    # Displacement and velocity of the two halves, and of the left and right neighbours of their slots.
     u = load(run.W, a - padded)
-    u_right = load(run.W, b - padded)
+    x = load(run.W, b - padded)
+    u_left, u_right, x_left, x_right = from_left(zero, u), from_right(u, x), from_left(u, x), from_right(x, zero)
     w = load(run.W, a)
-    w_right = load(run.W, b)
+    y = load(run.W, b)
     v = zero
     if busy != 0:
         v = load(run.series, c.at_term(run, 0, e, c.V_TERM))
@@ -191,26 +193,27 @@ def _expand_two(run, busy, curved, snapped, most):
     k = 0
     while True:
         after = h * run.reciprocal[k + 1]
-        total = by_displacement(slots, a, zero, u, u_right) * before
-        total_right = by_displacement(slots, b, u, u_right, zero) * before
+        w_left, w_right, y_left, y_right = from_left(zero, w), from_right(w, y), from_left(w, y), from_right(y, zero)
+        total = by_displacement(slots, a, u_left, u, u_right) * before
+        total_right = by_displacement(slots, b, x_left, x, x_right) * before
         if k < 2:
             total = by_ground(slots, a, k, ground, total)
             total_right = by_ground(slots, b, k, ground, total_right)
-        total = by_velocity(slots, a, zero, w, w_right, total)
-        total_right = by_velocity(slots, b, w, w_right, zero, total_right)
+        total = by_velocity(slots, a, w_left, w, w_right, total)
+        total_right = by_velocity(slots, b, y_left, y, y_right, total_right)
         if busy != 0:
-            pushed, v = push(run, k, e, v, w - w_right, after, curved, snapped)
+            pushed, v = push(run, k, e, v, w - y, after, curved, snapped)
             total = total - load(slots, at(a, c.INVERSE_MASS)) * pushed
             total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)
         exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
         exceeding |= greater(magnitude(total_right), load(slots, at(b, c.ALLOWED)))
-        u = w
-        u_right = w_right
+        u, u_left, u_right = w, w_left, w_right
+        x, x_left, x_right = y, y_left, y_right
         w = total * after
-        w_right = total_right * after
+        y = total_right * after
         k += 1
         store(run.W, k * padded + a, w)
-        store(run.W, k * padded + b, w_right)
+        store(run.W, k * padded + b, y)
         small = exceeding == 0
         if small and small_before and k >= LEAST_ORDER:
             return k, True

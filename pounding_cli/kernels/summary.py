@@ -35,7 +35,9 @@ def summarise(run, feet, order, founded):
         bend = splat(0.0)
         v_stray = splat(0.0)
         pull_stray = splat(0.0)
-        number = 0.0
+        before = splat(-2.0)  # k - 2, k - 1 and k in every lane
+        last = splat(-1.0)
+        number = splat(0.0)
         for k in range(order + 1):
             w = load(run.W, k * padded + b)
             travel = fused(w, run.reciprocal[k + 1], travel)
@@ -44,9 +46,12 @@ def summarise(run, feet, order, founded):
             pull = pull + term
             size = magnitude(term)
             bend = bend + size
-            v_stray = fused(size, number - 1.0, v_stray)
-            pull_stray = fused(size, (number - 1.0) * (number - 2.0), pull_stray)
-            number += 1.0
+            size = size * last
+            v_stray = v_stray + size
+            pull_stray = fused(size, before, pull_stray)
+            before = last
+            last = number
+            number = number + 1.0
         store(run.ends, b, fused(travel, h, load(run.W, b - padded)))
         store(slots, at(b, c.V_END), v)
         store(slots, at(b, c.PULL0), fused(load(run.W, padded + b), per_h, ground))

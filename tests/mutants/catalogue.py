@@ -255,8 +255,8 @@ MOTION = [
     Mutant(
         "ground acceleration held between samples",
         f"{KERNELS}/recurrence.py",
-        "        store(run.W, k * padded + b, w_right)\n        small = exceeding == 0",
-        "        store(run.W, k * padded + b, w_right)\n        ground = zero\n        small = exceeding == 0",
+        "        store(run.W, k * padded + b, y)\n        small = exceeding == 0",
+        "        store(run.W, k * padded + b, y)\n        ground = zero\n        small = exceeding == 0",
         f"{LINEAR}::test_forced_vibration_under_straight_lines",
     ),
     Mutant(
