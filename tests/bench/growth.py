@@ -33,7 +33,13 @@ def sorts() -> tuple[Growth, ...]:
     pair = scenes.touching("elastic")
     return (
         Growth("storeys", "storeys a building", (5, 10, 20, 50, 100), lambda n: scenes.row(storeys=int(n)), most=1.3),
-        Growth("buildings", "buildings in a row", (2, 3, 5, 10, 20), lambda n: scenes.row(int(n)), most=1.2),
+        Growth(
+            "buildings", "buildings in a row, 1 cm apart", (2, 3, 5, 10, 20), lambda n: scenes.row(int(n), gap=0.01),
+            most=1.2,
+        ),
+        Growth(
+            "touching", "buildings in a row, touching", (2, 3, 5, 10, 20), lambda n: scenes.row(int(n)), most=1.2,
+        ),
         Growth("duration", "duration [s]", (5, 10, 20, 40, 80), lambda t: scenes.row(duration=t), most=1.05),
         Growth(
             "accuracy", "accuracy", (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12), lambda a: pair,

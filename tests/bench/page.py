@@ -160,8 +160,9 @@ def _growth(found: list[dict]) -> str:
         span = f"{one['values'][0]:g} to {one['values'][-1]:g}"
         times = f"{time_of(one['seconds'][0])} to {time_of(one['seconds'][-1])}"
         steps = f"{one['steps'][0]} to {one['steps'][-1]}"
-        rows.append([one["over"], span, times, steps, measured, allowed, met(one["met"])])
-    return _table("what grows | from, to | time of a scene | steps | measured | allowed | verdict", rows)
+        events = f"{one['events'][0]} to {one['events'][-1]}"
+        rows.append([one["over"], span, times, steps, events, measured, allowed, met(one["met"])])
+    return _table("what grows | from, to | time of a scene | steps | events | measured | allowed | verdict", rows)
 
 
 def _sweeps(found: list[dict]) -> str:

@@ -36,7 +36,7 @@ def draw(growth: Sequence[dict], sweeps: Sequence[dict], path: Path = PICTURE) -
         else:
             _say(panel, f"x {one['ratio']:.0f} in all")
     counts = [one["scenes"] for one in sweeps]
-    time, memory = panels[5], panels[6]
+    time, memory, *empty = panels[len(growth) :]
     _panel(time, counts, [one["wall"] for one in sweeps], "scenes in a sweep", "pound run, all included [s]")
     long = [one for one in sweeps if one["scenes"] >= 1000]  # shorter ones are starting and loading
     _line(time, [one["scenes"] for one in long], long[0]["wall"], 1.0)
@@ -45,7 +45,8 @@ def draw(growth: Sequence[dict], sweeps: Sequence[dict], path: Path = PICTURE) -
     memory.axhline(500, color=GREY, ls="--", lw=1)
     memory.set_ylim(50, 2000)
     _say(memory, "dashed: 500 MB")
-    panels[7].set_axis_off()
+    for panel in empty:
+        panel.set_axis_off()
     figure.savefig(path, dpi=130, metadata={"Software": None})
     plt.close(figure)
 

@@ -44,12 +44,13 @@ def _without(functions: list[str]) -> float:
     from numba import njit
 
     from pounding_cli.kernels import taylor
+    from pounding_cli.kernels.layout import PART
     from pounding_cli.solve import solve
 
     from . import scenes
     from .clock import in_solver, least
 
-    @njit
+    @njit(**PART)
     def nothing(*anything):
         return None
 

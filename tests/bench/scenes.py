@@ -53,15 +53,21 @@ def noise(duration: float, dt: float = 0.02, peak: float = 4.0, seed: int = 1) -
 
 
 def row(
-    buildings: int = 2, storeys: int = 5, duration: float = 10.0, stiffer: float = 1.0, analysis: str = "elastic"
+    buildings: int = 2,
+    storeys: int = 5,
+    duration: float = 10.0,
+    stiffer: float = 1.0,
+    analysis: str = "elastic",
+    gap: float = 0.0,
 ) -> Scene:
-    """Buildings of 0.072 s and 0.12 s a storey, turn and turn about, that touch at every floor.
+    """Buildings of 0.072 s and 0.12 s a storey, turn and turn about, with links at every floor.
 
     `stiffer` : impact stiffness over 20 times the stiffest storey [-]
+    `gap` : at rest [m]
     """
     group = [_building((0.072, 0.12)[place % 2] * storeys, storeys) for place in range(buildings)]
     stiffness = 20 * stiffer * max(float(b.stiffness.max()) for b in group)
-    law = (Kind.POUNDING, 0.0, stiffness, stiffness, damping_ratio(0.5))
+    law = (Kind.POUNDING, gap, stiffness, stiffness, damping_ratio(0.5))
     links = [Link(left, j, j, *law) for left in range(buildings - 1) for j in range(1, storeys + 1)]
     return Scene(tuple(group), tuple(links), noise(duration), Analysis(analysis))
 
