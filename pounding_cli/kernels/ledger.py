@@ -16,7 +16,7 @@ from pounding_cli.kernels.cells import at, at_link, at_term
 from pounding_cli.kernels.clock import CHANGE, END, GROUND, H
 from pounding_cli.kernels.foundations import charge_feet
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import closed_at
+from pounding_cli.kernels.link_series import apart, closed_at
 from pounding_cli.kernels.simd import from_left, fused, load, pointer, splat, stand_alone, store
 
 MOST_POINTS = 18
@@ -77,8 +77,52 @@ def _powers(rule, g, s, v, couple, ground, change, pushed, drag, dashed):
     return fused(part, fused(change, s, ground), pushed), fused(part, v, drag), fused(rate * share, rate, dashed)
 
 
+@njit(**PART)
+def _by_law(run, b, points, order):
+    """Work done on eight links of straight laws: what springs hold more, and what dashpots take."""
+    links = run.links
+    rule = run.rule
+    first = load(run.series, at_term(run, 0, b, c.V_TERM))
+    last = apart(run, run.ends, 0, b) - load(links, at_link(b, c.THICKNESS))
+    mean = fused(load(links, at_link(b, c.LINEAR_LAW)), (first + last) * 0.5, load(links, at_link(b, c.OFFSET_LAW)))
+    squares = splat(0.0)
+    for g in range(0, 8 * points, 16):
+        s0 = load(rule, g)
+        s1 = load(rule, g + 8)
+        rate0, rate1 = splat(0.0), splat(0.0)
+        for k in range(order - 1, -1, -1):
+            rate = load(run.series, at_term(run, k, b, c.RATE_TERM))
+            rate0 = fused(rate0, s0, rate)
+            rate1 = fused(rate1, s1, rate)
+        squares = fused(rate0 * load(rule, _SHARES + g), rate0, squares)
+        squares = fused(rate1 * load(rule, _SHARES + g + 8), rate1, squares)
+    return fused(load(links, at_link(b, c.RATE_LAW)), squares, mean * (last - first))
+
+
+@njit(**PART)
+def _by_force(run, b, points, order):
+    """Work done on eight links of any law."""
+    rule = run.rule
+    spent = splat(0.0)
+    for g in range(0, 8 * points, 16):
+        s0 = load(rule, g)
+        s1 = load(rule, g + 8)
+        force0, force1, rate0, rate1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        for k in range(order - 1, -1, -1):
+            term = at_term(run, k, b, 0)
+            force = load(run.series, term + c.F_TERM)
+            rate = load(run.series, term + c.RATE_TERM)
+            force0 = fused(force0, s0, force)
+            force1 = fused(force1, s1, force)
+            rate0 = fused(rate0, s0, rate)
+            rate1 = fused(rate1, s1, rate)
+        spent = fused(force0 * load(rule, _SHARES + g), rate0, spent)
+        spent = fused(force1 * load(rule, _SHARES + g + 8), rate1, spent)
+    return spent
+
+
 @njit(**CALLED)
-def account(run, feet, nodes, weights, order, busy, inelastic, founded):
+def account(run, feet, nodes, weights, order, busy, curved, inelastic, founded):
     """Add the energies of the step up to s = END."""
     stand_alone()
     padded = run.padded
@@ -113,25 +157,10 @@ def account(run, feet, nodes, weights, order, busy, inelastic, founded):
         charge_feet(run, feet, points, _SHARES)
     if busy != 0:
         for b in range(run.first, run.last, 8):
-            if closed_at(run, b) == 0:
-                continue
-            spent = splat(0.0)
-            for g in range(0, 8 * points, 16):
-                s0 = load(rule, g)
-                s1 = load(rule, g + 8)
-                force0, force1, rate0, rate1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-                for k in range(order - 1, -1, -1):
-                    term = at_term(run, k, b, 0)
-                    pushed = load(run.series, term + c.F_TERM)
-                    closed = load(run.series, term + c.RATE_TERM)
-                    force0 = fused(force0, s0, pushed)
-                    force1 = fused(force1, s1, pushed)
-                    rate0 = fused(rate0, s0, closed)
-                    rate1 = fused(rate1, s1, closed)
-                spent = fused(force0 * load(rule, _SHARES + g), rate0, spent)
-                spent = fused(force1 * load(rule, _SHARES + g + 8), rate1, spent)
-            applied = load(run.links, at_link(b, c.APPLIED))
-            store(run.links, at_link(b, c.WORK_DONE), fused(spent, applied, load(run.links, at_link(b, c.WORK_DONE))))
+            if closed_at(run, b) != 0:
+                spent = _by_force(run, b, points, order) if curved != 0 else _by_law(run, b, points, order)
+                done = fused(spent, load(run.links, at_link(b, c.APPLIED)), load(run.links, at_link(b, c.WORK_DONE)))
+                store(run.links, at_link(b, c.WORK_DONE), done)
     if inelastic:
         for b in range(run.low, run.high, 8):
             moved = load(slots, at(b, c.DRIFT)) - load(slots, at(b, c.DRIFT0))

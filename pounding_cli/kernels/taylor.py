@@ -257,7 +257,7 @@ def _cross(run, feet, settings, snapped):
             stop_at(run, feet, order, founded)
         else:
             clock[END] = 1.0
-        account(run, feet, settings.nodes, settings.weights, order, busy, inelastic, founded)
+        account(run, feet, settings.nodes, settings.weights, order, busy, curved, inelastic, founded)
         track(run, feet, order, busy, inelastic, founded)
         if settings.bounded > 0:
             widen(run)
