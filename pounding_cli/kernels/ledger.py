@@ -16,7 +16,7 @@ from pounding_cli.kernels.cells import at, at_link, at_term
 from pounding_cli.kernels.clock import CHANGE, END, GROUND, H
 from pounding_cli.kernels.foundations import charge_feet
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import apart, closed_at
+from pounding_cli.kernels.link_series import closed_at
 from pounding_cli.kernels.simd import from_left, fused, load, pointer, splat, stand_alone, store
 
 MOST_POINTS = 18
@@ -83,7 +83,10 @@ def _by_law(run, b, points, order):
     links = run.links
     rule = run.rule
     first = load(run.series, at_term(run, 0, b, c.V_TERM))
-    last = apart(run, run.ends, 0, b) - load(links, at_link(b, c.THICKNESS))
+    end = splat(run.clock[END])
+    last = splat(0.0)  # from the series: a stiff spring is pressed by less than the last digits of displacements
+    for k in range(order, -1, -1):
+        last = fused(last, end, load(run.series, at_term(run, k, b, c.V_TERM)))
     mean = fused(load(links, at_link(b, c.LINEAR_LAW)), (first + last) * 0.5, load(links, at_link(b, c.OFFSET_LAW)))
     squares = splat(0.0)
     for g in range(0, 8 * points, 16):
