@@ -6,7 +6,7 @@ import argparse
 import os
 import time
 
-from . import growth, operations, page, picture, program, removal, sweep, versus
+from . import growth, operations, page, picture, program, removal, sampling, sweep, versus
 from .clock import machine
 
 SWEEPS, HUGE = (100, 1000, 10_000), 100_000
@@ -28,6 +28,7 @@ def main() -> None:
         "program": lambda: list(program.measure()),
         "operations": operations.of_a_scene,
         "profile": removal.measure,
+        "sampled": sampling.measure,
         "growth": lambda: list(growth.measure()),
         "sweeps": lambda: sweeps((HUGE,) if options.huge else SWEEPS),
     }
@@ -43,7 +44,8 @@ def main() -> None:
             os.sched_setaffinity(0, {0})
         begin, here = time.perf_counter(), machine()
         found = parts[name]()
-        page.keep({**page.read(), name: {"machine": here, "found": found}})
+        if found is not None:
+            page.keep({**page.read(), name: {"machine": here, "found": found}})
         print(f"{name}: {time.perf_counter() - begin:.0f} s", flush=True)
     kept = page.read()
     page.write(kept)

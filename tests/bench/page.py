@@ -33,7 +33,7 @@ def tables(parts: dict) -> dict[str, str]:
     """Markdown by mark, of every part that was measured."""
     makers = {
         "peers": _peers, "figures": _figures, "program": _program, "operations": _operations, "profile": _profile,
-        "growth": _growth, "sweeps": _sweeps,
+        "sampled": _sampled, "growth": _growth, "sweeps": _sweeps,
     }  # fmt: skip
     made = {name: make(parts[name]["found"]) for name, make in makers.items() if name in parts}
     return {**made, "machine": _machine(parts)}
@@ -146,6 +146,10 @@ def _operations(found: dict) -> str:
 
 def _profile(found: dict[str, float]) -> str:
     return _table("left out | of the time is gone", [[name, f"{100 * part:.0f} %"] for name, part in found.items()])
+
+
+def _sampled(found: dict[str, float]) -> str:
+    return _table("part of a step | of the time", [[name, f"{100 * part:.0f} %"] for name, part in found.items()])
 
 
 def _growth(found: list[dict]) -> str:

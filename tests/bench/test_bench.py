@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
+
 import numpy as np
 import pytest
 
 from pounding_cli.kernels import taylor
 from pounding_cli.study import expand, load_study
 
-from . import growth, modal, page, removal, scenes, sweep
+from . import growth, modal, page, removal, sampling, scenes, sweep
 
 
 @pytest.mark.parametrize("name", [*page.tables(page.read())])
@@ -60,3 +62,11 @@ def test_what_is_left_out_is_in_the_kernel():
     """Fails if a part of the kernel has another name by now: then the profile has to follow."""
     for functions in removal.PARTS.values():
         assert all(hasattr(taylor, name) for name in functions), functions
+
+
+def test_what_is_sampled_is_in_the_kernel():
+    """Fails if a function moved or has another name by now: then its time would be counted elsewhere."""
+    for starts in sampling.GROUPS.values():
+        for module, _, name in (start.partition(".") for start in starts):
+            functions = vars(importlib.import_module(f"pounding_cli.kernels.{module}"))
+            assert any(function.startswith(name) for function in functions), (module, name)

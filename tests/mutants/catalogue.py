@@ -255,8 +255,8 @@ MOTION = [
     Mutant(
         "ground acceleration held between samples",
         f"{KERNELS}/recurrence.py",
-        "        store(run.W, k * padded + b, y)\n        small = exceeding == 0",
-        "        store(run.W, k * padded + b, y)\n        ground = zero\n        small = exceeding == 0",
+        "        exceeding = 0\n        w_left = zero",
+        "        exceeding = 0\n        ground = ground if k == 0 else zero\n        w_left = zero",
         f"{LINEAR}::test_forced_vibration_under_straight_lines",
     ),
     Mutant(
