@@ -15,7 +15,7 @@ from pounding_cli.kernels.clock import EVENTS, LENGTH
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import apart, beside, closed_at
-from pounding_cli.kernels.simd import further, fused, greater, load, splat, stand_alone, store
+from pounding_cli.kernels.simd import further, fused, greater, load, stand_alone, store
 
 # What is known of a building, in integers: whether it is taken to touch its right neighbour in this segment; is solved;
 # may have something exactly zero now, and at the segment's end; events in this segment of the island that begins with
@@ -86,15 +86,6 @@ def first_of(notes, b):
     while b > 0 and notes[(b - 1) * NOTES + JOINED] == TOUCH:
         b -= 1
     return b
-
-
-@njit(**PART)
-def silence(run, row, left, right):
-    """What links to buildings outside the island pushed last does not act."""
-    for e in range(row.joints[max(left - 1, 0)], run.first, 8):
-        store(run.pushed, e, splat(0.0))
-    for e in range(run.last, row.joints[min(right + 1, row.number - 1)], 8):
-        store(run.pushed, e, splat(0.0))
 
 
 @njit(**PART)

@@ -72,7 +72,6 @@ from pounding_cli.kernels.islands import (
     row_frame,
     set_apart,
     shelve,
-    silence,
     touch,
 )
 from pounding_cli.kernels.layout import (
@@ -282,7 +281,8 @@ def _cross(run, feet, settings, snapped):
 
 @njit(**CALLED)
 def _part(run, row, apart):
-    """Begin a segment: who touches whom, as far as one can tell."""
+    """Begin a segment: who touches whom, as far as one can tell. A link that is closed or has just opened counts, so
+    that none outside an island has anything left that it pushes with."""
     stand_alone()
     notes = row.notes
     for b in range(row.number):
@@ -306,7 +306,6 @@ def _solve(run, row, feet, settings):
             set_apart(run, row, left, right)
             if left > 0 or right + 1 < row.number:
                 shelve(run, row)
-                silence(run, row, left, right)
             snapped = False
             for b in range(left, right + 1):
                 snapped = snapped or notes[b * NOTES + FRESH] > 0

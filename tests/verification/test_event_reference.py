@@ -55,6 +55,15 @@ def test_pounding(analysis, gap, cut):
 
 
 @pytest.mark.parametrize("analysis", [ELASTIC, INELASTIC])
+@pytest.mark.parametrize(("kind", "gap"), [("pounding", 0.0), ("infill", 0.02), ("connector", 0.05)])
+def test_five_storeys(kind, gap, analysis):
+    """Two buildings that fill two vectors, linked like to like: their series have a loop of their own. Fails if that
+    loop takes another sign, neighbour or mass."""
+    two = shear_building(0.36, 5), shear_building(0.60, 5)
+    agree(Scene(two, links(kind, gap, (1, 2, 3, 4, 5)), shake(0.5), analysis))
+
+
+@pytest.mark.parametrize("analysis", [ELASTIC, INELASTIC])
 @pytest.mark.parametrize("cut", [False, True])
 @pytest.mark.parametrize("law", list(InfillLaw))
 def test_infill_pressed_through(analysis, cut, law):

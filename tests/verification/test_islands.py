@@ -31,8 +31,8 @@ def row(gap: float, analysis, count: int = 6, dt: float = 0.05, duration: float 
     ("kind", "gap"), [("pounding", 0.0), ("pounding", 0.003), ("pounding", 0.02), ("infill", 0.04)]
 )
 def test_islands_equal_the_row(kind, gap, dt, analysis):
-    """Every peak and count. Fails if neighbours that meet are left apart, if an island that is solved again does not
-    begin where it began, or if forces of links outside an island go on acting on it."""
+    """Every peak and count. Fails if neighbours that meet are left apart, or if an island that is solved again does not
+    begin where it began."""
     scene = row(gap, analysis, dt=dt, kind=kind)
     apart, whole = solve(scene, 1e-10, watch=True), solve(scene, 1e-12, all_effects=True)
     assert apart.status == whole.status == "done"
