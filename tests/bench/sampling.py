@@ -24,6 +24,9 @@ from .clock import ROOT
 SECONDS = 6.0
 RATE = 4000
 
+LONGEST = 32768
+"""No function is longer [bytes]: what lies further behind one is not the kernel's."""
+
 GROUPS = {
     "series": ("recurrence.",),
     "energy ledger": ("ledger.",),
@@ -99,11 +102,11 @@ def _plain(mangled: str) -> str:
 
 def _shares(seen: list[int], functions: list[tuple[int, str]]) -> dict[str, float]:
     starts = [address for address, _ in functions]
-    last = starts[-1] + 65536
     counts: collections.Counter[str] = collections.Counter()
     for address in seen:
-        if starts[0] <= address < last:
-            counts[_part(functions[bisect.bisect(starts, address) - 1][1])] += 1
+        place = bisect.bisect(starts, address) - 1
+        if place >= 0 and address - starts[place] < LONGEST:
+            counts[_part(functions[place][1])] += 1
     total = sum(counts.values())
     return {part: counts[part] / total for part in (*GROUPS, "else")}
 
