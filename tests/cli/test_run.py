@@ -204,7 +204,8 @@ def test_refused_before_anything_is_solved(folder, pound, arguments, message):
 def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
     script = textwrap.dedent(
         f"""
-        import sys, time
+        import signal, sys, time
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job is born deaf to it
         sys.path.insert(0, {os.path.dirname(__file__)!r})
         import pounding_cli.solve
         from test_run import known
