@@ -399,7 +399,7 @@ def build():
             run.tally[SEGMENT] = segment
             run.clock[START] = accelerations[segment]
             run.clock[SLOPE] = rates[segment]
-            _part(run, row, apart and founded == 0)
+            _part(run, row, apart)
             unsettled = True
             while unsettled:
                 status = _solve(run, row, feet, settings)

@@ -90,11 +90,12 @@ def lined_up(scene: Scene, arrays: Arrays) -> tuple[Row, Feet]:
 
 def solved_in_islands(scene: Scene, arrays: Arrays) -> bool:
     """Whether buildings that do not touch take steps of their own."""
-    return not arrays.feet.number and _stand_alone(lined_up(scene, arrays)[0])
+    return _stand_alone(*lined_up(scene, arrays))
 
 
-def _stand_alone(row: Row) -> bool:
-    return row.number > FEW and bool(np.all(row.first % LANES == 0))
+def _stand_alone(row: Row, feet: Feet) -> bool:
+    """Rocking bases have places of their own, so that a row with foundations stays one island."""
+    return row.number > FEW and not feet.number and bool(np.all(row.first % LANES == 0))
 
 
 @functools.lru_cache(maxsize=256)
@@ -147,7 +148,7 @@ def prepare(
     room, integers = aligned(doubles), np.zeros(whole, np.int64)
     kernel, rules = taylor.build(), gauss_rules(MOST_POINTS)
     inelastic = everything or effects_of(scene).yielding
-    apart = not everything and _stand_alone(row)
+    apart = not everything and _stand_alone(row, feet)
     quiet = quiet_acceleration(scene, arrays, state)
     standing = most_standing(real_slots(arrays), arrays.links.number)
     settings = inelastic, apart, tolerance, quiet, most_order(tolerance), *bounds, standing

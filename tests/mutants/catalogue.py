@@ -234,8 +234,8 @@ MOTION = [
     Mutant(
         "an event anywhere ends the step of the whole row",
         f"{SOLVE}/taylor.py",
-        "    apart = not everything and _stand_alone(row)",
-        "    apart = everything and _stand_alone(row)",
+        "    apart = not everything and _stand_alone(row, feet)",
+        "    apart = everything and _stand_alone(row, feet)",
         f"{VERIFICATION}/test_islands.py::test_what_stands_apart_costs_a_step_of_its_own",
     ),
     Mutant(
