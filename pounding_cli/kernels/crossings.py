@@ -23,7 +23,7 @@ from pounding_cli.kernels.simd import (
     stand_alone,
     store,
 )
-from pounding_cli.kernels.summary import drift_series, rate_term
+from pounding_cli.kernels.summary import bends, drift_series, rate_term
 
 STOREY, CLOSES, OPENS, STIFFENS, SOFTENS, PULLS, PUSHES = 0, 1, 2, 3, 4, 5, 6
 """Kinds of event."""
@@ -156,11 +156,17 @@ def _closed_link_crossing(run, e, end):
 
 
 @njit(**PART)
-def _may_leave(run, b, least, most):
-    """Lanes whose link may leave its branch when its closing stays between `least` and `most`."""
+def _may_leave(run, b, first, last, stray):
+    """Lanes whose link may leave its branch, by its closing at both ends of the step and that one's stray."""
     low = load(run.links, at_link(b, c.LOW))
     high = load(run.links, at_link(b, c.HIGH))
-    return ~(greater(least, low) & greater(high, most)) & 255
+    least = minimum(first, last)
+    most = maximum(first, last)
+    stays = greater(least - stray, low) & greater(high, most + stray)
+    # Monotone, it may begin where the branch ends: it has just come from there.
+    began = ~(greater(low, first) | greater(first, high))
+    stays |= ~bends(first, last, stray) & began & greater(last, low) & greater(high, last)
+    return ~stays & 255
 
 
 @njit(**CALLED)
@@ -172,7 +178,7 @@ def first_link_event(run):
         first = load(run.links, at_link(b, c.CLOSING))
         last, stray = link_end(run, b)
         last = last - load(run.links, at_link(b, c.THICKNESS))
-        suspects = _may_leave(run, b, minimum(first, last) - stray, maximum(first, last) + stray)
+        suspects = _may_leave(run, b, first, last, stray)
         while suspects != 0:
             e = b + lowest(suspects)
             suspects &= suspects - 1

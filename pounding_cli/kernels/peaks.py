@@ -23,21 +23,7 @@ from pounding_cli.kernels.simd import (
     stand_alone,
     store,
 )
-from pounding_cli.kernels.summary import drift_series
-
-
-@njit(**PART)
-def turns(rate0, rate, stray):
-    """Lanes whose quantity may have a largest value inside the step, by its rate at both ends and that one's stray."""
-    same = greater(rate0 * rate, splat(0.0))
-    return ~(same & greater(minimum(magnitude(rate0), magnitude(rate)), stray))
-
-
-@njit(**PART)
-def bends(first, last, stray):
-    """Lanes whose quantity may have a largest value inside the step, by its ends and its stray: its slope differs from
-    the mean by half the largest second derivative at most, which is eight strays."""
-    return ~greater(magnitude(last - first), stray * 4.0)
+from pounding_cli.kernels.summary import bends, drift_series, turns
 
 
 @njit(**PART)

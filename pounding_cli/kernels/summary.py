@@ -13,7 +13,7 @@ from pounding_cli.kernels.cells import at, of
 from pounding_cli.kernels.clock import CHANGE, END, GROUND, PER_H, H
 from pounding_cli.kernels.foundations import end_feet
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.simd import from_left, fused, load, magnitude, splat, stand_alone, store
+from pounding_cli.kernels.simd import from_left, fused, greater, load, magnitude, minimum, splat, stand_alone, store
 
 
 @njit(**CALLED)
@@ -154,6 +154,20 @@ def stop_at(run, feet, order, founded):
     drifts(run)
     if founded:
         end_feet(run, feet, run.clock[END])
+
+
+@njit(**PART)
+def turns(rate0, rate, stray):
+    """Lanes whose quantity may have a largest value inside the step, by its rate at both ends and that one's stray."""
+    same = greater(rate0 * rate, splat(0.0))
+    return ~(same & greater(minimum(magnitude(rate0), magnitude(rate)), stray))
+
+
+@njit(**PART)
+def bends(first, last, stray):
+    """Lanes whose quantity may have a largest value inside the step, by its ends and its stray: its slope differs from
+    the mean by half the largest second derivative at most, which is eight strays."""
+    return ~greater(magnitude(last - first), stray * 4.0)
 
 
 @njit(**PART)
