@@ -40,6 +40,7 @@ from pounding_cli.kernels.clock import (
     LENGTH,
     ORDER,
     ORDERS,
+    PACE,
     PER_H,
     QUIET,
     SEGMENT,
@@ -172,14 +173,18 @@ def _carve(feet, row, room, integers):
 
 @njit(**PART)
 def _set_out(run):
-    """The step that is tried next: to the end of the segment."""
+    """The step that is tried next: to the end of the segment, or as far as the last one that had to be shortened."""
     since = run.clock[SINCE]
     h = run.clock[LENGTH] - since
+    whole = h <= run.clock[PACE]
+    if not whole:
+        h /= np.ceil(h / run.clock[PACE] - 1e-9)
     run.clock[H] = h
     run.clock[PER_H] = 1.0 / h
     run.clock[GROUND] = run.clock[START] + run.clock[SLOPE] * since
     run.clock[CHANGE] = run.clock[SLOPE] * h
     run.clock[END] = NEVER
+    return whole
 
 
 @njit(**PART)
@@ -192,6 +197,7 @@ def _shorten(run, feet, busy, order, tolerance, founded):
         run.clock[H] *= ratio
         run.clock[PER_H] /= ratio
         run.clock[CHANGE] *= ratio
+        run.clock[PACE] = run.clock[H]
     return ratio
 
 
@@ -231,9 +237,10 @@ def _cross(run, feet, settings, snapped):
     linked = run.last > run.first
     clock = run.clock
     clock[SINCE] = 0.0
+    clock[PACE] = clock[LENGTH]
     status = -1
     while status < 0 and clock[SINCE] >= 0.0:
-        _set_out(run)
+        whole = _set_out(run)
         if founded:
             start_feet(run, feet)
         busy = 0
@@ -242,13 +249,12 @@ def _cross(run, feet, settings, snapped):
             busy, curved = closings(run, snapped)
         order, close = expand(run, feet, busy, curved, snapped, tolerance, settings.most_order, founded)
         run.tally[ORDER] = order
-        whole = True
         if not close:
             ratio = _shorten(run, feet, busy, order, tolerance, founded)
             if not ratio > SHORTEST:
                 status = STEP_BOUND if np.isfinite(ratio) else NOT_FINITE
                 break
-            whole = ratio >= 1.0
+            whole = whole and ratio >= 1.0
         summarise(run, feet, order, founded)
         storeys = inelastic and first_storey_event(run, founded)
         link = linked and first_link_event(run)
@@ -270,6 +276,7 @@ def _cross(run, feet, settings, snapped):
             storey_events(run)
         if link or storeys:
             snapped = True
+            clock[PACE] = clock[LENGTH]
         status = _go_on(run, whole, link or storeys, settings)
         for b in range(run.low, run.high, 8):
             store(run.W, b - run.padded, load(run.ends, b))
