@@ -11,11 +11,13 @@ SOLVE, WALL, STORE = "pounding_cli/solve", "pounding_cli/wall", "pounding_cli/st
 VERIFICATION, UNIT = "tests/verification", "tests/unit"
 
 IMPACT = f"{VERIFICATION}/test_impact.py::test_printed_law"
+WITHIN = f"{VERIFICATION}/test_impact.py::test_a_blow_within_one_step_of_the_motion"
 TENSION = f"{VERIFICATION}/test_impact.py::test_tension_cut"
 INFILL = f"{VERIFICATION}/test_infill.py::test_peak_compression_of_an_undamped_infill"
 INFILL_DAMPED = f"{VERIFICATION}/test_infill.py::test_damped_infill_against_the_reference"
 CONNECTED = f"{VERIFICATION}/test_connected_pair.py::test_two_free_masses_on_a_connector"
 THROW = f"{VERIFICATION}/test_hysteresis.py::test_throw_of_an_undamped_storey"
+EVENTS = f"{VERIFICATION}/test_event_reference.py::test_pounding"
 YIELDING = f"{VERIFICATION}/test_event_reference.py::test_yielding_connected_pair_with_a_tail"
 LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
 FOUNDED = f"{VERIFICATION}/test_foundation.py::test_shaken_building_against_exact_stepping"
@@ -82,6 +84,20 @@ LINKS = [
         "return first_crossing(run.scratch, run.tally[ORDER], end)",
         "return 1.0 if first_crossing(run.scratch, run.tally[ORDER], end) <= end else NEVER",
         IMPACT,
+    ),
+    Mutant(
+        "a closing that turns within the step is taken as monotone",
+        f"{KERNELS}/crossings.py",
+        "stays |= ~bends(first, last, stray) & began",
+        "stays |= began",
+        WITHIN,
+    ),
+    Mutant(
+        "a step at the pace of the one before passes for the rest of the segment",
+        f"{KERNELS}/taylor.py",
+        "    whole = h <= run.clock[PACE]\n    if not whole:",
+        "    whole = True\n    if h > run.clock[PACE]:",
+        EVENTS,
     ),
     Mutant(
         "contact pushes the right floor with half the force",

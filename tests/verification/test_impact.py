@@ -70,6 +70,19 @@ def test_dashpot_as_eq_7_is_printed():
     check(collide(xi, dashpot_law=DashpotLaw.PRINTED), kelvin_voigt(S, xi / REDUCED, REDUCED, V0))
 
 
+def test_a_blow_within_one_step_of_the_motion():
+    """A slow swing reaches the gap half-way between two samples, 0.2 s apart, and would be back before the second.
+
+    Fails if contact is looked for at the ends of steps."""
+    swing, omega, xi, stiff = 0.05, 2 * math.pi, damping_ratio(0.5), 1e6 * S
+    link = Link(0, 1, 1, Kind.POUNDING, 0.9 * swing, stiff, stiff, xi)
+    scene = Scene((oscillator(M1, M1 * omega**2), oscillator(M2, 1e-3)), (link,), still(0.6, dt=0.2), ELASTIC)
+    found = solve(scene, 1e-9, initial=([[-swing], [0.0]], [[0.0], [0.0]]))
+    impact = kelvin_voigt(stiff, xi, REDUCED, swing * omega * math.sqrt(1 - 0.9**2))
+    assert found.links.impacts[0] == 1
+    assert found.links.peak_force[0] == pytest.approx(impact.peak_force, rel=1e-3)
+
+
 def test_a_gap_that_never_closes_never_presses():
     """Fails if the gap is ignored."""
     scene = Scene(
