@@ -108,6 +108,10 @@ _ROWS = LARGEST_ORDER + 2
 SHORTEST = 1e-14
 """Part of a step [-] below which shortening it would not let time go on."""
 
+FEW_PIECES = 0.1
+"""Part of a step [-] above which what is left of it is gone through in equal pieces: of a few, one less than might be
+saves nothing, where there are many each is as long as can be."""
+
 SETTINGS = Frame(
     "settings",
     dict.fromkeys(
@@ -192,12 +196,15 @@ def _shorten(run, feet, busy, order, tolerance, founded):
     """Shorten a step whose series did not become small enough; returns the part of it that is left [-]."""
     ratio = shrink(run, feet, tolerance)
     if ratio > SHORTEST and ratio < 1.0:
-        ratio = 1.0 / np.ceil(1.0 / ratio) if ratio > 0.01 else ratio
+        paced = ratio > FEW_PIECES
+        if paced:
+            ratio = 1.0 / np.ceil(1.0 / ratio)
         rescale(run, feet, ratio, busy, order, founded)
         run.clock[H] *= ratio
         run.clock[PER_H] /= ratio
         run.clock[CHANGE] *= ratio
-        run.clock[PACE] = run.clock[H]
+        if paced:
+            run.clock[PACE] = run.clock[H]
     return ratio
 
 
