@@ -15,27 +15,36 @@ from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
 from pounding_cli.kernels.layout import CALLED, NO_LINK, PART
 from pounding_cli.kernels.simd import stand_alone
 
-# A slot: what it is, in the order of `layout.Slots`; its state and branch; stencils (`recurrence`); the step's ends
-# (`summary`); peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`.
+# A slot: what it is, in the order of `layout.Slots`; what a step leaves to the next: its branch, stencils
+# (`recurrence`) and scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what a step is told by:
+# its ends and strays (`summary`).
 (
     COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, REAL, YIELD_DRIFT, HARDENING, PLATEAU, RISE,
-    ELEVATION, LINE, PLASTIC, TANGENT, OFFSET, OWN, LEFT, RIGHT, OWN_RATE, LEFT_RATE, RIGHT_RATE, PUSH, FORCE, ROOT,
-    SCALE, ALLOWED, V_END, DRIFT0, DRIFT, RATE0, RATE, PULL0, PULL, V_STRAY, DRIFT_STRAY, RATE_STRAY, PULL_STRAY,
-    MOST_DRIFT, MOST_SHEAR, MOST_PULL, TOP, BOTTOM, INPUT, DASHED, DRAGGED, HYSTERESIS,
+    ELEVATION, LINE, PLASTIC, TANGENT, OFFSET, OWN, LEFT, RIGHT, OWN_RATE, LEFT_RATE, RIGHT_RATE, PUSH, SCALE,
+    MOST_DRIFT, MOST_SHEAR, MOST_PULL, TOP, BOTTOM, INPUT, DASHED, DRAGGED, HYSTERESIS, FORCE, ROOT, ALLOWED, V_END,
+    DRIFT0, DRIFT, RATE0, RATE, PULL0, PULL, V_STRAY, DRIFT_STRAY, RATE_STRAY, PULL_STRAY,
 ) = range(0, 8 * 48, 8)  # fmt: skip
 _SLOT = 49  # one more than there are: an odd number of cache lines spreads them over the cache
+SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE
+"""The fields that a step leaves to the next: from the first to before the second."""
 
-# A link: its parameters, as in `layout.Links`; the law of its branch (`link_series`); the step's start; peaks and work.
+# A link: its parameters, as in `layout.Links`; what a step leaves to the next: the law of its branch (`link_series`),
+# peaks and work; what a step is told by: its start.
 (
     GAP, SPRING, DAMPER, BEYOND, BEYOND_FORCE, BEYOND_DAMPER, CUBE, ROOT_DAMPER, LINEAR_LAW, CUBIC_LAW, OFFSET_LAW,
-    RATE_LAW, ROOT_LAW, APPLIED, CLOSED, LOW, HIGH, THICKNESS, CLOSING, SIZE, DAMPING, HALF, TURNS, MOST_CLOSING,
-    MOST_FORCE, IMPULSE, CONTACT, WORK_DONE,
+    RATE_LAW, ROOT_LAW, APPLIED, CLOSED, LOW, HIGH, THICKNESS, TURNS, MOST_CLOSING, MOST_FORCE, IMPULSE, CONTACT,
+    WORK_DONE, CLOSING, SIZE, DAMPING, HALF,
 ) = range(0, 8 * 28, 8)  # fmt: skip
 _LINK = 29  # an odd number again
+LINK_LEFT, LINK_LEFT_END = LINEAR_LAW, CLOSING
+"""Likewise."""
 
-# A link in integers: its slots, kind, whether tension is cut off; branch, cut and what is exactly zero; impacts.
+# A link in integers: its slots, kind, whether tension is cut off; what a step leaves: branch, cut and what is exactly
+# zero; impacts.
 LEFT_SLOT, RIGHT_SLOT, KIND, CUTS, BRANCH, CUT, SNAPPED, IMPACTS = range(0, 8 * 8, 8)
 _TIE = 8
+TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * _TIE
+"""Likewise."""
 
 # The series of a link, by order: closing [m], its rate [m/s], force [N]; the infill's v^2 and sqrt(s_cur).
 V_TERM, RATE_TERM, F_TERM, SQUARE_TERM, ROOT_TERM = range(0, 8 * 5, 8)

@@ -98,45 +98,47 @@ def _shelves(run, shelf):
 
 @njit(**CALLED)
 def shelve(run, row):
-    """Keep all that solving an island changes."""
+    """Keep what a step leaves to the next one of the buildings that are run."""
     stand_alone()
     shelf = row.shelf
     ties = row.shelved
     links, rows = _shelves(run, shelf)
-    for place in range(at(run.low, 0), at(run.high, 0), 8):
-        store(shelf, place, load(run.slots, place))
-    for place in range(at_link(run.first, 0), at_link(run.last, 0), 8):
-        store(links, place, load(run.links, place))
     for b in range(run.low, run.high, 8):
+        for place in range(at(b, c.SLOT_LEFT), at(b, c.SLOT_LEFT_END), 8):
+            store(shelf, place, load(run.slots, place))
         store(rows, b, load(run.W, b - run.padded))
         store(rows, run.padded + b, load(run.W, b))
+    for b in range(run.first, run.last, 8):
+        for place in range(at_link(b, c.LINK_LEFT), at_link(b, c.LINK_LEFT_END), 8):
+            store(links, place, load(run.links, place))
+        for place in range(at_tie(b, c.TIE_LEFT), at_tie(b, c.TIE_LEFT_END)):
+            ties[run.padded + place] = run.ties[place]
     for i in range(run.low, run.high):
         ties[i] = run.snapped[i]
-    for place in range(at_tie(run.first, 0), at_tie(run.last, 0)):
-        ties[run.padded + place] = run.ties[place]
 
 
 @njit(**CALLED)
-def put_back(run, row, b):
-    """The island of building b as it was kept; it is not solved any more."""
+def put_back(run, row, building):
+    """The island of a building as it was kept; it is not solved any more."""
     stand_alone()
-    left = first_of(row.notes, b)
+    left = first_of(row.notes, building)
     right = last_of(row.notes, left)
     set_apart(run, row, left, right)
     shelf = row.shelf
     ties = row.shelved
     links, rows = _shelves(run, shelf)
-    for place in range(at(run.low, 0), at(run.high, 0), 8):
-        store(run.slots, place, load(shelf, place))
-    for place in range(at_link(run.first, 0), at_link(run.last, 0), 8):
-        store(run.links, place, load(links, place))
     for b in range(run.low, run.high, 8):
+        for place in range(at(b, c.SLOT_LEFT), at(b, c.SLOT_LEFT_END), 8):
+            store(run.slots, place, load(shelf, place))
         store(run.W, b - run.padded, load(rows, b))
         store(run.W, b, load(rows, run.padded + b))
+    for b in range(run.first, run.last, 8):
+        for place in range(at_link(b, c.LINK_LEFT), at_link(b, c.LINK_LEFT_END), 8):
+            store(run.links, place, load(links, place))
+        for place in range(at_tie(b, c.TIE_LEFT), at_tie(b, c.TIE_LEFT_END)):
+            run.ties[place] = ties[run.padded + place]
     for i in range(run.low, run.high):
         run.snapped[i] = ties[i]
-    for place in range(at_tie(run.first, 0), at_tie(run.last, 0)):
-        run.ties[place] = ties[run.padded + place]
     run.tally[EVENTS] -= row.notes[left * NOTES + HAPPENED]
     for b in range(left, right + 1):
         row.notes[b * NOTES + SOLVED] = 0

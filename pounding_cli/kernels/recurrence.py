@@ -65,26 +65,20 @@ def restencil(run, i):
 
 
 @njit(**PART)
-def by_displacement(slots, b, left, u, right):
-    """What displacements of eight slots and those of their neighbours add to the accelerations."""
+def _by_floors(slots, b, k, before, ground, u_left, u, u_right, w_left, w, w_right):
+    """Order k of the accelerations of eight slots by their own and their neighbours' displacements (times `before`,
+    h / k) and velocities, by the ground in orders 0 and 1, and by the branches' offsets in order 0.
+
+    What waits for the newest velocities comes last."""
     total = load(slots, at(b, c.OWN)) * u
-    total = fused(load(slots, at(b, c.LEFT)), left, total)
-    return fused(load(slots, at(b, c.RIGHT)), right, total)
-
-
-@njit(**PART)
-def by_velocity(slots, b, left, w, right, total):
-    """`total` and what velocities of eight slots and those of their neighbours add to it."""
+    total = fused(load(slots, at(b, c.LEFT)), u_left, total)
+    total = fused(load(slots, at(b, c.RIGHT)), u_right, total) * before
+    if k < 2:
+        total = total - load(slots, at(b, c.REAL)) * ground
+        total = total + load(slots, at(b, c.PUSH)) if k == 0 else total
     total = fused(load(slots, at(b, c.OWN_RATE)), w, total)
-    total = fused(load(slots, at(b, c.LEFT_RATE)), left, total)
-    return fused(load(slots, at(b, c.RIGHT_RATE)), right, total)
-
-
-@njit(**PART)
-def by_ground(slots, b, k, ground, total):
-    """`total` and what the ground adds to orders 0 and 1, and the branches' offsets to order 0."""
-    total = total - load(slots, at(b, c.REAL)) * ground
-    return total + load(slots, at(b, c.PUSH)) if k == 0 else total
+    total = fused(load(slots, at(b, c.LEFT_RATE)), w_left, total)
+    return fused(load(slots, at(b, c.RIGHT_RATE)), w_right, total)
 
 
 @njit(**PART)
@@ -106,7 +100,10 @@ def expand(run, feet, busy, curved, snapped, tolerance, most, founded):
     """
     _set_allowed(run, tolerance)
     links = run.last - run.first
-    if run.high - run.low == 16 and (links == 0 or (links == 8 and run.rounds == 0)) and not founded:
+    slots = run.high - run.low
+    if slots == 8 and links == 0 and not founded:
+        return _expand_one(run, most)
+    if slots == 16 and (links == 0 or (links == 8 and run.rounds == 0)) and not founded:
         return _expand_two(run, busy, curved, snapped, most)
     return _expand_all(run, feet, busy, curved, snapped, most, founded)
 
@@ -120,7 +117,7 @@ def _expand_all(run, feet, busy, curved, snapped, most, founded):
     zero = splat(0.0)
     h = splat(run.clock[H])
     ground = splat(run.clock[GROUND])
-    small_before = False
+    small = 0
     before = splat(1.0)
     k = 0
     while True:
@@ -139,12 +136,12 @@ def _expand_all(run, feet, busy, curved, snapped, most, founded):
             more = b + 8 < run.high
             w_right = load(run.W, row + b + 8) if more else zero
             u_right = load(run.W, row - padded + b + 8) if more else zero
-            total = by_displacement(slots, b, from_left(u_left, u), u, from_right(u, u_right)) * before
+            total = _by_floors(
+                slots, b, k, before, ground, from_left(u_left, u), u, from_right(u, u_right),
+                from_left(w_left, w), w, from_right(w, w_right),
+            )  # fmt: skip
             if founded:
                 total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FORCE)), total)
-            if k < 2:
-                total = by_ground(slots, b, k, ground, total)
-            total = by_velocity(slots, b, from_left(w_left, w), w, from_right(w, w_right), total)
             if busy != 0:
                 total = fused(load(slots, at(b, c.INVERSE_MASS)), forces_on(run, b), total)
             store(run.W, row + padded + b, total * after)
@@ -156,22 +153,51 @@ def _expand_all(run, feet, busy, curved, snapped, most, founded):
         if founded and feet_exceed(run, feet, k):
             exceeding |= 1
         k += 1
-        small = exceeding == 0
-        if small and small_before and k >= LEAST_ORDER:
-            return k, True
-        if k == most:
-            return k, False
-        small_before = small
+        small = small + 1 if exceeding == 0 else 0
+        close = small > 1 and k >= LEAST_ORDER
+        if close or k == most:
+            return k, close
+        before = h * run.reciprocal[k]
+        ground = splat(run.clock[CHANGE])
+
+
+@njit(**CALLED)
+def _expand_one(run, most):
+    """The same of one building of eight storeys at most: what one order leaves for the next stays in registers, where
+    the loop above would wait for the memory."""
+    stand_alone()
+    slots = run.slots
+    zero = splat(0.0)
+    h = splat(run.clock[H])
+    ground = splat(run.clock[GROUND])
+    a = run.low
+    u = load(run.W, a - run.padded)
+    u_left, u_right = from_left(zero, u), from_right(u, zero)
+    w = load(run.W, a)
+    small = 0
+    before = splat(1.0)
+    k = 0
+    while True:
+        after = h * run.reciprocal[k + 1]
+        w_left, w_right = from_left(zero, w), from_right(w, zero)
+        total = _by_floors(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
+        exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
+        u, u_left, u_right = w, w_left, w_right
+        w = total * after
+        k += 1
+        store(run.W, k * run.padded + a, w)
+        small = small + 1 if exceeding == 0 else 0
+        close = small > 1 and k >= LEAST_ORDER
+        if close or k == most:
+            return k, close
         before = h * run.reciprocal[k]
         ground = splat(run.clock[CHANGE])
 
 
 @njit(**CALLED)
 def _expand_two(run, busy, curved, snapped, most):
-    """The same of sixteen places, and eight links between their halves at most: what one order leaves for the next
-    stays in registers, where the other would wait for the memory."""
+    """The same of two such buildings, and the links between them."""
     stand_alone()
-    padded = run.padded
     slots = run.slots
     zero = splat(0.0)
     h = splat(run.clock[H])
@@ -180,27 +206,22 @@ def _expand_two(run, busy, curved, snapped, most):
     b = a + 8
     e = run.first
     # Displacement and velocity of the two halves, and of the left and right neighbours of their slots.
-    u = load(run.W, a - padded)
-    x = load(run.W, b - padded)
+    u = load(run.W, a - run.padded)
+    x = load(run.W, b - run.padded)
     u_left, u_right, x_left, x_right = from_left(zero, u), from_right(u, x), from_left(u, x), from_right(x, zero)
     w = load(run.W, a)
     y = load(run.W, b)
     v = zero
     if busy != 0:
         v = load(run.series, c.at_term(run, 0, e, c.V_TERM))
-    small_before = False
+    small = 0
     before = splat(1.0)
     k = 0
     while True:
         after = h * run.reciprocal[k + 1]
         w_left, w_right, y_left, y_right = from_left(zero, w), from_right(w, y), from_left(w, y), from_right(y, zero)
-        total = by_displacement(slots, a, u_left, u, u_right) * before
-        total_right = by_displacement(slots, b, x_left, x, x_right) * before
-        if k < 2:
-            total = by_ground(slots, a, k, ground, total)
-            total_right = by_ground(slots, b, k, ground, total_right)
-        total = by_velocity(slots, a, w_left, w, w_right, total)
-        total_right = by_velocity(slots, b, y_left, y, y_right, total_right)
+        total = _by_floors(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
+        total_right = _by_floors(slots, b, k, before, ground, x_left, x, x_right, y_left, y, y_right)
         if busy != 0:
             pushed, v = push(run, k, e, v, w - y, after, curved, snapped)
             total = total - load(slots, at(a, c.INVERSE_MASS)) * pushed
@@ -212,14 +233,12 @@ def _expand_two(run, busy, curved, snapped, most):
         w = total * after
         y = total_right * after
         k += 1
-        store(run.W, k * padded + a, w)
-        store(run.W, k * padded + b, y)
-        small = exceeding == 0
-        if small and small_before and k >= LEAST_ORDER:
-            return k, True
-        if k == most:
-            return k, False
-        small_before = small
+        store(run.W, k * run.padded + a, w)
+        store(run.W, k * run.padded + b, y)
+        small = small + 1 if exceeding == 0 else 0
+        close = small > 1 and k >= LEAST_ORDER
+        if close or k == most:
+            return k, close
         before = h * run.reciprocal[k]
         ground = splat(run.clock[CHANGE])
 

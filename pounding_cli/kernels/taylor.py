@@ -296,9 +296,12 @@ def _cross(run, feet, settings, snapped):
 @njit(**CALLED)
 def _part(run, row, apart):
     """Begin a segment: who touches whom, as far as one can tell. A link that is closed or has just opened counts, so
-    that none outside an island has anything left that it pushes with."""
+    that none outside an island has anything left that it pushes with.
+
+    Two neighbours that are alone are taken together: a step of both costs little more than a step of one."""
     stand_alone()
     notes = row.notes
+    alone = False
     for b in range(row.number):
         mine = b * NOTES
         notes[mine + SOLVED] = 0
@@ -307,6 +310,14 @@ def _part(run, row, apart):
             held = notes[mine + HELD] + notes[mine + FRESH] + notes[mine + NOTES + FRESH] > 0
             joined = TOUCH if held or not apart or touch(run, row, b) else APART
         notes[mine + JOINED] = joined
+        before = b > 0 and notes[mine - NOTES + JOINED] == TOUCH
+        if joined == TOUCH or before:
+            alone = False
+        elif alone:
+            notes[mine - NOTES + JOINED] = TOUCH
+            alone = False
+        else:
+            alone = True
 
 
 @njit(**PART)
