@@ -79,9 +79,7 @@ def command(
     _alone_on_its_core()
     gc.disable()  # what is imported stays: looking for garbage in it takes a fifteenth of a short run
     ctx.call_on_close(gc.enable)
-    _numba_without_blas()
     from pounding_cli.api import default_output, load_study
-    from pounding_cli.batch import run_plan
     from pounding_cli.batch.progress import JsonLines, chosen
     from pounding_cli.study import expand
 
@@ -94,6 +92,9 @@ def command(
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
     plan = dataclasses.replace(expand(loaded), all_effects=all_effects)
+    _numba_without_blas()  # only now: a study that is refused needs no numba
+    from pounding_cli.batch import run_plan
+
     path = output or default_output(study)
     gc.freeze()
     gc.enable()
@@ -116,7 +117,8 @@ def command(
 
 def _numba_without_blas() -> None:
     """Numba asks SciPy for its linear algebra when it starts, a tenth of a second for what no kernel uses. It is told
-    that there is none, in this process alone; all others who ask SciPy get it."""
+    that there is none, in this process alone; all others who ask SciPy get it. Where SciPy's is there already, nothing
+    would be gained."""
     import sys
 
     name = "scipy.linalg.cython_blas"

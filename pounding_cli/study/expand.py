@@ -9,6 +9,7 @@ from itertools import product
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.scene import Analysis, Digests, Scene
+from pounding_cli.study.digits import cheap_accuracy
 from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
@@ -87,8 +88,6 @@ def _setting(model: StudyModel) -> float:
     if model.time_step is not None:
         return model.time_step
     if isinstance(model.accuracy, str):
-        from pounding_cli.solve.choice import cheap_accuracy  # here, so that checking a study loads no solver
-
         return cheap_accuracy()
     return model.accuracy
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from pounding_cli.solve import solve
-from pounding_cli.solve.choice import COSTS, WORTH, cheap_accuracy
 from pounding_cli.study import expand, load_study
+from pounding_cli.study.digits import COSTS, WORTH, cheap_accuracy
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
