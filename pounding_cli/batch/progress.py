@@ -9,6 +9,8 @@ import time
 from dataclasses import dataclass
 from typing import Any, Protocol, TextIO
 
+from pounding_cli.words import counted
+
 
 class Progress(Protocol):
     """What a run tells while it goes on."""
@@ -107,7 +109,7 @@ class Lines:
     def start(self, total: int, reused: int) -> None:
         self.counts.start(total, reused)
         found = f" ({reused} already solved)" if reused else ""
-        self.say(f"{total} scenes to solve{found}")
+        self.say(f"{counted(total, 'scene')} to solve{found}")
 
     def compiled(self) -> None:
         self.counts.compiled()

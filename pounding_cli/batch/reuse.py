@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pounding_cli.store import PartStore, former_run, stored_chunks
+from pounding_cli.words import counted
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -25,7 +26,8 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
     """
     from_parts = parts.load(plan.scenes)
     if from_parts:
-        say(f"{from_parts} scenes of an unfinished run are kept in {parts.folder}")
+        what = counted(from_parts, "scene of an unfinished run is", "scenes of an unfinished run are")
+        say(f"{what} kept in {parts.folder}")
     former = former_run(output, parts.key)
     if former is None:
         return
@@ -44,8 +46,8 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
         )
     elif taken < len(plan.scenes) or taken < former.scenes:
         gone = former.scenes - former.failed - taken
-        left = f"; {gone} scenes in it are no longer in the study" if gone else ""
-        again = f"; {former.failed} that failed are tried again" if former.failed else ""
+        left = f"; {counted(gone, 'scene in it is', 'scenes in it are')} no longer in the study" if gone else ""
+        again = f"; {counted(former.failed, 'that failed is', 'that failed are')} tried again" if former.failed else ""
         say(f"the study has changed since {output}: kept are {_by_case(plan, parts)}{left}{again}")
 
 

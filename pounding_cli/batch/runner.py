@@ -24,6 +24,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.store import PartStore, Run, check_output, is_current, locked, solution_key, write_results
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.files import lock_of, refused_write
+from pounding_cli.words import counted
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -111,7 +112,7 @@ def _run(
             with contextlib.suppress(OSError):  # the disk may be why
                 parts.flush()
             progress.stop()
-            progress.say(f"{parts.saved} of {len(plan.scenes)} scenes are kept in {parts.folder}")
+            progress.say(f"{parts.saved} of {counted(len(plan.scenes), 'scene')} kept in {parts.folder}")
             raise
         progress.stop()
     workers = chosen.workers if used == chosen.name else 1

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.words import counted
+
 if TYPE_CHECKING:
     from pounding_cli.solve.work_precision import Subject, WorkPrecision
     from pounding_cli.study import Study
@@ -65,7 +67,7 @@ def command(study: Path, methods: str, cases: str, records: str, budget: str, ou
     for text in in_words(found):
         click.echo(text)
     if not quiet:
-        click.echo(f"Wrote {files[1]}, {files[0].name} and {len(drawn)} figures")
+        click.echo(f"Wrote {files[1]}, {files[0].name} and {counted(len(drawn), 'figure')}")
 
 
 def seconds_of(text: str) -> float:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.words import counted
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -84,7 +86,7 @@ def command(
     film = Film(first, stop, slow, rate, _scale(scale) or fitting_scale(history, picture))
     write_film(path, _shown(frames(history, picture, film), film.times.size, quiet), rate)
     if not quiet:
-        many = f"{film.times.size} frames, {film.times.size / rate:.3g} s"
+        many = f"{counted(film.times.size, 'frame')}, {film.times.size / rate:.3g} s"
         click.echo(f"{path}: {f'picture at {first:g} s' if path.suffix.lower() == '.png' else many}; {film.words}")
 
 

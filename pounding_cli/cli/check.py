@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from pounding_cli.words import counted
+
 
 @click.command("check")
 @click.argument("study", type=click.Path(path_type=Path))
@@ -28,11 +30,15 @@ def command(study: Path) -> None:
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
     points = len({row.point for row in plan.rows})
-    swept = f" x {points} sweep points" if plan.axes else ""
+    factors = [
+        counted(len(plan.cases), "case"),
+        counted(len(plan.analyses), "analysis", "analyses"),
+        counted(len(plan.records), "record"),
+        *([counted(points, "sweep point")] if plan.axes else []),
+    ]
     click.echo(
-        f"OK: {study}: {len(plan.cases)} cases x {len(plan.analyses)} analyses x "
-        f"{len(plan.records)} records{swept}"
-        f" = {len(plan.rows)} rows from {len(plan.scenes)} scenes"
+        f"OK: {study}: {' x '.join(factors)} = {counted(len(plan.rows), 'row')} "
+        f"from {counted(len(plan.scenes), 'scene')}"
     )
 
 
@@ -46,4 +52,4 @@ def _points(study: Path, kind: str) -> str:
         from pounding_cli.study.wall_study import load_wall_study
 
         count = len(load_wall_study(study).points)
-    return f"{count} point{'s' * (count > 1)}"
+    return counted(count, "point")

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.words import counted
+
 if TYPE_CHECKING:
     from pounding_cli.store.compare import Comparison
 
@@ -49,20 +51,25 @@ def _told(found: Comparison, everything: bool) -> list[str]:
     said += _some([f"  {key}: {_value(one)} -> {_value(other)}" for key, one, other in found.keys], few)
     said.append(f"Versions: {'differ' if found.software else 'the same'}.")
     said += [f"  {name}: {one} -> {other}" for name, one, other in found.software]
-    said.append(f"Scenes: {len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} end otherwise.")
+    said.append(
+        f"Scenes: {len(found.removed)} removed, {len(found.added)} added, "
+        f"{counted(len(found.outcomes), 'ends', 'end')} otherwise."
+    )
     said += _some([f"  - {place}" for place in found.removed], few)
     said += _some([f"  + {place}" for place in found.added], few)
     said += _some([f"  {place}: {one} -> {other}" for place, one, other in found.outcomes], few)
     count = len(found.changes)
-    said.append(f"Numbers: {count} of {found.compared} differ beyond the error both files carry.")
+    differ = "differs" if count == 1 else "differ"
+    said.append(f"Numbers: {count} of {found.compared} {differ} beyond the error both files carry.")
     if found.unestimated:
-        said.append(f"  {found.unestimated} scenes carry no error estimate: the accuracy asked stands in, or rounding.")
+        what = counted(found.unestimated, "scene carries", "scenes carry")
+        said.append(f"  {what} no error estimate: the accuracy asked stands in, or rounding.")
     return said + _numbers(found, everything)
 
 
 def _study(found: Comparison) -> str:
     if found.keys:
-        return f"Study: differs in {len(found.keys)} key{'s' * (len(found.keys) > 1)}."
+        return f"Study: differs in {counted(len(found.keys), 'key')}."
     return "Study: the same in other words." if found.lines else "Study: the same."
 
 

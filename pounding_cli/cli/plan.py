@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.words import counted
+
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
     from pounding_cli.study import Plan
@@ -60,7 +62,7 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
-        f"rows       {len(plan.rows)}: {_counted(plan)}",
+        f"rows       {len(plan.rows)}: {_factors(plan)}",
     ]
     for axis in plan.axes:
         shown = [", ".join(str(value) for value in values) for values in axis.values]
@@ -78,7 +80,8 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
     for case, count in found.spared.items():
         lines.append(f"  spared   {count:6d} of {case}: gaps that the buildings alone never close")
     lines.append(
-        f"  shared   {wanted} baselines asked for, {len(baselines)} run; {repeated} rows repeat another's scene"
+        f"  shared   {counted(wanted, 'baseline')} asked for, {len(baselines)} run; "
+        f"{counted(repeated, 'row repeats', 'rows repeat')} another's scene"
     )
     if not found.proven and not plan.all_effects and plan.method in ADAPTIVE:
         lines.append("  more scenes may be spared: --prove runs the buildings alone to find out")
@@ -101,10 +104,13 @@ def _time(seconds: float) -> str:
     return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"
 
 
-def _counted(plan: Plan) -> str:
+def _factors(plan: Plan) -> str:
     parts = [f"{len(axis.values)} x {', '.join(axis.names)}" for axis in plan.axes]
-    for names, word in ((plan.cases, "cases"), (plan.analyses, "analyses"), (plan.records, "records")):
-        parts.append(f"{len(names)} {word}")
+    parts += [
+        counted(len(plan.cases), "case"),
+        counted(len(plan.analyses), "analysis", "analyses"),
+        counted(len(plan.records), "record"),
+    ]
     return ", ".join(parts)
 
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.words import counted
+
 if TYPE_CHECKING:
     from pounding_cli.records.motion import Motion
 
@@ -89,7 +91,7 @@ def list_(library: str | None) -> None:
         else:
             found = list(held(name))
             click.echo(
-                f"  {name} {each.version}: {each.holds}; {len(found)} motions, "
+                f"  {name} {each.version}: {each.holds}; {counted(len(found), 'motion')}, "
                 f"e.g. {name}:{found[0]}; all: pound records list {name}"
             )
 

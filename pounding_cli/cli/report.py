@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from pounding_cli.words import counted
+
 
 @click.command("report", short_help="Draw the figures and write the tables and the claims.")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE.h5...")
@@ -56,12 +58,12 @@ def command(
 
         written = write_system_report(path, folders[path], chosen, not no_page)
         if not quiet:
-            click.echo(f"{written[-1]}: {len(written)} files")
+            click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
     for path, results in opened.items():
         written = write_report(results, folders[path], chosen, not no_page)
         if quiet:
             continue
-        click.echo(f"{written[-1]}: {len(written)} files")
+        click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
         evidences = points(results)
         if len(evidences) == 1:
             for judgement in judge(evidences[0]):

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.words import counted
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -194,12 +196,12 @@ def _print(found: Overview, outcome: Outcome) -> None:
     for number, point in enumerate(found.points if 1 < count <= FEW_POINTS else (), start=1):
         click.echo(f"Line {number}, {point}")
     motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
-    click.echo(f"Means over {_counted(found.records, 'motion')}{many}.\nMotions, {motions}")
+    click.echo(f"Means over {counted(found.records, 'motion')}{many}.\nMotions, {motions}")
     _print_trust(found.trust)
     for flag, scenes in found.flags.items():
-        click.echo(f"Note, {_counted(scenes, 'scene')}: {flag}")
+        click.echo(f"Note, {counted(scenes, 'scene')}: {flag}")
     if found.spared:
-        spared = _counted(found.spared, "scene")
+        spared = counted(found.spared, "scene")
         click.echo(f"Spared, {spared}: gaps that never close, so the buildings alone are the answer")
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
     click.echo(
@@ -238,10 +240,6 @@ def _number(values: np.ndarray, at: np.ndarray | None = None) -> str:
         return "\n".join(shown)
     known = values[values == values]
     return f"{known.min():.3f} to {known.max():.3f}" if known.size else "-"
-
-
-def _counted(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _time(seconds: float) -> str:

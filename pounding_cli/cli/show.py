@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.words import counted
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -73,7 +75,7 @@ def command(
         click.echo(results.title)
         click.echo(_columns(table, _one_line(frame.drop(columns=aside))))
         if aside:
-            click.echo(f"{len(aside)} more columns with --wide: {', '.join(map(str, aside))}", err=True)
+            click.echo(f"{counted(len(aside), 'more column')} with --wide: {', '.join(map(str, aside))}", err=True)
 
 
 def _filtered(frame: pd.DataFrame, wanted: dict[str, tuple[str, ...]], table: str) -> pd.DataFrame:

@@ -12,6 +12,7 @@ from functools import cached_property
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.records.motion import Motion
+from pounding_cli.words import counted
 
 
 class Analysis(StrEnum):
@@ -57,7 +58,7 @@ class Scene:
             for place, floor in ((link.left, link.left_floor), (link.left + 1, link.right_floor)):
                 building = self.buildings[place]
                 if floor > building.storeys:
-                    raise ValueError(f"link: {building.name} has {building.storeys} floors, not {floor}")
+                    raise ValueError(f"link: {building.name} has {counted(building.storeys, 'floor')}, not {floor}")
             ends = (link.left, link.left_floor, link.right_floor)
             if ends in taken:
                 raise ValueError(

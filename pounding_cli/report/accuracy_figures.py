@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from pounding_cli.report.style import Look, caption, new_figure, save, styled
 from pounding_cli.solve import METHODS
 from pounding_cli.solve.work_precision import QUANTITIES, Run, WorkPrecision
+from pounding_cli.words import counted
 
 LABELS = {
     "V": "storey shear",
@@ -74,8 +75,8 @@ def diagram(found: WorkPrecision, analysis: str) -> Figure:
     records = len(dict.fromkeys(run.record for run in runs))
     caption(
         figure,
-        f"{analysis.capitalize()} analyses: largest relative error over the storeys (floors, links) and {records} "
-        f"motion{'s' if records > 1 else ''} against time in the solver, from coarse to fine settings. Grey: the two "
+        f"{analysis.capitalize()} analyses: largest relative error over the storeys (floors, links) and "
+        f"{counted(records, 'motion')} against time in the solver, from coarse to fine settings. Grey: the two "
         "reference methods differ by this much. Runs that did not end are not drawn.",
     )
     return figure

@@ -16,6 +16,7 @@ import pandas as pd
 from pounding_cli.report.style import unwritable
 from pounding_cli.solve import METHODS
 from pounding_cli.solve.work_precision import QUANTITIES, REFERENCE, SECOND, Run, WorkPrecision
+from pounding_cli.words import counted
 
 PACKAGES = ("pounding-cli", "numpy", "scipy", "numba")
 
@@ -130,12 +131,12 @@ def reference_in_words(found: WorkPrecision) -> str:
     if not found.references:
         return "No scene has a reference."
     worst = {q: max(reference.differences[q] for reference in found.references) for q in QUANTITIES}
-    counted = sum(reference.impacts > 0 for reference in found.references)
+    differing = sum(reference.impacts > 0 for reference in found.references)
     differences = ", ".join(f"{q} {difference:.1e}" for q, difference in worst.items())
     return (
         f"Reference: {REFERENCE[0]} at accuracy {REFERENCE[1]:g}; {SECOND[0]} at {SECOND[1]:g} s differs from it by at "
-        f"most {differences} over {len(found.references)} scenes"
-        + (f", and counts other impacts in {counted} of them." if counted else ", with the same impacts.")
+        f"most {differences} over {counted(len(found.references), 'scene')}"
+        + (f", and counts other impacts in {differing} of them." if differing else ", with the same impacts.")
     )
 
 
@@ -148,7 +149,8 @@ def aborted_in_words(found: WorkPrecision) -> list[str]:
             groups[key] = groups.get(key, 0) + 1
     unit = {name: " s" if method.takes_step else "" for name, method in METHODS.items()}
     return [
-        f"{method} at {setting:g}{unit[method]}: {status} on {count} scenes" + (f" ({advice})" if advice else "")
+        f"{method} at {setting:g}{unit[method]}: {status} on {counted(count, 'scene')}"
+        + (f" ({advice})" if advice else "")
         for (method, setting, status, advice), count in groups.items()
     ]
 

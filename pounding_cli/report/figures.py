@@ -14,8 +14,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.inset import draw_group
 from pounding_cli.report.style import Look, caption, legend, looks, new_figure, styled
+from pounding_cli.words import counted
 
-SPREAD = "mean over the {n} motions; whiskers: smallest to largest"
+SPREAD = "mean over the {motions}; whiskers: smallest to largest"
 PANELS_IN_A_ROW = 6
 RESPONSES = (("elastic", "V_ratio", "$V/V_0$"), ("inelastic", "mu_ratio", "$\\mu/\\mu_0$"))
 """The paper's panels: analysis, column, axis label."""
@@ -138,11 +139,11 @@ def small_multiples(evidence: Evidence, building: str) -> Figure:
             for ax in line_of_axes[len(block) :]:
                 ax.axis("off")
             _same_span(line_of_axes[: len(block)])
-    n = evidence.storey["record"].nunique()
+    motions = counted(evidence.storey["record"].nunique(), "motion")
     where = f"; {evidence.label}" if evidence.label else ""
     caption(
         figure,
-        f"Ratios to {building} alone; grey: each of the {n} motions; bold: their mean{where}. "
+        f"Ratios to {building} alone; grey: the {motions}; bold: their mean{where}. "
         f"{motion_sentence(evidence.records)}",
     )
     return figure
@@ -165,7 +166,7 @@ def headline(evidence: Evidence, building: str) -> str:
 
 
 def _caption(evidence: Evidence, what: str) -> str:
-    spread = SPREAD.format(n=evidence.storey["record"].nunique())
+    spread = SPREAD.format(motions=counted(evidence.storey["record"].nunique(), "motion"))
     where = f" Point of the sweep: {evidence.label}." if evidence.label else ""
     return f"{what}: {spread}. {motion_sentence(evidence.records)}{where}"
 

@@ -10,6 +10,7 @@ import pandas as pd
 from pounding_cli.report.evidence import Evidence, flags, motion_sentence, names
 from pounding_cli.report.tables import markdown
 from pounding_cli.report.verdicts import Judgement
+from pounding_cli.words import counted
 
 
 def summary(
@@ -146,9 +147,10 @@ def flagged(scene: pd.DataFrame) -> list[str]:
     failed = scene[scene["status"] != "done"]
     found = flags(scene)
     if failed.empty and not found:
-        return [*lines, f"Nothing: all {total} runs were done and none raised a flag.", ""]
+        every = f"all {total} runs were done and none raised a flag" if total > 1 else "the run was done without a flag"
+        return [*lines, f"Nothing: {every}.", ""]
     if len(failed):
-        lines += [f"{len(failed)} of {total} runs failed; they are left out of every mean.", ""]
+        lines += [f"{len(failed)} of {counted(total, 'run')} failed, left out of every mean.", ""]
         columns = [*scene.columns[: list(scene.columns).index("status")], "status", "advice"]
         lines += markdown(columns, failed[columns].to_numpy().tolist())
     if found:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.figures import RESPONSES, framed, headline, plotted_cases
 from pounding_cli.report.style import caption, looks, styled
+from pounding_cli.words import counted
 
 LINE = 34
 """Characters that fit under one panel."""
@@ -76,7 +77,7 @@ def sweep_figure(evidences: Sequence[Evidence], building: str) -> Figure:
         elif (numeric > 0).all() and numeric.max() / numeric.min() > 20:
             ax.set_xscale("log")
         ax.set_xlabel(", ".join(first.point))
-    count = first.storey["record"].nunique()
+    motions = counted(first.storey["record"].nunique(), "motion")
     sentence = motion_sentence(first.records)
-    caption(figure, f"Means over the {count} motions of the ratios to {building} alone. {sentence}{key}")
+    caption(figure, f"Means over the {motions} of the ratios to {building} alone. {sentence}{key}")
     return figure

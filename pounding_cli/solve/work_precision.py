@@ -16,6 +16,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.methods import METHODS, solve
 from pounding_cli.solve.response import Response
+from pounding_cli.words import counted
 
 QUANTITIES = ("V", "mu", "acceleration", "force")
 """Peak storey shear, peak ductility, peak floor acceleration, peak link force."""
@@ -176,7 +177,7 @@ def measure(
                     else:
                         runs.append(run)
             spent += time.perf_counter() - begin
-    left_out += [f"{name} at {setting:g} on {count} scenes" for (name, setting), count in dropped.items()]
+    left_out += [f"{name} at {setting:g} on {counted(count, 'scene')}" for (name, setting), count in dropped.items()]
     return WorkPrecision(tuple(runs), tuple(references), tuple(left_out))
 
 

@@ -13,6 +13,7 @@ from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffnes
 from pounding_cli.study.problems import Faults, Path, Tree
 from pounding_cli.study.schema import BuildingSpec, CodeDesign, FoundationSpec
 from pounding_cli.study.source import Node
+from pounding_cli.words import counted
 
 FLOOR_TOLERANCE = 1e-3
 """Floors of two buildings within this difference in elevation face each other [m]."""
@@ -50,13 +51,12 @@ def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) 
     if storeys is None:
         faults.at(root, path, "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`")
     for key, length in lengths.items():
-        if length != storeys:
-            plural = "storey" if storeys == 1 else "storeys"
+        if storeys is not None and length != storeys:
             faults.at(
                 root,
                 (*path, key),
-                f"{key} has {length} value{'s' if length > 1 else ''} for {storeys} {plural}",
-                f"write {storeys} values from the ground up, or one for all",
+                f"{key} has {counted(length, 'value')} for {counted(storeys, 'storey')}",
+                f"write {counted(storeys, 'value')} from the ground up, or one for all",
             )
     return storeys
 

@@ -12,6 +12,7 @@ from pounding_cli.study.problems import Faults, Path, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.schema import CaseSpec, Impact, LinkSpec, PairSpec
 from pounding_cli.study.source import Node
+from pounding_cli.words import counted
 
 DEFAULT_MATERIAL = StiffnessRule(0.2, "mean")
 """s_mat and s_con unless given: 1/5 of the mean storey stiffness of the stiffer building (paper)."""
@@ -61,7 +62,7 @@ def links_of(case: CaseSpec, street: Street, root: Node | Tree, path: Path, faul
         faults.at(
             root,
             (*path, "pairs"),
-            f"pairs has {len(case.pairs)} entries for {pairs} pair{'s' if pairs > 1 else ''} of neighbours",
+            f"pairs has {counted(len(case.pairs), 'entry', 'entries')} for {counted(pairs, 'pair')} of neighbours",
             f"write {pairs}, left to right",
         )
         return ()

@@ -24,6 +24,7 @@ from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.schema import BuildingSpec, Impact, StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis
+from pounding_cli.words import counted
 
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
@@ -361,7 +362,7 @@ def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Tree, fa
         faults.at(
             root,
             ("group",),
-            f"the group has {len(names)} building{'s' if len(names) != 1 else ''}: pounding takes two",
+            f"the group has {counted(len(names), 'building')}: pounding takes two",
             "name at least two, e.g. `group: [stiff, soft]`; each alone is computed as a baseline anyway",
         )
     if len(names) > MOST:

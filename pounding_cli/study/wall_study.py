@@ -18,6 +18,7 @@ from pounding_cli.study.schema import Length, Mass, Model
 from pounding_cli.study.source import Node, read_source
 from pounding_cli.study.units import Quantity, TextForm, limited, refuse
 from pounding_cli.wall import model as wall
+from pounding_cli.words import counted
 
 _PLACE = re.compile(r"\s*(mid-storey|floor)\s+(\d+)\s*\Z")
 _HEIGHT = limited(units.LENGTH, name="height", example="13.5 m", low=0.0, open_low=False)
@@ -222,7 +223,7 @@ def _model(spec: WallStudyModel) -> wall.WallModel:
         if not 1 <= int(number) <= frame.storeys:
             raise InputError(
                 Problem(
-                    f"the striker hits at {height}, but there are {frame.storeys} storeys",
+                    f"the striker hits at {height}, but the frame has {counted(frame.storeys, 'storey')}",
                     "name one that exists",
                 )
             )

@@ -74,7 +74,7 @@ def test_steps_that_are_too_long_are_listed(folder, monkeypatch, capsys):
     (folder / "study.yaml").write_text(study)
     assert pound(monkeypatch, "accuracy", "study.yaml", "--methods", "central-difference", "--cases", "touching") == 0
     said = capsys.readouterr().out
-    assert "Did not end, central-difference at 0.002 s: unstable step on 1 scenes" in said
+    assert "Did not end, central-difference at 0.002 s: unstable step on 1 scene (" in said
 
 
 @pytest.mark.parametrize(

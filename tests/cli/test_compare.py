@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from test_run import STUDY, folder, known, pound  # noqa: F401  (fixtures)
+from test_run import STUDY, fails, folder, known, pound  # noqa: F401  (fixtures)
 
 
 def stronger(scene, accuracy=1e-6, method="taylor", **_):
@@ -27,6 +27,15 @@ def test_the_same_is_said_and_ends_with_0(before, pound):  # noqa: F811
     assert (code, err) == (0, "")
     assert out.startswith("Study: the same.\nVersions: the same.\nScenes: 0 removed, 0 added, 0 end otherwise.\n")
     assert "Numbers: 0 of " in out
+
+
+def test_one_scene_that_ends_otherwise(folder, pound):  # noqa: F811
+    one = STUDY.replace("{file: weak.txt}, ", "").replace("[elastic, inelastic]", "[elastic]")
+    (folder / "two.yaml").write_text(one)
+    pound("run", "two.yaml", "-o", "a.h5", "-q")
+    pound("run", "two.yaml", "-o", "b.h5", "-q", solve=fails)
+    out = pound("compare", "a.h5", "b.h5")[1]
+    assert "Scenes: 0 removed, 0 added, 1 ends otherwise.\n" in out
 
 
 def test_a_changed_number_is_shown_with_place_and_error(before, pound):  # noqa: F811

@@ -227,11 +227,11 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
     running.send_signal(signal.SIGINT)
     _, err = running.communicate(timeout=30)
     assert running.returncode == 130
-    assert "of 16 scenes are kept in r.h5.parts" in err
+    assert "of 16 scenes kept in r.h5.parts" in err
     assert "run the same command again to go on" in err
     assert "Traceback" not in err
     assert not (folder / "r.h5").exists()
-    kept = int(err.split(" of 16 scenes are kept")[0].split()[-1])
+    kept = int(err.split(" of 16 scenes kept")[0].split()[-1])
     assert 0 < kept < 16
     code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
     assert code == 0

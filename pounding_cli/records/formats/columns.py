@@ -12,6 +12,7 @@ from itertools import pairwise
 from pounding_cli.records.formats.text import Asked, Samples, Text, number, tokens
 from pounding_cli.records.formats.times import even_step
 from pounding_cli.records.units import quantity_of
+from pounding_cli.words import counted
 
 _BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 _WORD = re.compile(r"[^\s(\[]+(?:\s*[(\[][^()\[\]]*[)\]])?")
@@ -20,6 +21,7 @@ _STEP = re.compile(
     r"\b(?:dt|time[ _-]?step|delta[ _-]?t|sampling[ _-]?interval)\b[^\d.+-]{0,12}([\d.]+(?:e[-+]?\d+)?)\s*(ms)?",
     re.IGNORECASE,
 )
+
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
 _TOP = 60
 # Lines of a header searched for units and a time step.
@@ -91,7 +93,7 @@ def _table(text: Text, asked: Asked, wanted: int | None) -> Samples:
     for index, row in rows:
         if len(row) != width:
             raise text.refuse(
-                f"{len(row)} values on this line, where every other has {'two' if width == 2 else width}",
+                f"{counted(len(row), 'value')} on this line, where every other has {'two' if width == 2 else width}",
                 "write as many values on every line; for values printed row by row say format 'column' and dt",
                 index + 1,
             )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.words import counted
 
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
 _HEADER = re.compile(r"^\s*[#%!]\s*([A-Za-z0-9 ]+?)\s*[:=]\s*(.*?)\s*$")
@@ -83,7 +84,7 @@ class Text:
         """Refuse a file whose header says another number of values than follow."""
         if int(written) != found:
             raise self.refuse(
-                f"the header says {what} = {int(written)}, but {found} values follow",
+                f"the header says {what} = {int(written)}, but {counted(found, 'value follows', 'values follow')}",
                 "the file is cut short or damaged: fetch it again, or correct the header",
                 line,
             )
@@ -163,7 +164,7 @@ class Text:
             line = self.lines[index] if index < len(self.lines) else ""
             if not line.strip() and not (blank_as_zero and index < len(self.lines)):
                 raise self.refuse(
-                    f"the header says {count} values, but {len(values)} follow",
+                    f"the header says {counted(count, 'value')}, but {counted(len(values), 'follows', 'follow')}",
                     "the file is cut short or damaged: fetch it again, or correct the header",
                     min(start, len(self.lines)),
                 )
@@ -183,7 +184,7 @@ class Text:
             if value is None:
                 if not token:
                     raise self.refuse(
-                        f"{place} values on this line, where {wanted} should stand",
+                        f"{counted(place, 'value')} on this line, where {wanted} should stand",
                         "the file is cut short or damaged: fetch it again",
                         index + 1,
                     )

@@ -20,6 +20,7 @@ from pounding_cli.report.web.data import as_json, chosen_points, tables
 from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, pictures
 from pounding_cli.report.web.sweep import sweep_chart
+from pounding_cli.words import counted
 
 PAGE = "report.html"
 """File name of the page."""
@@ -30,6 +31,7 @@ SCRIPTS = tuple(
     f"{name}.js"
     for name in ("format", "data", "axes", "profile", "sweep", "table", "stage", "strips", "player", "main")
 )
+
 """In the order they are needed."""
 
 
@@ -116,9 +118,11 @@ def _environment() -> Any:
     import jinja2
 
     loader = jinja2.FunctionLoader(asset)
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
+    environment.filters["counted"] = counted
+    return environment
 
 
 def _scripts() -> str:

@@ -14,6 +14,7 @@ from pounding_cli.report.claims import RESPONSES
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
 from pounding_cli.report.web.columns import shown
+from pounding_cli.words import counted
 
 MOST_REASONS = 4
 """Reasons shown for one effect; further ones are counted."""
@@ -81,7 +82,7 @@ def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFra
         found.append(Tile("Largest link force", f"{digits(force.max() / 1e3)} kN", where))
     error = scene["error_estimate"].dropna()
     number = digits(error.max(), 2) if len(error) else "not measured"
-    where = f"largest of {len(error)} runs" if len(error) else "estimate: all in the study measures it"
+    where = f"largest of {counted(len(error), 'run')}" if len(error) else "estimate: all in the study measures it"
     found.append(Tile("Numerical error", number, where))
     sensitivity = scene["sensitivity"].dropna()
     if len(sensitivity):
@@ -142,7 +143,7 @@ def effects(scene: pd.DataFrame) -> Grid:
         ]
         more = len(reasons) - MOST_REASONS
         if more > 0:
-            words.append(f"and {more} further reasons")
+            words.append(f"and {counted(more, 'further reason')}")
         rows.append([effect, str(kept[effect] or "–"), str(sum(reasons.values()) or "–"), "; ".join(words)])
     return Grid(("effect", "simulated in", "dropped in", "why dropped"), rows, (1, 2))
 

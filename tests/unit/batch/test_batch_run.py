@@ -264,7 +264,7 @@ def test_stopped_with_workers_at_work_ends_them_and_keeps_the_scenes(plan, outpu
     assert time.monotonic() - begin < 5
     kept = PartStore(output, solution_key(plan.accuracy, plan.method)).load(plan.scenes)
     assert 12 <= kept < 24
-    assert progress.said == [f"{kept} of 24 scenes are kept in {output}.parts"]
+    assert progress.said == [f"{kept} of 24 scenes kept in {output}.parts"]
     assert run_plan(plan, output, solve=known).reused == kept
 
 

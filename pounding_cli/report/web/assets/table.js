@@ -80,7 +80,7 @@ function tableView() {
     if (focused) frame.querySelector(`th[data-key="${CSS.escape(focused)}"] button`)?.focus();
     const hidden = rows.length - Math.min(state.shown, rows.length);
     const cut = table.rows < table.total ? ` This page carries ${table.rows} of the ${table.total} rows of the file.` : '';
-    const count = h('span', { class: 'count' }, `${rows.length - hidden} of ${rows.length} rows shown.${cut}`);
+    const count = h('span', { class: 'count' }, `${rows.length - hidden} of ${rows.length} ${rows.length === 1 ? 'row' : 'rows'} shown.${cut}`);
     const buttons = hidden ? [
       h('button', { type: 'button', onclick: () => show(state.shown + PAGE_OF_ROWS * 4) }, `Show ${Math.min(hidden, PAGE_OF_ROWS * 4)} more`),
     ] : [];
