@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter, defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -13,9 +14,10 @@ from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.choice import AUTO
-from pounding_cli.solve.groups import GroupSolver
+from pounding_cli.solve.groups import GroupSolver, sure_parts
 from pounding_cli.solve.methods import TAYLOR
 from pounding_cli.solve.price import ASSESSED, BESIDE, method_of, price
+from pounding_cli.solve.response import Response
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -23,17 +25,18 @@ if TYPE_CHECKING:
 MOST_SCENES = 2000
 """Scenes that are looked at; of more, as many spread evenly."""
 
-ALONE, GROUP = "buildings alone", "of the group"
+ALONE, PARTS, GROUP = "of a building alone", "of smaller groups", "of the group"
+"""What is solved: baselines; several neighbours of a row, to see whether they reach the next one; whole rows."""
 
 
 @dataclass
 class Forecast:
     """What will run.
 
-    scenes, seconds : (ALONE or GROUP, method) -> number of scenes and their expected time on one core [s]
+    scenes, seconds : (ALONE, PARTS or GROUP, method) -> number of scenes and their expected time on one core [s]
     spared : case -> scenes of the group that are answered by smaller groups, where that was looked into
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
-    looked_at, proven : share of the scenes looked at; whether the buildings alone were run
+    looked_at, proven : share of the scenes looked at; whether the buildings alone and the smaller groups were run
     """
 
     scenes: Counter[tuple[str, str]] = field(default_factory=Counter)
@@ -51,9 +54,10 @@ class Forecast:
 
 
 def forecast(plan: Plan, prove: bool) -> Forecast:
-    """Look at the scenes of a plan, and, to prove that rows fall apart, run their buildings alone.
+    """Look at the scenes of a plan, and, to prove that rows fall apart, run their buildings alone and smaller groups.
 
-    Everything is found as a run will find it; only the whole rows are not solved.
+    Then everything is found as a run will find it; only the whole rows are not solved. Without proof every row counts
+    as solved whole, and smaller groups only where a first movement closes their links.
     """
     found = Forecast(proven=prove and not plan.all_effects)
     baselines = {digest for row in plan.rows for digest in row.baselines}
@@ -61,19 +65,34 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
     digests = _looked_at(plan)
     every = _every(plan)
     found.looked_at = len(digests) / max(1, len(plan.scenes))
-    solver = _prover(plan) if found.proven else None
+    parts: set[str] = set()
     runs = {"none": 1.0, "sample": 1 + (ASSESSED - 1) / 8, "all": float(ASSESSED)}[plan.estimate]
-    for digest in digests:
-        scene = plan.scenes[digest]
-        what = ALONE if digest in baselines else GROUP
-        if what == GROUP:
-            _count_effects(found, plan, scene)
-            if solver is not None and solver.by_proof(scene) is not None:
-                found.spared[cases[digest]] += every
-                continue
+
+    def count(what: str, scene: Scene) -> None:
         method = _method(plan, scene)
         found.scenes[what, method] += every
         found.seconds[what, method] += every * (runs * price(scene, method, plan.accuracy) + BESIDE)
+
+    def count_part(scene: Scene) -> None:
+        if len(scene.buildings) > 1 and scene.digest not in parts:
+            parts.add(scene.digest)
+            count(PARTS, scene)
+
+    solver = _prover(plan, count_part)
+    for digest in digests:
+        scene = plan.scenes[digest]
+        if digest in baselines:
+            count(ALONE, scene)
+            continue
+        _count_effects(found, plan, scene)
+        if solver is not None and found.proven:
+            if solver.by_proof(scene) is not None:
+                found.spared[cases[digest]] += every
+                continue
+        elif solver is not None:
+            for part in sure_parts(scene):
+                count_part(part)
+        count(GROUP, scene)
     return found
 
 
@@ -112,12 +131,17 @@ def _method(plan: Plan, scene: Scene) -> str:
     return TAYLOR.name if plan.all_effects else method_of(scene)
 
 
-def _prover(plan: Plan) -> GroupSolver | None:
-    """What proves that a row falls apart, as a run does; None where it does not."""
+def _prover(plan: Plan, tell: Callable[[Scene], None] = lambda scene: None) -> GroupSolver | None:
+    """What proves that a row falls apart, as a run does, telling what it solves; None where a run keeps rows whole."""
     from pounding_cli.solve import solve
 
-    task = Task(solve, plan.accuracy, plan.method)
-    return GroupSolver(task.respond, plan.accuracy) if task.falls_apart() else None
+    task = Task(solve, plan.accuracy, plan.method, all_effects=plan.all_effects)
+
+    def respond(scene: Scene, watch: bool) -> Response:
+        tell(scene)
+        return task.respond(scene, watch)
+
+    return GroupSolver(respond, plan.accuracy) if task.falls_apart() else None
 
 
 def _count_effects(found: Forecast, plan: Plan, scene: Scene) -> None:

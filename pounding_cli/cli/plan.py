@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 
 WORTH_PROVING = 5.0
-"""Buildings alone are run to prove what falls away if that takes no longer than this [s], or if asked."""
+"""Buildings alone and smaller groups are run to prove what falls away if that takes no longer than this [s], or if
+asked."""
 
 
 @click.command("plan", short_help="Show what would run and what would not, before running.")
@@ -25,7 +26,7 @@ WORTH_PROVING = 5.0
 @click.option("--all-effects", is_flag=True, help="Show the plan of a run that leaves nothing out.")
 def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     """Show what STUDY would run and what not: scenes by method, effects kept and dropped with the reason, baselines
-    shared, rows answered by their buildings alone, expected time.
+    shared, rows answered by their buildings alone or by smaller groups of them, expected time.
 
     Nothing is written. The buildings alone are run where that takes a few seconds, because whether a gap ever closes
     follows from them.
@@ -48,12 +49,12 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
 
 
 def _lines(plan: Plan, prove: bool | None) -> list[str]:
-    from pounding_cli.batch.forecast import ALONE, forecast
+    from pounding_cli.batch.forecast import GROUP, PARTS, forecast
     from pounding_cli.study.schema import ADAPTIVE
 
     found = forecast(plan, prove=bool(prove))
-    alone = sum(seconds for (what, _), seconds in found.seconds.items() if what == ALONE)
-    if prove is None and not plan.all_effects and alone < WORTH_PROVING:
+    proof = sum(seconds for (what, _), seconds in found.seconds.items() if what != GROUP)
+    if prove is None and not plan.all_effects and proof < WORTH_PROVING:
         found = forecast(plan, prove=True)
     baselines = {digest for row in plan.rows for digest in row.baselines}
     wanted = sum(len(row.baselines) for row in plan.rows)
@@ -77,8 +78,9 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
         lines.append(f"           judged by one scene in {1 / found.looked_at:.0f}")
     for (what, method), count in sorted(found.scenes.items()):
         lines.append(f"  run      {count:6d} {what}, {method}, about {_time(found.seconds[what, method])}")
+    who = "the buildings alone" + (" and smaller groups" if any(what == PARTS for what, _ in found.scenes) else "")
     for case, count in found.spared.items():
-        lines.append(f"  spared   {count:6d} of {case}: gaps that the buildings alone never close")
+        lines.append(f"  spared   {count:6d} of {case}: gaps that {who} never close")
     lines.append(
         f"  shared   {counted(wanted, 'baseline')} asked for, {len(baselines)} run; "
         f"{counted(repeated, 'row repeats', 'rows repeat')} another's scene"

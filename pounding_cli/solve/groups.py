@@ -52,7 +52,7 @@ class GroupSolver:
 
     def by_proof(self, scene: Scene) -> Response | None:
         """The response of a row that falls apart, from the groups it falls into; None if all of it may meet."""
-        groups = _merged([range(b, b + 1) for b in range(len(scene.buildings))], _sure_to_meet(scene))
+        groups = _first_groups(scene)
         while len(groups) > 1:
             parts = [self._watched(_cut_out(scene, group)) for group in groups]
             if any(part.status != "done" for part in parts):
@@ -83,6 +83,12 @@ class GroupSolver:
         return response
 
 
+def sure_parts(scene: Scene) -> list[Scene]:
+    """The groups of several buildings that a row is taken apart into before anything is known of its responses."""
+    groups = _first_groups(scene)
+    return [_cut_out(scene, group) for group in groups if len(group) > 1] if len(groups) > 1 else []
+
+
 Reach = dict[Link, float]
 """Of every link between two groups that never meet: what its closing u_l - u_r stays below [m]."""
 
@@ -107,6 +113,11 @@ def _sure_to_meet(scene: Scene) -> list[int]:
             if (link.kind is not Kind.POUNDING or link.gap == 0) and not _move_alike(scene, link)
         }
     )
+
+
+def _first_groups(scene: Scene) -> list[range]:
+    """Every building by itself, but for those that are sure to meet."""
+    return _merged([range(b, b + 1) for b in range(len(scene.buildings))], _sure_to_meet(scene))
 
 
 def _merged(groups: list[range], meeting: Sequence[int]) -> list[range]:

@@ -1,12 +1,18 @@
-"""The methods a plan is said to need are those that a run of it then takes."""
+"""What a plan is said to run is what a run of it then solves: which scenes, by which methods."""
 
 from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from pounding_cli.batch import run_plan
-from pounding_cli.batch.forecast import methods_needed
+from pounding_cli.batch.forecast import ALONE, GROUP, PARTS, forecast, methods_needed
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import solve
+from pounding_cli.solve.price import BESIDE, price
 from pounding_cli.store import open_results
 from pounding_cli.study import expand, load_study
 
@@ -65,3 +71,112 @@ def test_methods_said_are_methods_taken(planned, changes, methods, of_rows):
     plan, results = planned(*changes)
     assert methods_needed(plan) == set(results.methods) == methods
     assert set(results.scene().method) == of_rows
+
+
+ROW = """\
+records: {use: [{file: shake.txt}], duration: whole}
+buildings:
+  stiff: {storeys: 3, period: 0.3 s}
+  soft: {like: stiff, period: 0.5 s}
+  slow: {like: stiff, period: 0.7 s}
+group: [stiff, soft, slow, stiff]
+cases:
+  row: {link: pounding, gap: 50 cm, pairs: [§]}
+analyses: [elastic]
+estimate: none
+"""
+
+WIDE, CLOSE, TOUCHING = (f"{{link: pounding, gap: {gap}}}" for gap in ("50 cm", "1 mm", "0 cm"))
+JOINED = "{link: connector, gap: 50 cm}"
+
+
+@pytest.fixture
+def shaken(tmp_path):
+    """The plan of ROW with its pairs, and what a run of it in fact solved: (buildings, method) -> times."""
+    t = np.arange(0.0, 0.5, 0.01)
+    np.savetxt(tmp_path / "shake.txt", np.column_stack([t, 0.3 * np.sin(12 * t)]))
+
+    def make(pairs, *changes):
+        text = ROW.replace("§", ", ".join(pairs))
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / "a.yaml").write_text(text)
+        plan = expand(load_study(tmp_path / "a.yaml"))
+        solved = Counter()
+
+        def counting(scene, **words):
+            response = solve(scene, **words)
+            solved[len(scene.buildings), response.method] += 1
+            return response
+
+        run_plan(plan, tmp_path / "a.h5", solve=counting, engine_name="serial")
+        return plan, solved
+
+    return make
+
+
+ANOTHER = (
+    "analyses:",
+    "  other: {link: pounding, gap: 60 cm, pairs: [{gap: 60 cm}, {gap: 0 cm}, {gap: 60 cm}]}\nanalyses:",
+)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "changes", "smaller", "whole"),
+    [
+        ((WIDE, WIDE, WIDE), (), {}, 0),
+        ((WIDE, TOUCHING, WIDE), (), {2: 1}, 0),
+        ((WIDE, CLOSE, WIDE), (), {2: 1}, 0),  # found to meet when each is run alone
+        ((WIDE, TOUCHING, CLOSE), (), {2: 1, 3: 1}, 0),  # the two that touch reach the third
+        ((CLOSE, TOUCHING, CLOSE), (), {2: 1}, 1),  # and here both neighbours: all of it is solved
+        ((TOUCHING, WIDE, TOUCHING), (), {2: 2}, 0),
+        ((TOUCHING, WIDE, JOINED), (), {2: 2}, 0),  # the one by series, the other by exact steps
+        ((TOUCHING, TOUCHING, TOUCHING), (), {}, 1),
+        ((WIDE, TOUCHING, WIDE), (ANOTHER,), {2: 1}, 0),  # another case asks for the same two once more
+    ],
+)
+def test_proven_forecasts_count_what_a_run_solves(shaken, pairs, changes, smaller, whole):
+    """Fails if smaller groups are left out, counted once a row, counted before they are known to be run, or priced by
+    another method."""
+    plan, solved = shaken(pairs, *changes)
+    sizes, counted = Counter(), Counter()
+    for (size, method), count in solved.items():
+        sizes[size] += count
+        counted[{1: ALONE, 4: GROUP}.get(size, PARTS), method] += count
+    assert sizes == Counter({1: 3, **smaller, 4: whole})
+    found = forecast(plan, prove=True)
+    assert found.scenes == counted
+    assert set(found.seconds) == set(counted)
+    assert min(found.seconds.values()) > 0
+
+
+def test_without_proof_smaller_groups_are_counted_that_are_sure_to_run(shaken, monkeypatch):
+    """Priced as what they are, and nothing is solved for it. Fails if what only a run can tell is looked into, or a row
+    that touches all along is taken for a smaller group."""
+    one, _ = shaken((TOUCHING, TOUCHING, TOUCHING))
+    plan, _ = shaken((WIDE, TOUCHING, CLOSE), ANOTHER)
+    monkeypatch.setattr("pounding_cli.solve.solve", lambda *_, **__: 1 / 0)
+    assert forecast(one, prove=False).scenes == {(ALONE, "exponential"): 3, (GROUP, "taylor"): 1}
+    found = forecast(plan, prove=False)
+    assert found.scenes == {(ALONE, "exponential"): 3, (PARTS, "taylor"): 1, (GROUP, "taylor"): 2}
+    scene = plan.scenes[plan.rows[0].scene]
+    pair = Scene(
+        scene.buildings[1:3],
+        tuple(replace(link, left=0) for link in scene.links[3:6]),
+        scene.motion,
+        scene.analysis,
+        scene.tail,
+    )
+    assert found.seconds[PARTS, "taylor"] == price(pair, "taylor", plan.accuracy) + BESIDE
+    assert found.seconds[GROUP, "taylor"] == 2 * (price(scene, "taylor", plan.accuracy) + BESIDE)
+
+
+@pytest.mark.parametrize("prove", [False, True])
+def test_where_rows_stay_whole_there_are_no_smaller_groups(shaken, prove):
+    """All effects, or steps of the user's own."""
+    plan, _ = shaken((WIDE, TOUCHING, WIDE))
+    assert forecast(replace(plan, all_effects=True), prove).scenes == {(ALONE, "taylor"): 3, (GROUP, "taylor"): 1}
+    plan, solved = shaken((WIDE, TOUCHING, WIDE), FIXED)
+    assert solved == {(1, "newmark"): 3, (4, "newmark"): 1}
+    assert forecast(plan, prove).scenes == {(ALONE, "newmark"): 3, (GROUP, "newmark"): 1}
