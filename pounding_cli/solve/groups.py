@@ -42,13 +42,18 @@ class GroupSolver:
         self._accuracy = accuracy
         self._kept: OrderedDict[str, Response] = OrderedDict()
         self._bytes = 0
+        self._unbooked = 0.0
         self._lock = threading.Lock()
 
     def __call__(self, scene: Scene) -> Response:
-        """The response of a scene."""
+        """The response of a scene. Its seconds include groups of several buildings that were solved on the way: those
+        are no scenes of their own, as buildings alone are."""
         if not scene.links and len(scene.buildings) == 1:
             return dataclasses.replace(self._watched(scene), envelopes=())
-        return self.by_proof(scene) or self._respond(scene, False)
+        response = self.by_proof(scene) or self._respond(scene, False)
+        with self._lock:
+            beside, self._unbooked = self._unbooked, 0.0
+        return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
 
     def by_proof(self, scene: Scene) -> Response | None:
         """The response of a row that falls apart, from the groups it falls into; None if all of it may meet."""
@@ -75,6 +80,7 @@ class GroupSolver:
                 return self._kept[scene.digest]
         response = self._respond(scene, True)
         with self._lock:
+            self._unbooked += response.seconds if len(scene.buildings) > 1 else 0.0
             if scene.digest not in self._kept:
                 self._kept[scene.digest] = response
                 self._bytes += _size(response)
@@ -159,7 +165,7 @@ def _reach(scene: Scene, left: range, right: range, a: Response, b: Response, ac
 
 
 def _composed(scene: Scene, groups: list[range], parts: list[Response], reach: list[Reach]) -> Response:
-    """The response of the row from those of its groups; what they cost is booked where they were solved."""
+    """The response of the row from those of its groups; what these cost is booked when they are solved."""
     found: dict[Link, tuple[float, ...]] = {}
     for group, part in zip(groups, parts, strict=True):
         inside = [link for link in scene.links if link.left in group[:-1]]

@@ -1,0 +1,39 @@
+"""What a row that falls apart costs: groups of several buildings are booked once, with the row they were solved for."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import Counter
+
+import pytest
+from scenes import motion, pair, pounding
+
+from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.solve import solve
+from pounding_cli.solve.groups import GroupSolver
+
+
+def row(far: float) -> Scene:
+    """Three buildings, the first two touching, the third `far` away [m]."""
+    stiff, soft = pair()
+    near = pounding((stiff, soft, stiff), 0.0)
+    joined = [dataclasses.replace(link, gap=far) if link.left else link for link in near]
+    return Scene((stiff, soft, stiff), tuple(joined), motion(), Analysis.INELASTIC)
+
+
+@pytest.mark.parametrize(("far", "whole"), [(1.0, 0), (0.001, 1)])
+def test_groups_on_the_way_are_paid_for_once(far, whole):
+    """A row that falls apart, and one that is solved whole after its groups showed that they meet.
+
+    Fails if the two that touch cost nothing, or cost the next row again, or if a building alone is booked twice."""
+    solved: Counter[int] = Counter()
+
+    def respond(scene, watch):
+        solved[len(scene.buildings)] += 1
+        return dataclasses.replace(solve(scene, 1e-6, watch=watch), seconds=10.0 ** len(scene.buildings))
+
+    solver = GroupSolver(respond, 1e-6)
+    first, second = solver(row(far)), solver(row(far + 1e-6))
+    assert solved == Counter({1: 1, 2: 1, 3: 2 * whole})
+    assert first.seconds == 100.0 + 1000.0 * whole
+    assert second.seconds == 1000.0 * whole
