@@ -15,18 +15,18 @@ from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
 from pounding_cli.kernels.layout import CALLED, NO_LINK, PART
 from pounding_cli.kernels.simd import stand_alone
 
-# A slot: what it is, in the order of `layout.Slots`; what a step leaves to the next: its branch, stencils
-# (`recurrence`) and scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what a step is told by:
-# its ends and strays (`summary`).
+# A slot: what it is, in the order of `layout.Slots`; its stencils (`recurrence`); what a step leaves to the next: its
+# branch and scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what a step is told by: its ends
+# and strays (`summary`).
 (
     COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, REAL, YIELD_DRIFT, HARDENING, PLATEAU, RISE,
-    ELEVATION, LINE, PLASTIC, TANGENT, OFFSET, OWN, LEFT, RIGHT, OWN_RATE, LEFT_RATE, RIGHT_RATE, PUSH, SCALE,
+    ELEVATION, OWN, LEFT, RIGHT, OWN_RATE, LEFT_RATE, RIGHT_RATE, PUSH, LINE, PLASTIC, TANGENT, OFFSET, SCALE,
     MOST_DRIFT, MOST_SHEAR, MOST_PULL, TOP, BOTTOM, INPUT, DASHED, DRAGGED, HYSTERESIS, FORCE, ROOT, ALLOWED, V_END,
     DRIFT0, DRIFT, RATE0, RATE, PULL0, PULL, V_STRAY, DRIFT_STRAY, RATE_STRAY, PULL_STRAY,
 ) = range(0, 8 * 48, 8)  # fmt: skip
 _SLOT = 49  # one more than there are: an odd number of cache lines spreads them over the cache
 SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE
-"""The fields that a step leaves to the next: from the first to before the second."""
+"""The fields that a step leaves to the next, from the first to before the second; stencils follow from the branch."""
 
 # A link: its parameters, as in `layout.Links`; what a step leaves to the next: the law of its branch (`link_series`),
 # peaks and work; what a step is told by: its start.

@@ -15,6 +15,7 @@ from pounding_cli.kernels.clock import EVENTS, LENGTH
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import apart, beside, closed_at
+from pounding_cli.kernels.recurrence import restencil
 from pounding_cli.kernels.simd import further, fused, greater, load, stand_alone, store
 
 # What is known of a building, in integers: whether it is taken to touch its right neighbour in this segment; is solved;
@@ -139,6 +140,7 @@ def put_back(run, row, building):
             run.ties[place] = ties[run.padded + place]
     for i in range(run.low, run.high):
         run.snapped[i] = ties[i]
+        restencil(run, i)
     run.tally[EVENTS] -= row.notes[left * NOTES + HAPPENED]
     for b in range(left, right + 1):
         row.notes[b * NOTES + SOLVED] = 0

@@ -255,6 +255,13 @@ MOTION = [
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
+        "an island solved again keeps the stencils of what was taken back",
+        f"{KERNELS}/islands.py",
+        "        restencil(run, i)\n",
+        "",
+        f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
+    ),
+    Mutant(
         "an island solved again keeps the impacts of what was taken back",
         f"{KERNELS}/cells.py",
         "TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * _TIE",
