@@ -16,8 +16,8 @@ from pounding_cli.kernels.layout import CALLED, NO_LINK, PART
 from pounding_cli.kernels.simd import stand_alone
 
 # A slot: what it is, in the order of `layout.Slots`; its stencils (`recurrence`); what a step leaves to the next: its
-# branch and scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what a step is told by: its ends
-# and strays (`summary`).
+# branch and scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what a step is told by: its
+# ends and strays (`summary`).
 (
     COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, REAL, YIELD_DRIFT, HARDENING, PLATEAU, RISE,
     ELEVATION, OWN, LEFT, RIGHT, OWN_RATE, LEFT_RATE, RIGHT_RATE, PUSH, LINE, PLASTIC, TANGENT, OFFSET, SCALE,
