@@ -261,15 +261,20 @@ def shrink(run, feet, tolerance):
     quiet = run.clock[QUIET]
     worst = 0.0
     for k in (order - 1, order):
+        number = k * run.clock[PER_H]
+        sizes = splat(0.0)  # in parts of what may be left out
+        for b in range(run.low, run.high, 8):
+            term = magnitude(load(run.W, k * run.padded + b)) * number
+            sizes = maximum(sizes, term / load(run.slots, at(b, c.ALLOWED)))
+        store(run.scratch, 0, sizes)
         size = 0.0
-        for i in range(run.low, run.high):
-            size = max(size, abs(run.W[k * run.padded + i]) / max(run.slots[of(i, c.SCALE)], quiet))
+        for lane in range(8):
+            size = max(size, run.scratch[lane])
         for f in range(run.feet):
             top, turning = top_of(run, feet, k, f)
-            size = max(size, turning / max(run.slots[of(top, c.SCALE)], quiet))
-        size *= k * run.clock[PER_H]
+            size = max(size, number * turning / (max(run.slots[of(top, c.SCALE)], quiet) * tolerance))
         if size > 0.0:
-            worst = max(worst, (size / tolerance) ** (1.0 / (k - 1)))
+            worst = max(worst, size ** (1.0 / (k - 1)))
     return 0.9 / worst if worst > 0.9 else 1.0
 
 

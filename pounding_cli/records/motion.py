@@ -43,7 +43,7 @@ class Motion:
         """Time of the last sample [s]."""
         return self.dt * (self.acceleration.size - 1)
 
-    @property
+    @cached_property
     def pga(self) -> float:
         """Peak ground acceleration [m/s2]."""
         return float(np.abs(self.acceleration).max())
