@@ -14,9 +14,9 @@ from pounding_cli.kernels.cells import at, at_link, at_tie, focus, parts_of
 from pounding_cli.kernels.clock import EVENTS, LENGTH
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import apart, beside, closed_at
+from pounding_cli.kernels.link_series import beside, closed_at
 from pounding_cli.kernels.recurrence import restencil
-from pounding_cli.kernels.simd import further, fused, greater, load, stand_alone, store
+from pounding_cli.kernels.simd import further, fused, greater, load, maximum, minimum, stand_alone, store
 
 # What is known of a building, in integers: whether it is taken to touch its right neighbour in this segment; is solved;
 # may have something exactly zero now, and at the segment's end; events in this segment of the island that begins with
@@ -49,14 +49,25 @@ def set_apart(run, row, left, right):
 
 @njit(**PART)
 def touch(run, row, b):
-    """Whether a link between building b and its right neighbour is closed, or will be at the floors' present speed."""
-    closed = 0
+    """Whether a link between building b and its right neighbour is closed, or is not likely to be shown to stay open
+    (`may_touch`): at their present speeds the floors reach as far as it would be asked about."""
+    found = 0
     h = run.clock[LENGTH]
     for e in range(row.joints[b], row.joints[b + 1], 8):
-        ahead = fused(apart(run, run.W, 0, e), h, apart(run, run.W, -run.padded, e))
-        reach = ahead - load(run.links, at_link(e, c.THICKNESS))
-        closed |= closed_at(run, e) | greater(reach, load(run.links, at_link(e, c.HIGH)))
-    return closed != 0
+        left = beside(run, run.W, -run.padded, e, c.LEFT_SLOT)
+        right = beside(run, run.W, -run.padded, e, c.RIGHT_SLOT)
+        left_ahead = fused(beside(run, run.W, 0, e, c.LEFT_SLOT), h, left)
+        right_ahead = fused(beside(run, run.W, 0, e, c.RIGHT_SLOT), h, right)
+        reach = maximum(left, left_ahead) - minimum(right, right_ahead)
+        found |= closed_at(run, e) | _closes(run, e, reach)
+    return found != 0
+
+
+@njit(**PART)
+def _closes(run, e, reach):
+    """Lanes whose open link may close, or come closer than ever before, where the closing is `reach` at most."""
+    open_ = greater(load(run.links, at_link(e, c.HIGH)), reach - load(run.links, at_link(e, c.THICKNESS)))
+    return (~open_ & 255) | greater(reach, load(run.links, at_link(e, c.MOST_CLOSING)))
 
 
 @njit(**PART)
@@ -66,9 +77,7 @@ def may_touch(run, row, b):
     found = 0
     for e in range(row.joints[b], row.joints[b + 1], 8):
         rise = beside(run, run.ends, 2 * run.padded, e, c.LEFT_SLOT)
-        reach = rise - beside(run, run.ends, 3 * run.padded, e, c.RIGHT_SLOT)
-        open_ = greater(load(run.links, at_link(e, c.HIGH)), reach - load(run.links, at_link(e, c.THICKNESS)))
-        found |= (~open_ & 255) | greater(reach, load(run.links, at_link(e, c.MOST_CLOSING)))
+        found |= _closes(run, e, rise - beside(run, run.ends, 3 * run.padded, e, c.RIGHT_SLOT))
     return found != 0
 
 

@@ -236,8 +236,8 @@ MOTION = [
     Mutant(
         "neighbours that may meet are left apart",
         f"{KERNELS}/islands.py",
-        "        found |= (~open_ & 255) | greater(reach, load(run.links, at_link(e, c.MOST_CLOSING)))",
-        "        found |= 0 * open_",
+        "        found |= _closes(run, e, rise - beside(run, run.ends, 3 * run.padded, e, c.RIGHT_SLOT))",
+        "        found |= 0 * _closes(run, e, rise)",
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
