@@ -186,7 +186,7 @@ def orders_for(accuracy: float) -> int:
     return orders + 1
 
 
-MOST_UNKNOWNS, MOST_PARTS = 32, 4
+MOST_UNKNOWNS, MOST_PARTS = 5, 8
 """Up to here a propagator, whose cost grows with the square of the unknowns, beats the series (measured:
 docs/accuracy.md)."""
 
