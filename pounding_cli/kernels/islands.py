@@ -1,6 +1,6 @@
 """Islands: which buildings of a row have to be solved together in one segment of the ground motion.
 
-Buildings that touch are one island; everything else goes its own way, in steps of its own. Whether two neighbours stay
+Buildings that touch are one island; everything else goes its own way, two by two. Whether two neighbours stay
 apart is shown afterwards, by what their floors stay between: where that does not show it, their islands are put back
 to the segment's start and solved as one."""
 

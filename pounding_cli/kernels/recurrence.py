@@ -108,6 +108,13 @@ def expand(run, feet, busy, curved, snapped, tolerance, most, founded):
     return _expand_all(run, feet, busy, curved, snapped, most, founded)
 
 
+@njit(**PART)
+def _judged(small, exceeding, k):
+    """(How many orders in a row are small, by those before and what exceeds in order k; whether the series may end)."""
+    small = small + 1 if exceeding == 0 else 0
+    return small, small > 1 and k >= LEAST_ORDER
+
+
 @njit(**CALLED)
 def _expand_all(run, feet, busy, curved, snapped, most, founded):
     """The series of any number of slots."""
@@ -153,8 +160,7 @@ def _expand_all(run, feet, busy, curved, snapped, most, founded):
         if founded and feet_exceed(run, feet, k):
             exceeding |= 1
         k += 1
-        small = small + 1 if exceeding == 0 else 0
-        close = small > 1 and k >= LEAST_ORDER
+        small, close = _judged(small, exceeding, k)
         if close or k == most:
             return k, close
         before = h * run.reciprocal[k]
@@ -186,8 +192,7 @@ def _expand_one(run, most):
         w = total * after
         k += 1
         store(run.W, k * run.padded + a, w)
-        small = small + 1 if exceeding == 0 else 0
-        close = small > 1 and k >= LEAST_ORDER
+        small, close = _judged(small, exceeding, k)
         if close or k == most:
             return k, close
         before = h * run.reciprocal[k]
@@ -235,8 +240,7 @@ def _expand_two(run, busy, curved, snapped, most):
         k += 1
         store(run.W, k * run.padded + a, w)
         store(run.W, k * run.padded + b, y)
-        small = small + 1 if exceeding == 0 else 0
-        close = small > 1 and k >= LEAST_ORDER
+        small, close = _judged(small, exceeding, k)
         if close or k == most:
             return k, close
         before = h * run.reciprocal[k]
