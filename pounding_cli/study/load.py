@@ -175,8 +175,7 @@ def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
                 tuple(_value(resolver, point, path, node) for path, node in zip(axis.paths, nodes, strict=True))
             )
         units = tuple(
-            unit_of(StudyModel, path, [nodes[column] for nodes in axis.nodes])
-            for column, path in enumerate(axis.paths)
+            unit_of(StudyModel, path, [nodes[column] for nodes in axis.nodes]) for column, path in enumerate(axis.paths)
         )
         said.append(Axis(axis.names, tuple(rows), units))
     return tuple(said)
