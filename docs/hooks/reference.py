@@ -11,12 +11,31 @@ from pounding_cli.cli.main import COMMANDS, cli
 
 API = {
     "Load, run, open": (
-        "pounding_cli.api.load_study",
-        "pounding_cli.api.run",
-        "pounding_cli.api.open_results",
+        "pounding_cli.api.studies.load_study",
+        "pounding_cli.api.studies.run",
+        "pounding_cli.api.studies.open_results",
     ),
     "A study": ("pounding_cli.study.load.Study",),
-    "Results": ("pounding_cli.store.results.Results",),
+    "Results": ("pounding_cli.api.results.Results",),
+    "Histories": ("pounding_cli.api.histories.History",),
+    "One scene by hand": (
+        "pounding_cli.api.scenes.building",
+        "pounding_cli.api.scenes.motion",
+        "pounding_cli.api.scenes.scene",
+        "pounding_cli.solve.methods.solve",
+        "pounding_cli.api.scenes.history",
+    ),
+    "What a scene is made of": (
+        "pounding_cli.model.scene.Scene",
+        "pounding_cli.model.building.Building",
+        "pounding_cli.model.links.Link",
+        "pounding_cli.records.motion.Motion",
+    ),
+    "What a solution holds": (
+        "pounding_cli.solve.response.Response",
+        "pounding_cli.solve.response.BuildingResponse",
+        "pounding_cli.solve.response.LinkResponse",
+    ),
     "Exporting and comparing": (
         "pounding_cli.store.export.export",
         "pounding_cli.store.compare.compare",
@@ -63,8 +82,8 @@ def api_page() -> str:
     parts = [
         "# Python",
         textwrap.dedent("""\
-        What `from pounding_cli import load_study, run, open_results` offers, and what it returns. The words are those
-        of the study file. [How to use it from Python](../how-to/python.md) shows it at work."""),
+        What `import pounding_cli as pound` offers, and what it returns. The words are those of the study file; numbers
+        are SI. [How to use it from Python](../how-to/python.md) shows it at work."""),
     ]
     for heading, names in API.items():
         parts += [f"## {heading}", *(f"::: {name}" for name in names)]

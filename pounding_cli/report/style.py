@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -71,9 +73,22 @@ styled = mpl.rc_context(RC)
 """Decorator of every function that draws: the settings hold while it draws and nowhere else."""
 
 
+_maker: ContextVar[Callable[..., Figure]] = ContextVar("maker", default=Figure)
+
+
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure [in] that lays itself out; drawn without any window system."""
-    return Figure(figsize=(width, height), layout="constrained")
+    """An empty figure [in] that lays itself out; made by matplotlib alone unless within `drawn_with`."""
+    return _maker.get()(figsize=(width, height), layout="constrained")
+
+
+@contextmanager
+def drawn_with(maker: Callable[..., Figure]) -> Iterator[None]:
+    """New figures come from `maker`: pyplot.figure for figures that a notebook or a window shows."""
+    token = _maker.set(maker)
+    try:
+        yield
+    finally:
+        _maker.reset(token)
 
 
 def legend(ax: Axes, cases: Iterable[str], **keywords: Any) -> None:

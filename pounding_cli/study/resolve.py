@@ -93,6 +93,11 @@ class Resolver:
             self._met.update(dict.fromkeys(problems))
         return answer
 
+    @property
+    def met(self) -> tuple[Problem, ...]:
+        """Everything wrong with what was asked so far."""
+        return tuple(self._met)
+
     def problems(self, point: Point) -> tuple[Problem, ...]:
         """Everything wrong with the study at this point."""
         self._met.clear()
@@ -103,7 +108,7 @@ class Resolver:
         self.motions(point)
         for case in self._entries(point, "cases"):
             self.links(point, case)
-        return tuple(self._met)
+        return self.met
 
     def _entries(self, point: Point, section: str) -> tuple[str, ...]:
         """The names of the sound entries of `buildings` or `cases`."""

@@ -11,9 +11,9 @@ from typing import Any
 import pandas as pd
 
 from pounding_cli.report.claims import RESPONSES
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
-from pounding_cli.report.web.columns import shown
 from pounding_cli.words import counted
 
 MOST_REASONS = 4

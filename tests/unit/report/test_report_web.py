@@ -12,12 +12,12 @@ import pytest
 from report_fakes import LEVEL, MOTIONS, make
 
 from pounding_cli.report.build import nominal, write_report
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import points
 from pounding_cli.report.sensitivity import judge_points
 from pounding_cli.report.web import data as packing
 from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside
-from pounding_cli.report.web.columns import shown
 from pounding_cli.report.web.page import write_page
 from pounding_cli.solve.histories import ENERGIES, History
 
