@@ -13,6 +13,7 @@ import numpy as np
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.study import buildings as building_room
+from pounding_cli.study.bracket import with_brackets
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.motions import Used
@@ -120,6 +121,7 @@ def validated(path: Path, text: str, root: Node) -> Study:
     file = str(path)
     refuse_other_kinds(root, file)
     faults = Faults(file)
+    root = with_brackets(root, faults)
     axes = read_axes(root, faults)
     resolver = Resolver(root, axes, file, path.resolve().parent)
     faults.extend(resolver.problems(resolver.base))

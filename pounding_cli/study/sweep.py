@@ -20,6 +20,7 @@ FIXED = (
     "report",
     "keep",
     "sweep",
+    "bracket",
 )
 """Keys that are one for the whole study."""
 
