@@ -15,6 +15,7 @@ from pounding_cli.report.evidence import Evidence, Tables, flags, motion_label, 
 from pounding_cli.report.sensitivity import Column
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
+from pounding_cli.report.web.answer import answer
 from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.data import as_json, chosen_points, tables
 from pounding_cli.report.web.motion import players
@@ -74,6 +75,8 @@ def write_page(
         "swept": len(evidences) > 1,
         "points": len(evidences),
         "points_carried": len(chosen),
+        "answer": answer(shown),
+        "motion_count": len(shown.records),
         "tiles": story.tiles(shown, judgements, scene),
         "judgements": judgements,
         "verdicts": _verdicts(columns) if len(columns) > 1 else None,
@@ -141,11 +144,17 @@ def _main(evidence: Evidence) -> str:
 
 
 def _group(evidence: Evidence) -> list[dict[str, Any]]:
-    """Name, period [s] and storeys of every building, left to right, for the drawing."""
-    storeys = evidence.buildings.groupby("building", sort=False)["storey"].max()
+    """Name, period [s], storeys and strength [-] of every building, left to right, for the drawing."""
+    parts = dict(iter(evidence.buildings.groupby("building", sort=False)))
     main = _main(evidence)
     return [
-        {"name": name, "period": evidence.periods[name], "storeys": int(storeys.get(name, 1)), "main": name == main}
+        {
+            "name": name,
+            "period": evidence.periods[name],
+            "storeys": len(parts[name]),
+            "strength": story.strength(parts[name]),
+            "main": name == main,
+        }
         for name in evidence.group
     ]
 
