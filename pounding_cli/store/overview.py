@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -12,6 +11,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.store.files import opened
+from pounding_cli.store.flagged import FlagGroup, SceneFlags, counts_of_flags, flag_groups
 
 MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
 """What is shown of each analysis: the paper's Figs 6 and 7 show these two."""
@@ -26,6 +26,7 @@ class Line:
     at : the storey it stands in, from 1; 0 where nothing is known
     error, sensitivity : numerical error and sensitivity of those means, the largest over storeys and points, one a
         building; nan where none was estimated [-]
+    meaningless : whether the numbers of one of the scenes behind a mean mean nothing
     """
 
     case: str
@@ -35,6 +36,7 @@ class Line:
     at: tuple[np.ndarray, ...]
     error: tuple[float, ...]
     sensitivity: tuple[float, ...]
+    meaningless: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,8 @@ class Overview:
     """What a run found.
 
     motions : source ("real", "stand-in", "user") -> names
-    flags : sentence -> number of scenes
+    flags : what is flagged, by case and analysis
+    meaningless : scenes whose numbers mean nothing
     ratios : analysis -> the ratio shown of it
     spared : scenes answered by proof from smaller groups, none of them simulated
     points : every point of the sweep in words; one, empty, where nothing is swept
@@ -71,7 +74,8 @@ class Overview:
     lines: tuple[Line, ...]
     ratios: dict[str, str]
     motions: dict[str, list[str]]
-    flags: dict[str, int]
+    flags: tuple[FlagGroup, ...]
+    meaningless: int
     spared: int
     points: tuple[str, ...]
     records: int
@@ -99,6 +103,13 @@ def overview(path: Path) -> Overview:
         # Storeys of a building, in whichever point of the sweep it has most of them.
         mass = file["mass"][()]
         there = np.isfinite(mass).any(axis=tuple(range(mass.ndim - 2)))
+        points = _points([{name: _values(file[name]) for name in names} for names in swept])
+        flags = file["flags"].asstr()[()]
+        worthless = counts_of_flags(flags)["records_meaningless"].reshape(-1, len(cases), len(analyses))
+        scenes = (
+            SceneFlags(*names, cell)
+            for names, cell in zip(product(points, cases, analyses, records), flags.flat, strict=True)
+        )
         lines = []
         for c, case in enumerate(cases):
             for a, analysis in enumerate(analyses):
@@ -106,21 +117,21 @@ def overview(path: Path) -> Overview:
                 values = means[ratio].reshape(-1, *means[ratio].shape[len(swept) :])[:, c, a]
                 each = [_building(values[:, b], int(there[b].sum())) for b in range(len(buildings))]
                 roof, largest, at = zip(*each, strict=True)
-                trust = (
+                error, sensitivity = (
                     tuple(_worst(worth[ratio][..., c, a, b, :]) for b in range(len(buildings)))
                     for worth in (errors, sensitivities)
                 )
-                lines.append(Line(case, analysis, roof, largest, at, *trust))
-        flags = Counter(flag for cell in file["flags"].asstr()[()].flat for flag in cell.splitlines())
+                lines.append(Line(case, analysis, roof, largest, at, error, sensitivity, worthless[:, c, a] > 0))
         return Overview(
             str(file.attrs["title"]),
             tuple(buildings),
             tuple(lines),
             {analysis: MEASURES[analysis][1] for analysis in analyses},
             {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
-            dict(flags.most_common()),
+            flag_groups(scenes),
+            int(worthless.sum()),
             int(np.sum((file["status"].asstr()[()] == "done") & (file["steps"][()] == 0))),
-            _points([{name: _values(file[name]) for name in names} for names in swept]),
+            points,
             len(records),
             float(file.attrs["solver_seconds"]),
             _trust(file, (cases, analyses, records)),

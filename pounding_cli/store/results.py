@@ -12,6 +12,7 @@ import numpy as np
 
 from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
+from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
 from pounding_cli.store.layout import PLACE, SCENES
 from pounding_cli.store.solutions import stored_methods
@@ -126,6 +127,16 @@ class Results:
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
 
+    def flagged(self) -> pd.DataFrame:
+        """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, meaningless; no row where
+        nothing is.
+
+        flag : what is flagged; detail : where and by how much; meaningless : whether the flag takes the meaning from
+        all numbers of its scene (a connector that closes more than its gap), or is worth knowing beside them.
+        `flag_groups_of(results.scene())` sums them up by case and analysis.
+        """
+        return flagged_scenes(self.scene())
+
     def accuracy(self) -> pd.DataFrame:
         """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], energy left open [-],
         steps, events, Taylor orders, seconds in the solver.
@@ -141,7 +152,8 @@ class Results:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
         storey i.
 
-        Standard deviations are with n - 1; `records_used` counts the records with a V_ratio.
+        Standard deviations are with n - 1; `records_used` counts the records with a V_ratio, `records_flagged` those
+        whose scene carries a flag, `records_meaningless` those whose numbers mean nothing (`flagged`).
         """
         with opened(self.path) as file:
             dims = (*self._dims, "case", "analysis", "building", "storey")
@@ -151,6 +163,8 @@ class Results:
                 for measure in _MEASURES:
                     columns[f"{ratio}_{measure}"] = _values(file[f"{ratio}_{measure}"]).ravel()
             columns["records_used"] = _values(file["V_ratio_count"]).ravel()
+            for name, count in counts_of_flags(_values(file["flags"])).items():
+                columns[name] = self._spread(count[..., None, None], shape)
             there = self._there(file, 2)
         return _frame(columns)[there].reset_index(drop=True)
 
@@ -219,7 +233,7 @@ class Results:
         return frame[frame["mass"].notna()].reset_index(drop=True)
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table by its name: storey, floor, link, scene, accuracy, summary, records or buildings."""
+        """A table by its name: storey, floor, link, scene, flagged, accuracy, summary, records or buildings."""
         found = getattr(self, name)
         return found() if callable(found) else found
 
