@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -142,6 +142,17 @@ class Evidence:
         """Floor accelerations by case, analysis and building, over motion and floor."""
         parts = _by_place(self.floor.groupby(["case", "analysis", "building"], sort=False))
         return {place: here.set_index(["record", "floor"])["acceleration"] for place, here in parts.items()}
+
+    def only(self, cases: Sequence[str]) -> Evidence:
+        """The same with some of its cases alone, in the order given."""
+        order = {case: number for number, case in enumerate(cases)}
+
+        def cut(frame: pd.DataFrame) -> pd.DataFrame:
+            place = frame["case"].map(order)
+            return frame[place.notna()].iloc[place.dropna().argsort(kind="stable")].reset_index(drop=True)
+
+        frames = {name: cut(getattr(self, name)) for name in ("storey", "floor", "link", "scene")}
+        return replace(self, **frames)
 
     @property
     def failed(self) -> pd.DataFrame:

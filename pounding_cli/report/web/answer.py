@@ -106,7 +106,7 @@ def _largest(evidence: Evidence, ratio: str, each: bool) -> dict[tuple[str, ...]
         number, ratio_here = digits(row[of], 3), row[ratio]
         if level == "floor":
             number = f"{digits(row[of] / GRAVITY, 3)} g"
-            where += f", {digits(ratio_here, 3)} × alone" if ratio_here == ratio_here else ""
+            where += f", {digits(ratio_here, 3)}×" if ratio_here == ratio_here else ""
         elif itself == "mu":
             where += f", μ {digits(row[itself], 3)}"
         place = row["building"] if each else ""
@@ -128,16 +128,11 @@ def _closing(link: pd.DataFrame) -> dict[str, Cell]:
     closed = runs.groupby(level="case").agg(["sum", "size"])
     found = {}
     for row in link.loc[beyond.groupby(link["case"], sort=False).idxmax()].to_dict("records"):
-        where = f"floor {row['floor']}, gap {_mm(row['gap'])}"
-        if row["kind"] == "pounding":
-            times, of = closed.loc[row["case"]]
-            where += f"; {'no contact' if times == 0 else f'contact in {times} of {counted(int(of), "run")}'}"
-        found[row["case"]] = Cell(_mm(row["max_closing"]), where)
+        times, of = closed.loc[row["case"]]
+        where = f"contact: {times} of {of} runs" if times else "no contact"
+        number = f"{digits(1e3 * row['max_closing'], 3)} / {1e3 * row['gap']:.4g} mm"
+        found[row["case"]] = Cell(number, where if row["kind"] == "pounding" else str(row["kind"]))
     return found
-
-
-def _mm(metres: float) -> str:
-    return "0" if metres == 0 else f"{digits(1e3 * metres, 3)} mm"
 
 
 def _flags(scene: pd.DataFrame) -> dict[str, tuple[list[str], bool]]:

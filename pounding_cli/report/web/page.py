@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from pounding_cli import __version__
 from pounding_cli.report.evidence import Evidence, Tables, flags, motion_label, motion_sentence
+from pounding_cli.report.figures import plotted_cases
 from pounding_cli.report.sensitivity import Column
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
@@ -25,6 +26,8 @@ from pounding_cli.words import counted
 
 PAGE = "report.html"
 """File name of the page."""
+MOST_CASES = 40
+"""Cases the page carries, those the figures draw first; the tables beside it hold all."""
 MOST_VERDICTS = 100
 """Points of a sweep whose verdicts are listed."""
 
@@ -52,6 +55,12 @@ def write_page(
     """
     judgements = next((judged for where, judged in columns if where == shown.label), columns[0][1])
     scene = results.scene()
+    cases_left = len(shown.cases) - MOST_CASES
+    if cases_left > 0:
+        cases = list(dict.fromkeys([*plotted_cases(shown), *shown.cases]))[:MOST_CASES]
+        at = next(number for number, evidence in enumerate(evidences) if evidence is shown)
+        evidences = [evidence.only(cases) for evidence in evidences]
+        shown = evidences[at]
     chosen = chosen_points(evidences, shown)
     data = {
         "tables": tables(results, chosen),
@@ -76,6 +85,7 @@ def write_page(
         "points": len(evidences),
         "points_carried": len(chosen),
         "answer": answer(shown),
+        "cases_left": cases_left,
         "motion_count": len(shown.records),
         "tiles": story.tiles(shown, judgements, scene),
         "judgements": judgements,

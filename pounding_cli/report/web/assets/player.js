@@ -44,6 +44,8 @@ function playerView() {
     h('div', { class: 'bar' }, play, before, after, hardest, speed.element, h('label', { class: 'check' }, slow, 'slow at impacts')),
     scrub, strip, readout,
     h('p', { class: 'note key' }),
+    h('p', { class: 'note keys' }, ...[['Space', 'plays and pauses'], ['←', ''], ['→', 'one sample, with'], ['Shift', '0.1 s'], ['P', ''], ['N', 'previous and next impact']]
+      .flatMap(([key, does]) => [h('kbd', {}, key), ` ${does} `])),
   );
 
   function open(number) {

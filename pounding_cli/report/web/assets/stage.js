@@ -95,7 +95,7 @@ function layout(scene, width, scale) {
   const heights = scene.buildings.map(({ heights: each }) => each.reduce((all, one) => [...all, all.at(-1) + one], [0]));
   const tallest = Math.max(...heights.map((each) => each.at(-1)));
   const room = { top: 44, bottom: 74, side: 14 };
-  const height = Math.round(Math.max(220, Math.min(440, width * 0.52, innerHeight - 530))); // strips and buttons fit below
+  const height = Math.round(Math.max(220, Math.min(440, width * 0.52, innerHeight - 560))); // strips and buttons fit below
   const up = (height - room.top - room.bottom) / tallest;
   const count = scene.buildings.length;
   const gaps = scene.buildings.slice(1).map((_, number) => {
@@ -186,7 +186,7 @@ function drawGround(pen, scene, at, time, ink) {
   pen.fillStyle = ink.soft;
   pen.font = '12px system-ui, sans-serif';
   pen.textAlign = 'left';
-  pen.fillText('ground', 2, y + 4);
+  pen.fillText('ground acceleration', 2, y + 4);
 }
 
 const floorX = (scene, at, building, floor, time) => at.starts[building] + scene.moved(building, floor, time) * at.sideways;
