@@ -143,7 +143,7 @@ def _flags(scene: pd.DataFrame) -> dict[str, tuple[list[str], bool]]:
     failed = (scene["status"] != "done").groupby(scene["case"], sort=False).agg(["sum", "size"])
     found: dict[str, tuple[list[str], bool]] = {}
     for case, (lost, of) in failed.iterrows():
-        said = [f"{lost} of {counted(int(of), 'run')} failed and left out of the means"] if lost else []
+        said = [f"{lost} of {counted(int(of), 'run')} failed and are left out of the means"] if lost else []
         here = groups.get(str(case), [])
         said += [_said(group) for group in here[:MOST_FLAGS]]
         if len(here) > MOST_FLAGS:
@@ -156,4 +156,3 @@ def _flags(scene: pd.DataFrame) -> dict[str, tuple[list[str], bool]]:
 def _said(group: FlagGroup) -> str:
     which = f"{group.count} of {counted(group.of, 'run')}" + (f" ({group.scenes})" if group.scenes != "all" else "")
     return f"{group.flag}: {group.analysis}, {which}"
-

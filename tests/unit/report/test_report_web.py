@@ -169,8 +169,6 @@ def test_head_of_the_page_tells_the_largest_numbers():
     results.scene().loc[7, "sensitivity"] = 42.0
     evidence = points(results)[0]
     tiles = {tile.label: tile for tile in story.tiles(evidence, [], results.scene())}
-    assert tiles["Largest V/V₀, elastic"].number == story.digits(LEVEL["connected"] * np.mean(MOTIONS) * 1.04)
-    assert tiles["Largest V/V₀, elastic"].where == "connected: stiff, storey 5; mean of 5 motions"
     assert tiles["Numerical error"].number == "1.0×10⁻⁷"
     assert tiles["Largest sensitivity"].number == "42.0"
     row = results.scene().loc[7]
