@@ -494,7 +494,7 @@ def test_sweep_is_drawn_against_either_axis_and_points_can_be_chosen(study, visi
     )
     assert len(options) == 6
     choose(page, "Point of the sweep", options[3])
-    assert options[3] == "cases.gap.gap = 0.02, impact.restitution = 0.6"
+    assert options[3] == "cases.gap.gap = 2 cm, impact.restitution = 0.6"
     assert numbers_drawn(page)["gap", "1"] == f"{FACTOR['gap'] * 1.1:.3f}"
     assert page.locator("#claims table tbody tr").count() == 6
 

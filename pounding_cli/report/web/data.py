@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys
-from pounding_cli.report.web.columns import shown
 
 MOST_ROWS = 6000
 """Rows of one table that the page carries; about 0.1 kB each."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
@@ -79,6 +80,7 @@ def write_page(
         "data": as_json(data),
         "evidence": shown,
         "group": _group(shown),
+        "infinity": math.inf,
         "sentence": motion_sentence(shown.records),
         "motion_label": motion_label(shown.records),
         "swept": len(evidences) > 1,
@@ -154,7 +156,7 @@ def _main(evidence: Evidence) -> str:
 
 
 def _group(evidence: Evidence) -> list[dict[str, Any]]:
-    """Name, period [s], storeys and strength [-] of every building, left to right, for the drawing."""
+    """Name, period [s], storeys and V/W [-] of every building, left to right, for the drawing."""
     parts = dict(iter(evidence.buildings.groupby("building", sort=False)))
     main = _main(evidence)
     return [
@@ -162,7 +164,7 @@ def _group(evidence: Evidence) -> list[dict[str, Any]]:
             "name": name,
             "period": evidence.periods[name],
             "storeys": len(parts[name]),
-            "strength": story.strength(parts[name]),
+            "strength": float(parts[name]["base_shear_ratio"].iloc[0]),
             "main": name == main,
         }
         for name in evidence.group

@@ -13,7 +13,6 @@ import pandas as pd
 from pounding_cli.records import GRAVITY
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
-from pounding_cli.report.web.columns import shown
 from pounding_cli.words import counted
 
 MOST_REASONS = 4
@@ -86,13 +85,6 @@ def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFra
         words = [f"{verdict}: {count[verdict]}" for verdict in Verdict if count[verdict]]
         found.append(Tile("The paper's claims", f"{count[Verdict.HOLDS]} of {len(judgements)} hold", ", ".join(words)))
     return found
-
-
-def strength(buildings: pd.DataFrame) -> float:
-    """Yield shear of the lowest storey over the weight of one building [-]; NaN where it does not yield."""
-    weight = GRAVITY * buildings["mass"].sum()
-    base = buildings.loc[buildings["storey"].idxmin(), "yield_shear"]
-    return float(base / weight) if math.isfinite(base) else math.nan
 
 
 def cases(evidence: Evidence) -> Grid:

@@ -77,9 +77,3 @@ def test_columns_follow_the_analyses(analysis, heads):
         frame = results._frames[name]
         results._frames[name] = frame[frame["analysis"] == analysis].reset_index(drop=True)
     assert [label for label, _ in answer(points(results)[0]).heads[: len(heads)]] == heads
-
-
-def test_strength_is_base_yield_shear_over_weight():
-    buildings = make().buildings
-    assert story.strength(buildings[buildings["building"] == "stiff"]) == pytest.approx(1e6 / (5 * 2e5 * GRAVITY))
-    assert np.isnan(story.strength(buildings.assign(yield_shear=np.inf)))
