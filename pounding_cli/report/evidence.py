@@ -156,8 +156,8 @@ class Evidence:
             place = frame["case"].map(order)
             return frame[place.notna()].iloc[place.dropna().argsort(kind="stable")].reset_index(drop=True)
 
-        frames = {name: cut(getattr(self, name)) for name in ("storey", "floor", "link", "scene")}
-        return replace(self, **frames)
+        storey, floor, link, scene = map(cut, (self.storey, self.floor, self.link, self.scene))
+        return replace(self, storey=storey, floor=floor, link=link, scene=scene)
 
     @property
     def failed(self) -> pd.DataFrame:

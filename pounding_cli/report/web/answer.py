@@ -100,7 +100,7 @@ def _largest(evidence: Evidence, ratio: str, each: bool) -> dict[tuple[str, ...]
     of = itself if level == "floor" else ratio
     means = means[means[of].notna()]
     largest = means.loc[means.groupby(keys[: 3 if each else 2], sort=False)[of].idxmax()]
-    found = {}
+    found: dict[tuple[str, ...], Cell] = {}
     for row in largest.to_dict("records"):
         where = f"{level} {row[level]}" if each else f"{row['building']}, {level} {row[level]}"
         number, ratio_here = digits(row[of], 3), row[ratio]
