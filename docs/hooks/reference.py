@@ -1,13 +1,17 @@
-"""Pages of the site that are written from the code: the commands, the study's keys, the API."""
+"""Pages of the site that are written from the code: the commands, the study's keys, the API; and the notebooks."""
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Iterator
+from pathlib import Path
 
 import click
 
 from pounding_cli.cli.main import COMMANDS, cli
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 API = {
     "Load, run, open": (
@@ -90,8 +94,20 @@ def api_page() -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def notebook_page(path: Path) -> str:
+    """A notebook of the examples: its text, and its code as it stands, without what it shows."""
+    parts = []
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        text = "".join(cell["source"])
+        parts.append(text if cell["cell_type"] == "markdown" else f"```python\n{text}\n```")
+    parts.insert(1, f"This is the notebook [{path.name}]({path.name}), without what it shows.")
+    return "\n\n".join(parts) + "\n"
+
+
 def pages() -> Iterator[tuple[str, str]]:
     """Place in the site and text of every written page."""
+    for path in sorted(EXAMPLES.glob("*.ipynb")):
+        yield f"examples/{path.stem}.md", notebook_page(path)
     yield "reference/commands.md", commands_page()
     yield "reference/study-keys.md", keys_page()
     yield "reference/api.md", api_page()

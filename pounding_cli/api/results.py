@@ -74,7 +74,7 @@ class Results(store.Results):
         from pounding_cli.report.build import nominal
         from pounding_cli.report.evidence import points
         from pounding_cli.report.figures import main_building, response
-        from pounding_cli.report.style import drawn_with
+        from pounding_cli.report.style import drawn_on
         from pounding_cli.report.sweep import sweep_figure
 
         evidences = points(self)
@@ -82,7 +82,7 @@ class Results(store.Results):
         name = building or main_building(shown)
         if name not in shown.group:
             raise InputError(Problem(f"no building '{name}' in these results", f"there are {', '.join(shown.group)}"))
-        with drawn_with(plt.figure):
+        with drawn_on(plt.figure()):
             figure = sweep_figure(evidences, name) if len(evidences) > 1 else response(shown, name)
         return [ax for ax in figure.axes if ax.get_xlabel()]
 
