@@ -47,7 +47,7 @@ def command(
     from pounding_cli.report.claims import judge
     from pounding_cli.report.evidence import points
     from pounding_cli.store import open_results
-    from pounding_cli.store.swept import kind_of
+    from pounding_cli.store.files import kind_of
 
     chosen = () if no_figures else formats or FORMATS
     systems = [path for path in files if kind_of(path)]

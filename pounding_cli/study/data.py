@@ -32,7 +32,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     text = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=100)
     root = parse(text, path)
     try:
-        return validated(path, text, root)
+        return dataclasses.replace(validated(path, text, root), from_data=True)
     except InputError as refused:
         places = dict(_places(root))
         raise InputError([_at_key(problem, path, places) for problem in refused.problems]) from None

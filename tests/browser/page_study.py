@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import h5py
 import numpy as np
+from sealing import edited
 
 from pounding_cli.batch import run_plan
 from pounding_cli.report.build import write_report
@@ -108,7 +108,7 @@ def report(
     (folder / "study.yaml").write_text(STUDY + extra)
     results = folder / "study.h5"
     run_plan(expand(load_study(folder / "study.yaml")), results, solve=solve, workers=1)
-    with h5py.File(results, "a") as file:
+    with edited(results) as file:
         labels = tuple(file["link"].asstr()[:])
         for case in kept:
             place = {"case": case, "analysis": "elastic", "record": "strong", "scene": case, "every": DT}
