@@ -13,7 +13,8 @@ import yaml
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.load import Study, validated
-from pounding_cli.study.source import Mark, Node, parse
+from pounding_cli.study.source import Mark, Node
+from pounding_cli.study.yaml_file import parse
 
 
 def study_of(data: Mapping[str, Any]) -> Study:
