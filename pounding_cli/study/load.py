@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -18,6 +18,7 @@ from pounding_cli.study.keep import check_keep
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis
+from pounding_cli.study.plausible import few
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
 from pounding_cli.study.schema import ADAPTIVE, StudyModel
@@ -138,6 +139,8 @@ def validated(path: Path, text: str, root: Node) -> Study:
     said = _said(axes, resolver)
     _refuse_twins(said, axes, faults)
     faults.refuse()
+    for point in _along_axes(axes):
+        resolver.doubt(point)
     return Study(
         path,
         text,
@@ -163,6 +166,15 @@ def _at_value(problems: tuple[Problem, ...], axis: SweepAxis, index: int, faulty
             message = f"{problem.message} (where {value})"
             here.append(Problem(message, problem.hint, problem.file, problem.line, problem.column))
     return here
+
+
+def _along_axes(axes: tuple[SweepAxis, ...]) -> Iterator[tuple[int, ...]]:
+    """The first point of the sweep, and those that differ from it in one value."""
+    first = (0,) * len(axes)
+    yield first
+    for place, axis in enumerate(axes):
+        for index in range(1, len(axis)):
+            yield (*first[:place], index, *first[place + 1 :])
 
 
 def _text(node: Node) -> str:
@@ -258,4 +270,4 @@ def _warnings(model: StudyModel, root: Node, resolver: Resolver) -> tuple[Proble
             "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass",
             "leave it out for the dashpot that gives the coefficient of restitution",
         )
-    return tuple(notes.problems)
+    return tuple(few(sorted(notes.problems, key=lambda note: (note.file, note.line, note.column))))

@@ -292,3 +292,19 @@ def test_python_gives_the_same_tables(folder, pound, monkeypatch):
     again = pounding_cli.run(pounding_cli.load_study("two.yaml"), "again.h5")
     assert results.storey().equals(again.storey())
     assert pounding_cli.open_results("again.h5").title == "Two small buildings"
+
+
+@pytest.mark.parametrize("command", ["check", "plan", "run"])
+def test_what_is_unlikely_and_floors_that_meet_nothing_are_told_and_the_study_goes_on(folder, pound, command):
+    text = STUDY.replace("gap: 1 cm", "gap: 2").replace("storeys: 2,", "storeys: 5, height: 2.25 m,")
+    (folder / "two.yaml").write_text(text)
+    code, _, err = pound(command, "two.yaml", solve=known if command == "run" else None)
+    assert code == 0
+    assert "warning: two.yaml:14:30: gap is 2 m: " in err
+    assert "did you mean 2 cm?" in err
+    assert "warning: two.yaml:10:16: stiff and soft meet at 1 floor only (3 with 4): " in err
+    assert "floors 1 and 2 of stiff and floors 1 to 3 of soft meet no floor" in err
+    if command == "run":
+        found = open_results("results/two.h5").warnings
+        assert [(warning.line, warning.column) for warning in found] == [(10, 16), (14, 30)]
+        assert found[1].hint.startswith("did you mean 2 cm?")
