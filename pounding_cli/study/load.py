@@ -14,6 +14,7 @@ from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.reading import shortened
 from pounding_cli.study import buildings as building_room
+from pounding_cli.study.bracket import with_brackets
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.motions import Used
@@ -122,6 +123,7 @@ def validated(path: Path, text: str, root: Node) -> Study:
     file = shortened(path)
     refuse_other_kinds(root, file)
     faults = Faults(file)
+    root = with_brackets(root, faults)
     axes = read_axes(root, faults)
     resolver = Resolver(root, axes, file, path.resolve().parent)
     faults.extend(resolver.problems(resolver.base))

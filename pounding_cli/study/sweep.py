@@ -21,6 +21,7 @@ FIXED = (
     "report",
     "keep",
     "sweep",
+    "bracket",
 )
 """Keys that are one for the whole study."""
 
