@@ -112,7 +112,7 @@ class UbcDesign:
         The paper takes them as the yield levels of the inelastic analyses (parametric studies). Arguments and
         errors as `floor_forces`.
         """
-        return np.cumsum(self.floor_forces(mass, height, period)[::-1])[::-1]
+        return _storey_shears(self.floor_forces(mass, height, period))
 
     def design_displacements(
         self, mass: ArrayLike, height: ArrayLike, stiffness: ArrayLike, period: float
@@ -168,7 +168,12 @@ class BaseShearDesign:
 
     def yield_shears(self, mass: ArrayLike, height: ArrayLike, period: float) -> np.ndarray:
         """Storey shears under those forces [N], from the ground up, shape (n,). Arguments and errors as there."""
-        return np.cumsum(self.floor_forces(mass, height, period)[::-1])[::-1]
+        return _storey_shears(self.floor_forces(mass, height, period))
+
+
+def _storey_shears(forces: np.ndarray) -> np.ndarray:
+    """Sums of floor forces from every storey up [N], shape (n,)."""
+    return np.cumsum(forces[::-1])[::-1]
 
 
 def _with_top_force(shear: float, mass: np.ndarray, height: np.ndarray, period: float) -> np.ndarray:
