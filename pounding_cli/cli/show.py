@@ -13,7 +13,7 @@ from pounding_cli.words import counted
 if TYPE_CHECKING:
     import pandas as pd
 
-TABLES = ("storey", "floor", "link", "scene", "accuracy", "summary", "records", "buildings")
+TABLES = ("storey", "floor", "link", "scene", "flagged", "accuracy", "summary", "records", "buildings")
 _SENTENCES = ("effects", "dropped", "flags")
 _ASIDE = {
     "summary": ("_error", "_sensitivity", "_std", "_min"),
@@ -49,7 +49,7 @@ def command(
     record: tuple[str, ...],
     building: tuple[str, ...],
 ) -> None:
-    """Print TABLE of a results file: storey, floor, link, scene, accuracy, summary, records or buildings.
+    """Print TABLE of a results file: storey, floor, link, scene, flagged, accuracy, summary, records or buildings.
 
     summary holds means over the records, accuracy the error and the price of every scene; all columns are
     described in docs/results.md.

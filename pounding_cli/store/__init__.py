@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pounding_cli.store.flagged import FlagGroup, flag_groups_of, flagged_scenes
 from pounding_cli.store.former import check_results, former_run
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, solution_key
 from pounding_cli.store.locks import locked
@@ -14,11 +15,14 @@ from pounding_cli.store.write import Run, is_current, write_results
 __all__ = [
     "FORMAT",
     "FORMAT_VERSION",
+    "FlagGroup",
     "Overview",
     "PartStore",
     "Results",
     "Run",
     "check_results",
+    "flag_groups_of",
+    "flagged_scenes",
     "former_run",
     "is_current",
     "locked",

@@ -235,8 +235,8 @@ def change(file: h5py.File, chance: random.Random) -> None:
             del holder.attrs[attribute]
         else:
             value = chance.choice(
-                (np.nan, -1, 10**9, np.arange(3), np.zeros(0), h5py.Empty("f"), 2.5, b"\xff\xfe", chance.choice(ODD[:8]),
-                 chance.choice(ODD[9:]))
+                (np.nan, -1, 10**9, np.arange(3), np.zeros(0), h5py.Empty("f"), 2.5, b"\xff\xfe",
+                 chance.choice(ODD[:8]), chance.choice(ODD[9:]))
             )  # fmt: skip
             if isinstance(value, bytes):
                 value = np.array(value, h5py.string_dtype("utf-8", 2))
@@ -265,7 +265,7 @@ def change(file: h5py.File, chance: random.Random) -> None:
 
 
 def spoil_part(bench: Bench, chance: random.Random) -> str:
-    """One damaged or forged part; the run must come to the same tables, or, where it was forged, end with a sentence."""
+    """One damaged or forged part; the run comes to the same tables, or ends with a sentence."""
     bench.fresh()
     bench.part_folder.mkdir()
     for name, content in bench.parts.items():

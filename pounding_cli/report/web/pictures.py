@@ -12,9 +12,9 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from pounding_cli.report.claims import RESPONSES
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.style import RC
-from pounding_cli.report.web.columns import shown
 
 MOST_FIGURES = 60
 """Figures the page carries; those of further buildings stand beside it."""

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Analysis, Scene
@@ -25,6 +26,7 @@ class FakeStudy:
     title: str = "two buildings"
     path: Path = Path("two.yaml")
     from_data: bool = False
+    warnings: tuple[Problem, ...] = ()
     group: tuple[Building, ...] = ()
     swept: int = 0
     uses: dict[tuple[int, ...] | None, tuple[MotionUse, ...]] = field(default_factory=dict)

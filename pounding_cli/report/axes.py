@@ -1,0 +1,87 @@
+"""The axes of a sweep as people read them: values in the unit the study wrote them in, names for ticks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pounding_cli.report.evidence import Tables, axis_keys
+
+
+@dataclass(frozen=True)
+class SweptAxis:
+    """One axis of a sweep.
+
+    keys : the swept keys; more than one where they move together
+    points : one tuple a point, as long as `keys`: SI numbers or texts, as in the tables
+    units : per key the unit the study wrote it in ("" for a pure number or a text) and one such unit in SI
+    """
+
+    keys: tuple[str, ...]
+    points: tuple[tuple[Any, ...], ...]
+    units: tuple[tuple[str, float], ...]
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @property
+    def numeric(self) -> bool:
+        """Whether the points stand on a scale: the first key's values are numbers."""
+        return not any(isinstance(point[0], str) for point in self.points)
+
+    @property
+    def label(self) -> str:
+        """The keys with their units, for an axis title: "cases.gap.gap [cm]"."""
+        units = [unit for unit, _ in self.units]
+        return ", ".join(f"{key} [{unit}]" if unit else key for key, unit in zip(self.keys, units, strict=True))
+
+    @cached_property
+    def coordinates(self) -> np.ndarray:
+        """Where the points stand: the first key's numbers in its unit; 1, 2, ... for texts."""
+        if not self.numeric:
+            return np.arange(1.0, len(self) + 1)
+        return np.array([_in_unit(point[0], self.units[0][1]) for point in self.points])
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The points as ticks, without units: "5"; of keys that move together all values."""
+        return tuple(", ".join(self._values(place)) for place in range(len(self)))
+
+    def at(self, place: int) -> str:
+        """A point in words: "cases.gap.gap = 5 cm"."""
+        parts = zip(self.keys, self._values(place), self.units, strict=True)
+        return ", ".join(f"{key} = {value} {unit}".rstrip() for key, value, (unit, _) in parts)
+
+    def _values(self, place: int) -> list[str]:
+        pairs = zip(self.points[place], self.units, strict=True)
+        return [value if isinstance(value, str) else f"{_in_unit(value, factor):.6g}" for value, (_, factor) in pairs]
+
+
+def _in_unit(value: float, factor: float) -> float:
+    """An SI value in a unit, without the digits that the conversion leaves behind."""
+    return float(f"{float(value) / factor:.12g}")
+
+
+def swept_axes(results: Tables) -> tuple[SweptAxis, ...]:
+    """The axes of a results file in the order of the study; none where nothing is swept."""
+    frame = results.scene()
+    groups = json.loads(results.attrs.get("swept", "null"))
+    groups = groups if groups is not None else [[key] for key in axis_keys(frame)]
+    written = getattr(results, "units", {})
+    return tuple(
+        SweptAxis(tuple(keys), _points(frame, keys), tuple(_unit(written.get(key)) for key in keys)) for keys in groups
+    )
+
+
+def _points(frame: pd.DataFrame, keys: Sequence[str]) -> tuple[tuple[Any, ...], ...]:
+    return tuple(frame[list(keys)].drop_duplicates().itertuples(index=False, name=None))
+
+
+def _unit(written: Any) -> tuple[str, float]:
+    return (written.name, written.factor) if written is not None else ("", 1.0)
