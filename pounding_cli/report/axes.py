@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +11,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+
+from matplotlib.axis import Axis
 
 from pounding_cli.report.evidence import Tables, axis_keys
 
@@ -66,6 +69,64 @@ class SweptAxis:
 def _in_unit(value: float, factor: float) -> float:
     """An SI value in a unit, without the digits that the conversion leaves behind."""
     return float(f"{float(value) / factor:.12g}")
+
+
+LARGE_RANGE = 20.0
+"""Largest over smallest value of an axis above which it is logarithmic."""
+MOST_TICKS = 12
+"""Points of an axis up to which each has its own tick."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where the points of an axis stand in a figure.
+
+    order : numbers of the points, as they stand from the left (or upwards)
+    positions : where they stand, in that order
+    ticks : their names, in that order; None where the axis is a scale with ticks of its own
+    log : whether that scale is logarithmic
+    key : what numbered ticks stand for, as a sentence; "" where the ticks are names
+    """
+
+    order: np.ndarray
+    positions: np.ndarray
+    ticks: tuple[str, ...] | None
+    log: bool
+    key: str
+
+    def apply(self, axis: Axis) -> None:
+        """Set scale and ticks of a matplotlib axis."""
+        if self.log:
+            axis._set_axes_scale("log")
+        if self.ticks is not None:
+            step = -(-len(self.ticks) // MOST_TICKS)
+            axis.set_ticks(self.positions[::step], labels=self.ticks[::step])
+
+
+def placed(axis: SweptAxis, characters: int, *, cells: bool = False) -> Placed:
+    """Places and ticks of an axis.
+
+    characters : that fit beside each other along the axis
+    cells : few points stand as cells of one size, whatever their distances
+    """
+    order = np.argsort(axis.coordinates, kind="stable")
+    coordinates = axis.coordinates[order]
+    if axis.numeric and not (cells and len(axis) <= MOST_TICKS):
+        wide = coordinates[0] > 0 and coordinates[-1] > LARGE_RANGE * coordinates[0]
+        return Placed(order, coordinates, None, bool(wide), "")
+    names = [axis.names[place] for place in order]
+    ticks, key = short_names(names, characters)
+    return Placed(order, np.arange(1.0, len(axis) + 1), tuple(ticks), False, f" {axis.label}: {key}." if key else "")
+
+
+def short_names(names: Sequence[str], characters: int) -> tuple[list[str], str]:
+    """Names that fit beside each other in so many characters: themselves, broken into lines, else numbers with a key."""
+    width = max(characters // len(names), 1)
+    wrapped = [textwrap.fill(name, width, break_long_words=False) for name in names]
+    if max(len(line) for name in wrapped for line in name.split("\n")) <= width and len("".join(names)) < 3 * characters:
+        return wrapped, ""
+    numbers = [str(number) for number in range(1, len(names) + 1)]
+    return numbers, "; ".join(f"({n}) {name}" for n, name in zip(numbers, names, strict=True))
 
 
 def swept_axes(results: Tables) -> tuple[SweptAxis, ...]:
