@@ -120,15 +120,16 @@ def _from_study(file: Path, place: dict[str, Any]) -> tuple[History, Picture, st
     plan = expand(load_study(file))
     rows = meant_rows(plan, place)
     if len(rows) != 1:
-        said = [", ".join((*(f"{k} = {v}" for k, v in swept.items()), row.case, row.analysis, row.record))
-                for row, swept in (rows or meant_rows(plan, {}))]  # fmt: skip
+        said = [", ".join((*(f"{k} = {v}" for k, v in plan.shown(row).items()), row.case, row.analysis, row.record))
+                for row, _ in (rows or meant_rows(plan, {}))]  # fmt: skip
         listed = "; ".join(said[:12]) + (f"; ... {len(said)} in all" if len(said) > 12 else "")
         what = f"{len(rows)} scenes are meant" if rows else "no scene of the study is meant"
         raise InputError(Problem(what, f"say one with --case, --analysis, --record, --at: {listed}", str(file)))
-    ((row, swept),) = rows
+    ((row, _),) = rows
     scene = plan.scenes[row.scene]
     accuracy = plan.accuracy if plan.method in ADAPTIVE else 1e-6
-    words = in_words(swept, {"case": row.case, "analysis": row.analysis, "record": row.record}, scene.motion.source)
+    named = {"case": row.case, "analysis": row.analysis, "record": row.record}
+    words = in_words(plan.shown(row), named, scene.motion.source)
     picture = picture_of_scene(scene, plan.study.title, words)
     return history(scene, accuracy, plan.every), picture, "-".join((file.stem, row.case, row.analysis, row.record))
 

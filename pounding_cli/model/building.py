@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from pounding_cli.model.foundation import Foundation
+from pounding_cli.records.motion import GRAVITY
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +80,11 @@ class Building:
     def yield_drift(self) -> np.ndarray:
         """Storey drift at first yield [m], shape (n,)."""
         return self.yield_shear / self.stiffness
+
+    @property
+    def base_shear_ratio(self) -> float:
+        """Yield shear of the lowest storey over the weight, V/W [-]; inf where it cannot yield."""
+        return float(self.yield_shear[0] / (GRAVITY * self.mass.sum()))
 
     @cached_property
     def stiffness_matrix(self) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import FlagGroup, SceneFlags, counts_of_flags, flag_groups
+from pounding_cli.store.swept import coordinate, written
 
 MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
 """What is shown of each analysis: the paper's Figs 6 and 7 show these two."""
@@ -103,7 +104,7 @@ def overview(path: Path) -> Overview:
         # Storeys of a building, in whichever point of the sweep it has most of them.
         mass = file["mass"][()]
         there = np.isfinite(mass).any(axis=tuple(range(mass.ndim - 2)))
-        points = _points([{name: _values(file[name]) for name in names} for names in swept])
+        points = _points([{name: _shown(file[name]) for name in names} for names in swept])
         flags = file["flags"].asstr()[()]
         worthless = counts_of_flags(flags)["records_meaningless"].reshape(-1, len(cases), len(analyses))
         scenes = (
@@ -154,7 +155,7 @@ def _worst(values: np.ndarray) -> float:
     return float(known.max()) if known.size else float("nan")
 
 
-def _points(axes: list[dict[str, list]]) -> tuple[str, ...]:
+def _points(axes: list[dict[str, list[str]]]) -> tuple[str, ...]:
     """Points in words, the last axis fastest, as the arrays are laid out."""
     words = [
         [
@@ -166,8 +167,10 @@ def _points(axes: list[dict[str, list]]) -> tuple[str, ...]:
     return tuple(", ".join(point) for point in product(*words))
 
 
-def _values(dataset: h5py.Dataset) -> list:
-    return list(dataset.asstr()[:]) if h5py.check_string_dtype(dataset.dtype) else dataset[:].tolist()
+def _shown(dataset: h5py.Dataset) -> list[str]:
+    """The values of a swept key as the study wrote them."""
+    unit = written(dataset)
+    return [unit.text(value) for value in coordinate(dataset.file, dataset.name)]
 
 
 def _building(values: np.ndarray, storeys: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

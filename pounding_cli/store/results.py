@@ -16,6 +16,8 @@ from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
 from pounding_cli.store.layout import PLACE, SCENES
 from pounding_cli.store.solutions import stored_methods
+from pounding_cli.store.swept import written
+from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,7 +62,8 @@ class Results:
     path : the file
     title, study_text : the study as written
     resolved, resolved_text : the study with every default filled in (SI), as a mapping and as JSON
-    axes : swept key -> its values; keys of one axis (zipped) have the same length
+    axes : swept key -> its values (SI); keys of one axis (zipped) have the same length
+    units : swept key -> the unit the study wrote it in, to show values to people
     attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
     """
 
@@ -78,11 +81,20 @@ class Results:
             self.axes: dict[str, list[Any]] = {
                 name: _values(file[name]).tolist() for names in self._swept for name in names
             }
+            self.units: dict[str, Unit] = {name: written(file[name]) for name in self.axes}
 
     @cached_property
     def resolved(self) -> dict[str, Any]:
         """The study with every default filled in, SI."""
         return json.loads(self.resolved_text)
+
+    def axis_label(self, key: str) -> str:
+        """A swept key with the unit the study wrote it in: "cases.gap.gap [cm]"."""
+        return self.units[key].label(key)
+
+    def value_label(self, key: str, value: Any) -> str:
+        """A value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
+        return self.units[key].text(value)
 
     @cached_property
     def methods(self) -> tuple[str, ...]:
@@ -214,7 +226,8 @@ class Results:
     @cached_property
     def buildings(self) -> pd.DataFrame:
         """Per building and storey: place from 1 at the left, mass [kg], height [m], stiffness [N/m],
-        yield shear [N], fundamental period [s], the code's separation from the next building [m].
+        yield shear [N], fundamental period [s], base-shear ratio V/W [-] (infinite for storeys that never yield),
+        the code's separation from the next building [m].
 
         Swept axes that change a building come first.
         """
@@ -227,7 +240,7 @@ class Results:
             columns |= {"place": np.broadcast_to(places, shape).ravel(), "storey": storey}
             for name in ("mass", "height", "stiffness", "yield_shear"):
                 columns[name] = _values(file[name]).ravel()
-            for name in ("period", "separation"):
+            for name in ("period", "base_shear_ratio", "separation"):
                 columns[name] = np.broadcast_to(_values(file[name])[..., None], shape).ravel()
         frame = _frame(columns)
         return frame[frame["mass"].notna()].reset_index(drop=True)

@@ -22,6 +22,7 @@ from pounding_cli.study.resolve import Resolver, places, shown
 from pounding_cli.study.schema import ADAPTIVE, StudyModel
 from pounding_cli.study.source import Node, read_source
 from pounding_cli.study.sweep import SweepAxis, read_axes
+from pounding_cli.study.written import unit_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +174,10 @@ def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
             rows.append(
                 tuple(_value(resolver, point, path, node) for path, node in zip(axis.paths, nodes, strict=True))
             )
-        said.append(Axis(axis.names, tuple(rows)))
+        units = tuple(
+            unit_of(StudyModel, path, [nodes[column] for nodes in axis.nodes]) for column, path in enumerate(axis.paths)
+        )
+        said.append(Axis(axis.names, tuple(rows), units))
     return tuple(said)
 
 

@@ -9,6 +9,8 @@ from pydantic import BaseModel
 
 from pounding_cli.study.problems import Faults, keys_at, nearest
 from pounding_cli.study.source import Node
+from pounding_cli.study.written import unit_of
+from pounding_cli.words import Unit
 
 MOST_POINTS = 10_000
 _FIXED = ("title", "sweep")
@@ -16,10 +18,14 @@ _FIXED = ("title", "sweep")
 
 @dataclass(frozen=True)
 class PointAxis:
-    """One axis: its keys, and for every point the node each takes; keys that move together share an axis."""
+    """One axis: its keys, and for every point the node each takes; keys that move together share an axis.
+
+    units : the unit each key is written in
+    """
 
     names: tuple[str, ...]
     nodes: tuple[tuple[Node, ...], ...]
+    units: tuple[Unit, ...]
 
 
 def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple[PointAxis, ...]:
@@ -54,7 +60,8 @@ def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple
         if len({len(column) for column in columns}) > 1:
             faults.add(holder.mark, "keys that move together need lists of one length", "give as many values of each")
             continue
-        axes.append(PointAxis(names, tuple(zip(*columns, strict=True))))
+        units = tuple(unit_of(model, name.split("."), column) for name, column in zip(names, columns, strict=True))
+        axes.append(PointAxis(names, tuple(zip(*columns, strict=True)), units))
     count = 1
     for axis in axes:
         count *= len(axis.nodes)

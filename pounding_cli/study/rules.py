@@ -54,4 +54,5 @@ STIFFNESS_FORM = TextForm(
     read_stiffness,
     "stiffness [N/m] or a multiple of a storey's",
     ("20 x stiffest storey", "1/5 mean storey of stiff", "1e10 N/m"),
+    STIFFNESS,
 )

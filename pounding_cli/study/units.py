@@ -91,6 +91,20 @@ def _converted(unit: str, si: str) -> float | None:
         raise ValueError(unit) from error
 
 
+def written_unit(text: str) -> str:
+    """The unit in a text such as "5 cm"; "" where it names none or is no quantity."""
+    found = _QUANTITY.match(text)
+    return (found["unit"] or "") if found else ""
+
+
+def factor_of(unit: str, si: str) -> float | None:
+    """One `unit` in `si` [-]; None where it is unknown or of another dimension."""
+    try:
+        return _factor(unit, si)
+    except ValueError:
+        return None
+
+
 def refuse(message: str, hint: str) -> PydanticCustomError:
     """A pydantic error that carries a hint; braces in the texts are left alone."""
     return PydanticCustomError("refused", "{message}", {"message": message, "hint": hint})
@@ -202,11 +216,15 @@ def limited(quantity: Quantity, **changes: Any) -> Quantity:
 
 @dataclass(frozen=True)
 class TextForm:
-    """A value read by a function of its own; `form` and `examples` tell the JSON schema how it may look."""
+    """A value read by a function of its own; `form` and `examples` tell the JSON schema how it may look.
+
+    quantity : what it is where it is a number with a unit
+    """
 
     read: Callable[[Any], Any]
     form: str
     examples: tuple[Any, ...]
+    quantity: Quantity | None = None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
