@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from pounding_cli.report.axes import Placed, placed
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.figures import framed
-from pounding_cli.report.quantity import OverSweep, Panels
+from pounding_cli.report.quantity import Panels
 from pounding_cli.report.style import Look, caption, looks, styled
 
 LINE = 34
@@ -62,7 +62,7 @@ def _draw(ax: Axes, panel: Panels, places: Placed, look: Mapping[str, Look]) -> 
     ax.set_ylabel(first.title)
     if first.is_ratio:
         ax.axhline(1, color="0.35", lw=1.0, zorder=1)
-    places.apply(ax.xaxis)
+    places.apply(ax, "x")
     ax.set_xlabel(first.axes[0].label)
     if not joined:
         ax.set_xlim(0.6, len(x) + 0.4)

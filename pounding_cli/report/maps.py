@@ -8,8 +8,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PatchCollection
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from pounding_cli.report.axes import MOST_TICKS, Placed, SweptAxis, placed
 from pounding_cli.report.evidence import Evidence
@@ -25,9 +28,7 @@ LARGE_RANGE = 30.0
 
 
 @styled
-def draw_maps(
-    evidence: Evidence, black: Sequence[str], headline: str, panels: Sequence[Panels], words: str
-) -> Figure:
+def draw_maps(evidence: Evidence, black: Sequence[str], headline: str, panels: Sequence[Panels], words: str) -> Figure:
     """One panel for every case of each of `panels`; the second axis of the quantities is across.
 
     black : buildings filled in the drawing of the group
@@ -49,13 +50,17 @@ def draw_maps(
         norm = _norm(row)
         for ax, case in zip(line, cases, strict=False):
             _draw(ax, row.by_case[case], x, y, norm)
-            ax.set_title(f"{case}\n{row.heading}" if row.heading else case, loc="left")
+            ax.set_title(f"{case}, {row.heading.lower()}", loc="left")
         for ax in line[1 : len(cases)]:
             ax.set_ylabel("")
         for ax in line[len(cases) :]:
             ax.axis("off")
         bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=line[: len(cases)], pad=0.02, aspect=18)
         bar.set_label(next(iter(row.by_case.values())).title)
+        if isinstance(norm, LogNorm):
+            bar.ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            bar.ax.yaxis.set_minor_formatter(NullFormatter())
     caption(figure, f"{words}.{_marks(panels)}{x.key}{y.key}")
     return figure
 
@@ -80,15 +85,13 @@ def _draw(ax: Axes, over: OverSweep, x: Placed, y: Placed, norm: Normalize) -> N
     values, void = np.ma.masked_invalid(over.mean[order]), over.meaningless[order] > 0
     ax.grid(False)
     ax.set_facecolor(NOTHING)
-    x.apply(ax.xaxis)
-    y.apply(ax.yaxis)
+    x.apply(ax, "x")
+    y.apply(ax, "y")
     ax.pcolormesh(x.positions, y.positions, values, norm=norm, cmap=COLOURS, shading="nearest", rasterized=True)
     if void.any():
-        with mpl.rc_context({"hatch.linewidth": 0.7, "hatch.color": "white"}):
-            cells = np.ma.masked_where(~void, void.astype(float))
-            ax.pcolor(x.positions, y.positions, cells, shading="nearest", hatch="////", alpha=0.0, lw=0)
+        _hatch(ax, x.positions, y.positions, void)
     if x.ticks is not None and y.ticks is not None:
-        _print(ax, over, values, x, y, norm)
+        _print(ax, values, void, x, y, norm)
     elif over.is_ratio and min(values.shape) > 2 and values.count() and values.min() < 1 < values.max():
         ax.contour(x.positions, y.positions, values, levels=[1.0], colors="white", linewidths=1.2)
     along, across = over.axes
@@ -97,20 +100,37 @@ def _draw(ax: Axes, over: OverSweep, x: Placed, y: Placed, norm: Normalize) -> N
     ax.tick_params(length=3)
 
 
-def _print(ax: Axes, over: OverSweep, values: np.ma.MaskedArray, x: Placed, y: Placed, norm: Normalize) -> None:
-    """The numbers in the cells, dark on light and light on dark."""
+def _hatch(ax: Axes, x: np.ndarray, y: np.ndarray, cells: np.ndarray) -> None:
+    """Hatch the cells whose numbers mean nothing."""
+    across, up = _edges(x), _edges(y)
+    found = [Rectangle((across[j], up[i]), across[j + 1] - across[j], up[i + 1] - up[i]) for i, j in np.argwhere(cells)]
+    ax.add_collection(PatchCollection(found, facecolor="none", edgecolor="white", hatch="//", linewidth=0))
+
+
+def _edges(places: np.ndarray) -> np.ndarray:
+    """Where cells around places begin and end: half way to their neighbours."""
+    half = np.diff(places) / 2
+    return np.concatenate(([places[0] - half[0]], places[:-1] + half, [places[-1] + half[-1]]))
+
+
+def _print(ax: Axes, values: np.ma.MaskedArray, void: np.ndarray, x: Placed, y: Placed, norm: Normalize) -> None:
+    """The numbers in the cells, dark on light and light on dark; hatching ends before them."""
     colours = mpl.colormaps[COLOURS]
     for i, j in np.argwhere(~np.ma.getmaskarray(values)):
-        grey = float(np.dot(colours(norm(values[i, j]))[:3], (0.299, 0.587, 0.114)))
+        colour = colours(norm(values[i, j]))
+        dark = float(np.dot(colour[:3], (0.299, 0.587, 0.114))) < 0.5
         ax.text(
             x.positions[j], y.positions[i], short(values[i, j]), ha="center", va="center", fontsize=7,
-            color="black" if grey > 0.55 else "white",
+            color="white" if dark else "black",
+            bbox={"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[i, j] else None,
         )  # fmt: skip
 
 
 def short(value: float) -> str:
     """A number for a cell: three digits, two below one, no more than five characters."""
     size = abs(value)
+    if size == 0:
+        return "0"
     if size >= 1e5:
         return f"{value:.0e}".replace("e+0", "e")
     return f"{value:.0f}" if size >= 99.95 else f"{value:.1f}" if size >= 9.995 else f"{value:.2f}"

@@ -4,8 +4,9 @@ Maps and curves of the static figures and of the page draw what `over_sweep` ret
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,8 +18,13 @@ from pounding_cli.report.evidence import Tables, names
 from pounding_cli.store.flagged import flagged_scenes
 from pounding_cli.store.layout import RESPONSES, VARIABLES
 
-_LEVELS = {"storey": ("building", "storey"), "floor": ("building", "floor"), "link": ("link", "floor"), "scene": ()}
-"""Tables that hold quantities, and the columns that say where in a scene a value stands."""
+LEVELS = {
+    "storey": ("case", "analysis", "building", "storey"),
+    "floor": ("case", "analysis", "building", "floor"),
+    "link": ("case", "analysis", "link", "floor"),
+    "scene": ("case", "analysis"),
+}
+"""Tables that hold quantities, and the columns that, beside point and motion, say where a value stands."""
 
 _OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "events", "seconds")
 
@@ -71,18 +77,23 @@ class OverSweep:
     meaningless: np.ndarray
     reasons: tuple[str, ...]
 
-    def at(self, places: Sequence[int | slice]) -> OverSweep:
-        """The part at given places of the axes: a number takes an axis away, a slice keeps it."""
-        cut = tuple(places)
-        kept = tuple(axis for axis, place in zip(self.axes, cut, strict=True) if isinstance(place, slice))
-        arrays = ("mean", "std", "low", "high", "motions", "place", "meaningless")
-        parts = {name: np.asarray(getattr(self, name)[cut]) for name in arrays}
-        return replace(self, axes=kept, **parts)
+    @property
+    def is_ratio(self) -> bool:
+        """Whether 1 stands for the building alone."""
+        return self.choice.quantity.endswith("_ratio")
 
     @property
     def title(self) -> str:
         """The quantity with its unit."""
         return f"{self.label} [{self.unit}]" if self.unit not in ("", "–") else self.label
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """What stands side by side in a figure: a heading, and one quantity by case."""
+
+    heading: str
+    by_case: dict[str, OverSweep]
 
 
 def table_of(quantity: str) -> str:
@@ -101,11 +112,19 @@ def table_of(quantity: str) -> str:
 
 def quantities() -> tuple[str, ...]:
     """The quantities that can be drawn over a sweep, by their names in the tables."""
-    return (*(variable.name for variable in RESPONSES if variable.dims[-1] in _LEVELS), *_OF_SCENES)
+    return (*(variable.name for variable in RESPONSES if variable.dims[-1] in LEVELS), *_OF_SCENES)
 
 
-def over_sweep(results: Tables, choice: Choice, axes: Sequence[SweptAxis] | None = None) -> OverSweep:
+def over_sweep(
+    results: Tables,
+    choice: Choice,
+    axes: Sequence[SweptAxis] | None = None,
+    at: Mapping[str, Any] | None = None,
+) -> OverSweep:
     """A quantity over the sweep: per place the mean over the motions, at every point the place where it is largest.
+
+    axes : in the order wanted, all axes of the sweep unless given
+    at : value (SI, as in the tables) of every key of the axes left out
 
     Raises
     ------
@@ -113,11 +132,11 @@ def over_sweep(results: Tables, choice: Choice, axes: Sequence[SweptAxis] | None
     """
     axes = tuple(axes) if axes is not None else swept_axes(results)
     shape = tuple(len(axis) for axis in axes)
-    rows = _chosen(getattr(results, choice.table)(), choice)
+    rows = _chosen(_cut(getattr(results, choice.table)(), at or {}), choice)
     scenes = ["point", "case", "analysis", "record"]
-    level = [column for column in ("case", "analysis", *_LEVELS[choice.table]) if column in rows.columns]
+    level = list(LEVELS[choice.table])
     numbers = rows[[*level, "record"]].assign(value=rows[choice.quantity].to_numpy(float), point=_points(rows, axes))
-    voids = _meaningless(results.scene(), axes)
+    voids = _meaningless(_cut(results.scene(), at or {}), axes)
     numbers["void"] = pd.MultiIndex.from_frame(numbers[scenes]).isin(pd.MultiIndex.from_frame(voids[scenes]))
     grouped = numbers.groupby(["point", *level], sort=False)
     found = grouped["value"].agg(["mean", "std", "min", "max", "count"]).assign(void=grouped["void"].sum())
@@ -138,6 +157,13 @@ def over_sweep(results: Tables, choice: Choice, axes: Sequence[SweptAxis] | None
     drawn = pd.MultiIndex.from_frame(numbers.loc[numbers["void"], scenes])
     reasons = names(voids.loc[pd.MultiIndex.from_frame(voids[scenes]).isin(drawn), "flag"])
     return OverSweep(choice, axes, look.label, look.unit, mean, std, low, high, motions, place, void, tuple(reasons))
+
+
+def _cut(frame: pd.DataFrame, at: Mapping[str, Any]) -> pd.DataFrame:
+    """The rows at some values of swept keys."""
+    for key, value in at.items():
+        frame = frame[frame[key] == value]
+    return frame
 
 
 def _meaningless(scene: pd.DataFrame, axes: Sequence[SweptAxis]) -> pd.DataFrame:
@@ -181,7 +207,7 @@ def _points(rows: pd.DataFrame, axes: Sequence[SweptAxis]) -> np.ndarray:
 def _places(worst: pd.DataFrame, choice: Choice) -> np.ndarray:
     """Where the numbers stand in words, without what was chosen."""
     words = []
-    for name in ("case", "analysis", *_LEVELS[choice.table]):
+    for name in LEVELS[choice.table]:
         if getattr(choice, name) is not None or (choice.table == "link" and name == "floor"):
             continue
         prefix = f"{name} " if name in ("storey", "floor") else ""
