@@ -205,6 +205,8 @@ def _print(found: Overview, outcome: Outcome) -> None:
     motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
     click.echo(f"Means over {counted(found.records, 'motion')}{many}.\nMotions, {motions}")
     _print_trust(found.trust)
+    for sentence in found.unknown:
+        click.echo(sentence)
     for group in found.flags:
         click.echo(f"{f'Meaningless ({MEANINGLESS})' if group.meaningless else 'Note'}: {group}")
     if found.spared:

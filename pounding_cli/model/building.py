@@ -11,6 +11,7 @@ import numpy as np
 
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.records.motion import GRAVITY
+from pounding_cli.words import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,9 @@ class Building:
         if wrong.size:
             place = f" of storey {wrong[0] + 1}" if key not in ("alpha", "beta") else ""
             raise ValueError(f"{self.name}: {key}{place} is {values[wrong[0]]:g}; it {rule}")
+
+    def __repr__(self) -> str:
+        return f"Building({self.name!r}, {counted(self.storeys, 'storey')}, T = {self.periods[0]:.4g} s)"
 
     @property
     def storeys(self) -> int:

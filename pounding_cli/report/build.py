@@ -73,10 +73,12 @@ def write_comparison(results: Mapping[str, Tables], folder: Path) -> list[Path]:
 
 
 def nominal(evidences: Sequence[Evidence]) -> Evidence:
-    """The point of the sweep that equals the study without its sweep; the first where none does."""
-    for evidence in evidences:
-        if all(_at(evidence.resolved, key) == value for key, value in evidence.point.items()):
-            return evidence
+    """The point of the sweep that equals the study without its sweep; where none does the first, in the middle of every
+    bracket."""
+    for keys in (evidences[0].point, evidences[0].resolved.get("bracket") or ()):
+        for evidence in evidences:
+            if all(_at(evidence.resolved, key) == evidence.point[key] for key in keys):
+                return evidence
     return evidences[0]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -147,6 +147,17 @@ class Evidence:
         """Floor accelerations by case, analysis and building, over motion and floor."""
         parts = _by_place(self.floor.groupby(["case", "analysis", "building"], sort=False))
         return {place: here.set_index(["record", "floor"])["acceleration"] for place, here in parts.items()}
+
+    def only(self, cases: Sequence[str]) -> Evidence:
+        """The same with some of its cases alone, in the order given."""
+        order = {case: number for number, case in enumerate(cases)}
+
+        def cut(frame: pd.DataFrame) -> pd.DataFrame:
+            place = frame["case"].map(order)
+            return frame[place.notna()].iloc[place.dropna().argsort(kind="stable")].reset_index(drop=True)
+
+        storey, floor, link, scene = map(cut, (self.storey, self.floor, self.link, self.scene))
+        return replace(self, storey=storey, floor=floor, link=link, scene=scene)
 
     @property
     def failed(self) -> pd.DataFrame:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from pounding_cli.errors import Problem
 from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
@@ -64,6 +65,7 @@ class Results:
     resolved, resolved_text : the study with every default filled in (SI), as a mapping and as JSON
     axes : swept key -> its values (SI); keys of one axis (zipped) have the same length
     units : swept key -> the unit the study wrote it in, to show values to people
+    warnings : what `pound check` says of the study: what is unlikely, and floors that meet nothing
     attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
     """
 
@@ -77,6 +79,8 @@ class Results:
             self.title = str(self.attrs["title"])
             self.study_text: str = file["study/text"].asstr()[()]
             self.resolved_text: str = file["study/resolved"].asstr()[()]
+            warnings = file["study/warnings"].asstr()[()] if "warnings" in file["study"] else "[]"
+            self.warnings = tuple(Problem(**each) for each in json.loads(warnings))
             self._swept: list[list[str]] = json.loads(self.attrs["swept"])
             self.axes: dict[str, list[Any]] = {
                 name: _values(file[name]).tolist() for names in self._swept for name in names

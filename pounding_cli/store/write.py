@@ -125,6 +125,7 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
     study.attrs["title"] = plan.study.title
     study["text"] = plan.study.text
     study["resolved"] = _json(plan.study.resolved())
+    study["warnings"] = json.dumps([vars(warning) for warning in plan.study.warnings])
     write_solutions(file, list(plan.scenes), responses)
     _write_attributes(file, plan, responses, run)
 

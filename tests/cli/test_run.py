@@ -138,7 +138,7 @@ def test_a_case_without_meaning_is_marked_in_the_table_and_in_the_last_sentence(
 def test_flagged_scenes_of_a_sweep_are_named_with_their_point(folder, pound):
     (folder / "two.yaml").write_text(STUDY + "sweep: {cases.gap.gap: [1 cm, 0 cm]}\n")
     _, out, _ = pound("run", "two.yaml", solve=strikes)
-    assert "gap, elastic, 1 of 4 scenes (cases.gap.gap = 0.01: strong): connector closes" in out
+    assert "gap, elastic, 1 of 4 scenes (cases.gap.gap = 1 cm: strong): connector closes" in out
     gap = next(at for at, line in enumerate(out.splitlines()) if line.startswith(" gap !"))
     swept = out.splitlines()[gap : gap + 2]
     assert [line.count(" !") for line in swept] == [3, 0]  # beside the case's name, and only at the point concerned
@@ -158,7 +158,7 @@ def test_a_changed_study_solves_only_what_is_new(folder, pound):
     code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
     assert code == 0
     assert "Scenes: 8 solved, 16 reused, 0 failed" in out
-    assert "Line 3, cases.gap.gap = 0.03\nMeans over 2 motions at 3 points of the sweep." in out
+    assert "Line 3, cases.gap.gap = 3 cm\nMeans over 2 motions at 3 points of the sweep." in out
     assert list(open_results("r.h5").storey().columns[:2]) == ["cases.gap.gap", "case"]
 
 
@@ -292,3 +292,19 @@ def test_python_gives_the_same_tables(folder, pound, monkeypatch):
     again = pounding_cli.run(pounding_cli.load_study("two.yaml"), "again.h5")
     assert results.storey().equals(again.storey())
     assert pounding_cli.open_results("again.h5").title == "Two small buildings"
+
+
+@pytest.mark.parametrize("command", ["check", "plan", "run"])
+def test_what_is_unlikely_and_floors_that_meet_nothing_are_told_and_the_study_goes_on(folder, pound, command):
+    text = STUDY.replace("gap: 1 cm", "gap: 2").replace("storeys: 2,", "storeys: 5, height: 2.25 m,")
+    (folder / "two.yaml").write_text(text)
+    code, _, err = pound(command, "two.yaml", solve=known if command == "run" else None)
+    assert code == 0
+    assert "warning: two.yaml:14:30: gap is 2 m: " in err
+    assert "did you mean 2 cm?" in err
+    assert "warning: two.yaml:10:16: stiff and soft meet at 1 floor only (3 with 4): " in err
+    assert "floors 1 and 2 of stiff and floors 1 to 3 of soft meet no floor" in err
+    if command == "run":
+        found = open_results("results/two.h5").warnings
+        assert [(warning.line, warning.column) for warning in found] == [(10, 16), (14, 30)]
+        assert found[1].hint.startswith("did you mean 2 cm?")
