@@ -74,8 +74,8 @@ class Results(store.Results):
         from pounding_cli.report.build import nominal
         from pounding_cli.report.evidence import points
         from pounding_cli.report.figures import main_building, response
-        from pounding_cli.report.style import drawn_on
         from pounding_cli.report.quantity import Choice
+        from pounding_cli.report.style import drawn_on
         from pounding_cli.report.sweep import Asked, sweep_figures
 
         evidences = points(self)
