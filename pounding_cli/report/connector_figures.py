@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pounding_cli.report.style import caption, new_figure, save, styled
-from pounding_cli.store.swept import axes_of, coordinate, open_swept
+from pounding_cli.store.swept import axes_of, coordinate, open_swept, written
 
 _COLORS = ("#000000", "#0072B2")
 
@@ -63,15 +63,10 @@ def connector_figure(file: h5py.File) -> Figure:
 
 
 def point_label(file: h5py.File, axes: tuple[str, ...], point: tuple[int, ...]) -> str:
-    """A point of the sweep in words; percent where the file means a damping ratio."""
+    """A point of the sweep in words and the units of the study."""
     parts = []
     for name, place in zip(axes, point, strict=True):
-        value = coordinate(file, name)[place]
-        if isinstance(value, str):
-            shown = value
-        else:
-            shown = f"{100 * value:g} %" if name.endswith(("damping", "damping_ratio")) else f"{value:g}"
-        parts.append(f"{name} = {shown}")
+        parts.append(f"{name} = {written(file[name]).text(coordinate(file, name)[place])}")
     return ", ".join(parts) or "response ratios"
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pounding_cli.words import counted
+
 
 @dataclass(frozen=True, eq=False)
 class BuildingResponse:
@@ -88,6 +90,11 @@ class Response:
     sensitivity: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     samples: tuple[np.ndarray, ...] = ()
+
+    def __repr__(self) -> str:
+        shears = ", ".join(f"{each.shear.max():.4g}" for each in self.buildings)
+        impacts = f"; {counted(int(self.links.impacts.sum()), 'impact')}" if self.links.impacts.size else ""
+        return f"Response({self.status}; {self.method}; largest storey shears {shears} N{impacts})"
 
     @property
     def methods(self) -> tuple[str, ...]:

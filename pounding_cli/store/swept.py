@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from pounding_cli import __version__
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.study.points import PointAxis
+from pounding_cli.words import Unit
+
+if TYPE_CHECKING:
+    from pounding_cli.study.points import PointAxis
 
 
 def create(path: Path) -> h5py.File:
@@ -63,13 +66,14 @@ def write_axes(
     """One dimension scale per swept axis, named like its first key; further keys of the axis lie along it."""
     names = []
     for place, axis in enumerate(axes):
-        for name in axis.names:
+        for name, unit in zip(axis.names, axis.units, strict=True):
             column: dict[int, Any] = {index[place]: found[name] for index, found in values}
             ordered = [column[i] for i in sorted(column)]
             text = any(isinstance(value, str) for value in ordered)
             data = [str(v) for v in ordered] if text else np.array(ordered, dtype=float)
             # A variable named like a path would lie in folders: HDF5 separates those by "/", not by "."
             dataset = file.create_dataset(name, data=data, dtype=h5py.string_dtype() if text else float)
+            describe_unit(dataset, unit)
             if name == axis.names[0]:
                 dataset.make_scale(name)
             else:
@@ -98,6 +102,20 @@ def write_array(group: h5py.Group, name: str, data: Any, dims: Sequence[str], un
 def axes_of(file: h5py.File, like: str) -> tuple[str, ...]:
     """The swept dimensions, read off the scalar variable `like`."""
     return tuple(dim[0].name.rsplit("/", 1)[-1] for dim in file[like].dims)
+
+
+def describe_unit(dataset: h5py.Dataset, unit: Unit) -> None:
+    """Note the unit of a swept key: `units` (SI) of its numbers, and how the study wrote it."""
+    if unit.si and dataset.dtype.kind == "f":
+        dataset.attrs["units"] = unit.si
+    dataset.attrs["unit_written"] = unit.name
+    dataset.attrs["unit_factor"] = unit.factor
+
+
+def written(dataset: h5py.Dataset) -> Unit:
+    """The unit the study wrote a swept key in; SI where a file does not say."""
+    si = str(dataset.attrs.get("units", ""))
+    return Unit(str(dataset.attrs.get("unit_written", si)), float(dataset.attrs.get("unit_factor", 1.0)), si)
 
 
 def coordinate(file: h5py.File, name: str) -> list[Any]:

@@ -28,6 +28,7 @@ from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.sink import Sink
 from pounding_cli.store.solutions import write_solutions
+from pounding_cli.store.swept import describe_unit
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan, Row
@@ -124,6 +125,7 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
     study.attrs["title"] = plan.study.title
     study["text"] = plan.study.text
     study["resolved"] = _json(plan.study.resolved())
+    study["warnings"] = json.dumps([vars(warning) for warning in plan.study.warnings])
     write_solutions(file, list(plan.scenes), responses)
     _write_attributes(file, plan, responses, run)
 
@@ -171,6 +173,7 @@ def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h
     for axis in plan.axes:
         values = _axis_values([value[0] for value in axis.values])
         scales[axis.names[0]] = _scale(file, axis.names[0], values, "", f"swept: {axis.names[0]}")
+        describe_unit(file[axis.names[0]], axis.unit(0))
     for dim, names in texts.items():
         scales[dim] = _scale(file, dim, _text(names), *COORDINATES[dim])
     for dim, values in numbers.items():
@@ -180,6 +183,7 @@ def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h
         for number, name in enumerate(axis.names[1:], start=1):
             values = _axis_values([value[number] for value in axis.values])
             _dataset(file, name, (axis.names[0],), values, "", f"swept with {axis.names[0]}", scales)
+            describe_unit(file[name], axis.unit(number))
             beside.append(name)
     if shape.links:
         labels = [_link_label(plan.buildings, place) for place in shape.links]

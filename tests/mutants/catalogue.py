@@ -441,8 +441,8 @@ DESIGN = [
     Mutant(
         "storey shears summed from the ground up",
         f"{MODEL}/code_design.py",
-        "np.cumsum(self.floor_forces(mass, height, period)[::-1])[::-1]",
-        "np.cumsum(self.floor_forces(mass, height, period))",
+        "np.cumsum(forces[::-1])[::-1]",
+        "np.cumsum(forces)",
         f"{CODE}::test_storey_shears_below_the_top_force_s_period",
     ),
     Mutant(

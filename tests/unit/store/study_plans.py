@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Analysis, Scene
@@ -23,6 +24,7 @@ class FakeStudy:
     text: str = "title: two buildings  # µ as written\n"
     title: str = "two buildings"
     path: str = "two.yaml"
+    warnings: tuple[Problem, ...] = ()
     group: tuple[Building, ...] = ()
     swept: int = 0
     uses: dict[tuple[int, ...] | None, tuple[MotionUse, ...]] = field(default_factory=dict)

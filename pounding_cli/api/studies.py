@@ -1,4 +1,4 @@
-"""The library's front door: load a study, run it, open its results."""
+"""Load a study, run it, open its results."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pounding_cli.api.results import Results
     from pounding_cli.batch.progress import Progress
-    from pounding_cli.store import Results
     from pounding_cli.study import Study
 
 
@@ -67,9 +67,9 @@ def open_results(path: str | Path) -> Results:
     ------
     InputError : no such file, not a results file, or one of another format version
     """
-    from pounding_cli.store import open_results as read
+    from pounding_cli.api.results import Results
 
-    return read(path)
+    return Results(Path(path))
 
 
 def default_output(study: Path) -> Path:
