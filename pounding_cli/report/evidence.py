@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -148,6 +148,17 @@ class Evidence:
         parts = _by_place(self.floor.groupby(["case", "analysis", "building"], sort=False))
         return {place: here.set_index(["record", "floor"])["acceleration"] for place, here in parts.items()}
 
+    def only(self, cases: Sequence[str]) -> Evidence:
+        """The same with some of its cases alone, in the order given."""
+        order = {case: number for number, case in enumerate(cases)}
+
+        def cut(frame: pd.DataFrame) -> pd.DataFrame:
+            place = frame["case"].map(order)
+            return frame[place.notna()].iloc[place.dropna().argsort(kind="stable")].reset_index(drop=True)
+
+        storey, floor, link, scene = map(cut, (self.storey, self.floor, self.link, self.scene))
+        return replace(self, storey=storey, floor=floor, link=link, scene=scene)
+
     @property
     def failed(self) -> pd.DataFrame:
         """The scenes whose status is not "done"."""
@@ -222,15 +233,6 @@ def motion_sentence(records: pd.DataFrame) -> str:
     """The label as a sentence: "Motions: real: ...; stand-in: ...." or "All are stand-in motions."."""
     label = motion_label(records)
     return "All are stand-in motions." if label == "stand-in motions" else f"Motions: {label}."
-
-
-def flags(scene: pd.DataFrame) -> dict[str, int]:
-    """Every flag that was raised and in how many scenes, most frequent first."""
-    count: dict[str, int] = {}
-    for cell in scene["flags"]:
-        for flag in split(cell):
-            count[flag] = count.get(flag, 0) + 1
-    return dict(sorted(count.items(), key=lambda item: -item[1]))
 
 
 def split(cell: Any) -> list[str]:

@@ -93,6 +93,8 @@ def with_trust(frame: pd.DataFrame, scene: pd.DataFrame, keys: Sequence[str]) ->
 
 def _at_points(frame: pd.DataFrame, keys: Sequence[str], chosen: Sequence[Evidence]) -> pd.DataFrame:
     """The rows at the chosen points; a table without swept columns is the same at all of them."""
+    if "case" in frame.columns:
+        frame = frame[frame["case"].isin(chosen[0].cases)]
     mine = [key for key in keys if key in frame.columns]
     if mine:
         wanted = {tuple(evidence.point[key] for key in mine) for evidence in chosen}
