@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numba.core import types
+from numba import types
 
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
 from pounding_cli.kernels.layout import CALLED, NO_LINK, PART
