@@ -1,15 +1,63 @@
 """Batch studies of earthquake pounding between adjacent buildings.
 
-Nothing heavy is imported here: `from pounding_cli import load_study, run, open_results` loads what it needs on use.
+Everything public is here: `import pounding_cli as pound`, then `pound.run(...)`, `pound.scene(...)`. Names are imported
+when they are first used, so that importing the package stays quick.
 """
 
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pounding_cli.api import (
+        Building,
+        History,
+        InputError,
+        Link,
+        Motion,
+        Response,
+        Results,
+        Scene,
+        Study,
+        building,
+        history,
+        load_study,
+        motion,
+        open_results,
+        run,
+        scene,
+        solve,
+    )
+
 __version__ = "0.1.0"
-__all__ = ["__version__", "load_study", "open_results", "run"]
+__all__ = [
+    "Building",
+    "History",
+    "InputError",
+    "Link",
+    "Motion",
+    "Response",
+    "Results",
+    "Scene",
+    "Study",
+    "__version__",
+    "building",
+    "history",
+    "load_study",
+    "motion",
+    "open_results",
+    "run",
+    "scene",
+    "solve",
+]
 
 
-def __getattr__(name: str):
-    if name in {"load_study", "run", "open_results"}:
+def __getattr__(name: str) -> Any:
+    if name in __all__:
         from pounding_cli import api
 
-        return getattr(api, name)
+        found = getattr(api, name)
+        return globals().get(name, found)  # `solve` is by now the subpackage of that name, which may be called
     raise AttributeError(f"module 'pounding_cli' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__} - {"Any", "TYPE_CHECKING"})

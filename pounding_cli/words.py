@@ -1,8 +1,39 @@
-"""Numbers in the sentences a user reads."""
+"""Numbers in the sentences a user reads: what is counted, and quantities in the unit a study wrote."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
 
 
 def counted(number: int, one: str, many: str = "") -> str:
     """A number with what is counted: `1 scene`, `2 scenes`; `many` where an s does not make the plural."""
     return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The unit a quantity is written in.
+
+    name : as in the study, e.g. "cm"; "" for a pure number
+    factor : one such unit in SI [SI unit of the quantity]
+    si : SI unit of the quantity; "" for a pure number
+    """
+
+    name: str = ""
+    factor: float = 1.0
+    si: str = ""
+
+    def number(self, value: float) -> float:
+        """An SI value in this unit, without the last digits that the conversion leaves behind (0.7, not 0.6999...)."""
+        return float(f"{value / self.factor:.12g}")
+
+    def text(self, value: Any) -> str:
+        """A value of an axis for people: "0.7 g"; texts are returned as they are."""
+        if isinstance(value, str):
+            return value
+        return f"{self.number(float(value)):.6g} {self.name}".rstrip()
+
+    def label(self, key: str) -> str:
+        """A key with its unit for headings and axis titles: "cases.gap.gap [cm]"."""
+        return f"{key} [{self.name}]" if self.name else key

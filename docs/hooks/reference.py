@@ -1,22 +1,45 @@
-"""Pages of the site that are written from the code: the commands, the study's keys, the API."""
+"""Pages of the site that are written from the code: the commands, the study's keys, the API; and the notebooks."""
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Iterator
+from pathlib import Path
 
 import click
 
 from pounding_cli.cli.main import COMMANDS, cli
 
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
 API = {
     "Load, run, open": (
-        "pounding_cli.api.load_study",
-        "pounding_cli.api.run",
-        "pounding_cli.api.open_results",
+        "pounding_cli.api.studies.load_study",
+        "pounding_cli.api.studies.run",
+        "pounding_cli.api.studies.open_results",
     ),
     "A study": ("pounding_cli.study.load.Study",),
-    "Results": ("pounding_cli.store.results.Results",),
+    "Results": ("pounding_cli.api.results.Results",),
+    "Histories": ("pounding_cli.api.histories.History",),
+    "One scene by hand": (
+        "pounding_cli.api.scenes.building",
+        "pounding_cli.api.scenes.motion",
+        "pounding_cli.api.scenes.scene",
+        "pounding_cli.solve.methods.solve",
+        "pounding_cli.api.scenes.history",
+    ),
+    "What a scene is made of": (
+        "pounding_cli.model.scene.Scene",
+        "pounding_cli.model.building.Building",
+        "pounding_cli.model.links.Link",
+        "pounding_cli.records.motion.Motion",
+    ),
+    "What a solution holds": (
+        "pounding_cli.solve.response.Response",
+        "pounding_cli.solve.response.BuildingResponse",
+        "pounding_cli.solve.response.LinkResponse",
+    ),
     "Exporting and comparing": (
         "pounding_cli.store.export.export",
         "pounding_cli.store.compare.compare",
@@ -63,16 +86,28 @@ def api_page() -> str:
     parts = [
         "# Python",
         textwrap.dedent("""\
-        What `from pounding_cli import load_study, run, open_results` offers, and what it returns. The words are those
-        of the study file. [How to use it from Python](../how-to/python.md) shows it at work."""),
+        What `import pounding_cli as pound` offers, and what it returns. The words are those of the study file; numbers
+        are SI. [How to use it from Python](../how-to/python.md) shows it at work."""),
     ]
     for heading, names in API.items():
         parts += [f"## {heading}", *(f"::: {name}" for name in names)]
     return "\n\n".join(parts) + "\n"
 
 
+def notebook_page(path: Path) -> str:
+    """A notebook of the examples: its text, and its code as it stands, without what it shows."""
+    parts = []
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        text = "".join(cell["source"])
+        parts.append(text if cell["cell_type"] == "markdown" else f"```python\n{text}\n```")
+    parts.insert(1, f"This is the notebook [{path.name}]({path.name}), without what it shows.")
+    return "\n\n".join(parts) + "\n"
+
+
 def pages() -> Iterator[tuple[str, str]]:
     """Place in the site and text of every written page."""
+    for path in sorted(EXAMPLES.glob("*.ipynb")):
+        yield f"examples/{path.stem}.md", notebook_page(path)
     yield "reference/commands.md", commands_page()
     yield "reference/study-keys.md", keys_page()
     yield "reference/api.md", api_page()

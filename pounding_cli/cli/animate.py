@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.cli.places import at_option, key_and_value
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("--case", help="Case of the study.")
 @click.option("--analysis", help="elastic or inelastic.")
 @click.option("--record", help="Motion.")
-@click.option("--at", multiple=True, metavar="KEY=VALUE", help="Value of a swept key; may be given more than once.")
+@at_option
 @click.option(
     "-o",
     "--output",
@@ -120,15 +121,16 @@ def _from_study(file: Path, place: dict[str, Any]) -> tuple[History, Picture, st
     plan = expand(load_study(file))
     rows = meant_rows(plan, place)
     if len(rows) != 1:
-        said = [", ".join((*(f"{k} = {v}" for k, v in swept.items()), row.case, row.analysis, row.record))
-                for row, swept in (rows or meant_rows(plan, {}))]  # fmt: skip
+        said = [", ".join((*(f"{k} = {v}" for k, v in plan.shown(row).items()), row.case, row.analysis, row.record))
+                for row, _ in (rows or meant_rows(plan, {}))]  # fmt: skip
         listed = "; ".join(said[:12]) + (f"; ... {len(said)} in all" if len(said) > 12 else "")
         what = f"{len(rows)} scenes are meant" if rows else "no scene of the study is meant"
         raise InputError(Problem(what, f"say one with --case, --analysis, --record, --at: {listed}", str(file)))
-    ((row, swept),) = rows
+    ((row, _),) = rows
     scene = plan.scenes[row.scene]
     accuracy = plan.accuracy if plan.method in ADAPTIVE else 1e-6
-    words = in_words(swept, {"case": row.case, "analysis": row.analysis, "record": row.record}, scene.motion.source)
+    named = {"case": row.case, "analysis": row.analysis, "record": row.record}
+    words = in_words(plan.shown(row), named, scene.motion.source)
     picture = picture_of_scene(scene, plan.study.title, words)
     return history(scene, accuracy, plan.every), picture, "-".join((file.stem, row.case, row.analysis, row.record))
 
@@ -146,17 +148,10 @@ def _shown(frames: Iterable[np.ndarray], count: int, quiet: bool) -> Iterator[np
 
 def _swept(texts: tuple[str, ...]) -> dict[str, Any]:
     """Values of swept keys, in SI where they are quantities."""
-    from pounding_cli.errors import InputError, Problem
     from pounding_cli.study.keep import amount
 
-    values: dict[str, Any] = {}
-    for text in texts:
-        key, equals, value = text.partition("=")
-        if not equals:
-            raise InputError(Problem(f"--at {text}: no value", "write e.g. --at 'cases.gap.gap=5 cm'"))
-        number = amount(value.strip())
-        values[key.strip()] = value.strip() if number is None else number
-    return values
+    pairs = dict(map(key_and_value, texts))
+    return {key: value if (number := amount(value)) is None else number for key, value in pairs.items()}
 
 
 def _time(option: str, text: str | None, default: float) -> float:

@@ -30,7 +30,7 @@ def command(file: Path, tables: tuple[str, ...], output: Path | None, form: str 
 
     CSV and Parquet: one file a table in a folder, with columns.csv, which says what every column is; or one
     table in one file. Excel: a sheet a table. netCDF: the whole file in one, for xarray, ncview and the like.
-    Tables: storey, floor, link, scene, accuracy, summary, records, buildings.
+    Tables: storey, floor, link, scene, flagged, accuracy, summary, records, buildings.
 
     \b
     Example:

@@ -66,7 +66,7 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
         f"rows       {len(plan.rows)}: {_factors(plan)}",
     ]
     for axis in plan.axes:
-        shown = [", ".join(str(value) for value in values) for values in axis.values]
+        shown = [", ".join(axis.shown(place)) for place in range(len(axis.values))]
         listed = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
         lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
     lines += [

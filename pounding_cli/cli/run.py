@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 FEW_POINTS = 8
 """Points of a sweep that are printed one by one; of more, the range is."""
 
+MEANINGLESS = "!"
+"""Stands beside every number that means nothing, because a scene behind it left the range of its model."""
+
 
 @click.command("run", short_help="Run what a study still lacks and print its summary.")
 @click.argument("study", type=click.Path(path_type=Path))
@@ -50,6 +53,11 @@ FEW_POINTS = 8
     help="Dask scheduler, e.g. tcp://node:8786, for --engine dask; a cluster on this machine unless given.",
 )
 @click.option("--all-effects", is_flag=True, help="Simulate what cannot matter too: a check of the pruning, slower.")
+@click.option(
+    "--replace",
+    is_flag=True,
+    help="Replace results of another study; leave out scenes and histories that STUDY does not have any more.",
+)
 @click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines, and nothing else.")
 @click.pass_context
 def command(
@@ -61,11 +69,13 @@ def command(
     engine: str,
     scheduler: str | None,
     all_effects: bool,
+    replace: bool,
     log_json: bool,
 ) -> None:
     """Run what STUDY still lacks, write one results file, print a summary.
 
     Scenes that an earlier run solved are reused, also after the study was changed, and the count is printed.
+    A file that holds another study is refused unless --replace is said.
     Ctrl-C keeps what is solved; the same command goes on from there, also after a crash or a full disk.
     Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
 
@@ -101,8 +111,9 @@ def command(
     gc.freeze()
     gc.enable()
     outcome = run_plan(
-        plan, path, progress=log or chosen(quiet), workers=workers, engine_name=engine, scheduler=scheduler
-    )
+        plan, path, progress=log or chosen(quiet), workers=workers, engine_name=engine, scheduler=scheduler,
+        replace=replace,
+    )  # fmt: skip
     if log:
         _log(log, outcome)
     elif not quiet:
@@ -185,10 +196,14 @@ def _print(found: Overview, outcome: Outcome) -> None:
         for place, building in enumerate(found.buildings):
             cells = []
             for line in lines:
-                cells += [_number(line.roof[place]), _number(line.largest[place], line.at[place])]
+                cells += [
+                    _number(line.roof[place], line.meaningless),
+                    _number(line.largest[place], line.meaningless, line.at[place]),
+                ]
                 if found.trust.assessed:
                     cells += [_worth(line.error[place], ".0e"), _worth(line.sensitivity[place], ".2g")]
-            table.add_row("" if place else case, building, *cells, end_section=len(found.points) > 1)
+            marked = f"{case} {MEANINGLESS}" if any(line.meaningless.any() for line in lines) else case
+            table.add_row("" if place else marked, building, *cells, end_section=len(found.points) > 1)
     # Away from a terminal nothing is cut or wrapped, whatever the width a pipe claims to have.
     Console(width=None if sys.stdout.isatty() else 250).print(table)
     count = len(found.points)
@@ -198,14 +213,17 @@ def _print(found: Overview, outcome: Outcome) -> None:
     motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
     click.echo(f"Means over {counted(found.records, 'motion')}{many}.\nMotions, {motions}")
     _print_trust(found.trust)
-    for flag, scenes in found.flags.items():
-        click.echo(f"Note, {counted(scenes, 'scene')}: {flag}")
+    for sentence in found.unknown:
+        click.echo(sentence)
+    for group in found.flags:
+        click.echo(f"{f'Meaningless ({MEANINGLESS})' if group.meaningless else 'Note'}: {group}")
     if found.spared:
         spared = counted(found.spared, "scene")
         click.echo(f"Spared, {spared}: gaps that never close, so the buildings alone are the answer")
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
+    worthless = f", {counted(found.meaningless, 'row')} meaningless ({MEANINGLESS})" if found.meaningless else ""
     click.echo(
-        f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
+        f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{worthless}{side}; "
         f"solver {_time(outcome.solver_seconds)}, in all {_time(outcome.wall_seconds)}"
     )
     click.echo(f"Results: {outcome.path}")
@@ -230,16 +248,18 @@ def _worth(value: float, form: str) -> str:
     return f"{value:{form}}" if value == value else "-"
 
 
-def _number(values: np.ndarray, at: np.ndarray | None = None) -> str:
-    """One number a point of the sweep, or its range where there are many."""
+def _number(values: np.ndarray, meaningless: np.ndarray, at: np.ndarray | None = None) -> str:
+    """One number a point of the sweep, or its range where there are many; those that mean nothing are marked."""
     shown = [
-        f"{value:.3f}" + (f" ({storey})" if at is not None else "") if value == value else "-"
-        for value, storey in zip(values, values if at is None else at, strict=True)
+        (f"{value:.3f}" + (f" ({storey})" if at is not None else "") if value == value else "-")
+        + (f" {MEANINGLESS}" if worthless else "")
+        for value, storey, worthless in zip(values, values if at is None else at, meaningless, strict=True)
     ]
     if len(shown) <= FEW_POINTS:
         return "\n".join(shown)
     known = values[values == values]
-    return f"{known.min():.3f} to {known.max():.3f}" if known.size else "-"
+    mark = f" {MEANINGLESS}" if meaningless.any() else ""
+    return f"{known.min():.3f} to {known.max():.3f}{mark}" if known.size else "-"
 
 
 def _time(seconds: float) -> str:

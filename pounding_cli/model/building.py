@@ -10,6 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from pounding_cli.model.foundation import Foundation
+from pounding_cli.records.motion import GRAVITY
+from pounding_cli.words import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +67,9 @@ class Building:
             place = f" of storey {wrong[0] + 1}" if key not in ("alpha", "beta") else ""
             raise ValueError(f"{self.name}: {key}{place} is {values[wrong[0]]:g}; it {rule}")
 
+    def __repr__(self) -> str:
+        return f"Building({self.name!r}, {counted(self.storeys, 'storey')}, T = {self.periods[0]:.4g} s)"
+
     @property
     def storeys(self) -> int:
         """Number of storeys n."""
@@ -79,6 +84,11 @@ class Building:
     def yield_drift(self) -> np.ndarray:
         """Storey drift at first yield [m], shape (n,)."""
         return self.yield_shear / self.stiffness
+
+    @property
+    def base_shear_ratio(self) -> float:
+        """Yield shear of the lowest storey over the weight, V/W [-]; inf where it cannot yield."""
+        return float(self.yield_shear[0] / (GRAVITY * self.mass.sum()))
 
     @cached_property
     def stiffness_matrix(self) -> np.ndarray:

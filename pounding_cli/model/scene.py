@@ -67,6 +67,10 @@ class Scene:
                 )
             taken.add(ends)
 
+    def __repr__(self) -> str:
+        names = " | ".join(building.name for building in self.buildings)
+        return f"Scene({names}; {counted(len(self.links), 'link')}; {self.motion.name}; {self.analysis})"
+
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the scene: two scenes with one digest have the same response (names are left out)."""

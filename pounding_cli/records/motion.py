@@ -38,6 +38,10 @@ class Motion:
         samples.setflags(write=False)
         object.__setattr__(self, "acceleration", samples)
 
+    def __repr__(self) -> str:
+        every = f"{self.duration:.4g} s every {1000 * self.dt:.4g} ms"
+        return f"Motion({self.name!r}, {every}, peak {self.pga:.4g} m/s2, {self.source})"
+
     @property
     def duration(self) -> float:
         """Time of the last sample [s]."""

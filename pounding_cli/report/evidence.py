@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
-import numpy as np
 import pandas as pd
+
+from pounding_cli.words import Unit
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
 """The tables of a results file, named as its methods and as the CSV files."""
@@ -31,6 +32,8 @@ class Tables(Protocol):
     @property
     def buildings(self) -> pd.DataFrame: ...
     @property
+    def units(self) -> Mapping[str, Unit]: ...
+    @property
     def attrs(self) -> Mapping[str, Any]: ...
     def storey(self) -> pd.DataFrame: ...
     def floor(self) -> pd.DataFrame: ...
@@ -45,6 +48,7 @@ class Evidence:
     """The tables at one point of the sweep, without the swept columns; names are in the order of the file.
 
     point : swept key -> value there; empty where nothing is swept
+    units : swept key -> the unit the study wrote it in
     storey, floor, link, scene, records, buildings : frames as in docs/architecture.md
     """
 
@@ -57,11 +61,12 @@ class Evidence:
     scene: pd.DataFrame
     records: pd.DataFrame
     buildings: pd.DataFrame
+    units: Mapping[str, Unit] = field(default_factory=dict)
 
     @property
     def label(self) -> str:
-        """The point in words, e.g. "impact.restitution = 0.4"; empty where nothing is swept."""
-        return ", ".join(f"{key} = {_value(value)}" for key, value in self.point.items())
+        """The point in words and the units of the study: "cases.gap.gap = 5 cm"; empty where nothing is swept."""
+        return ", ".join(f"{key} = {self.units.get(key, Unit()).text(value)}" for key, value in self.point.items())
 
     @cached_property
     def cases(self) -> list[str]:
@@ -143,6 +148,17 @@ class Evidence:
         parts = _by_place(self.floor.groupby(["case", "analysis", "building"], sort=False))
         return {place: here.set_index(["record", "floor"])["acceleration"] for place, here in parts.items()}
 
+    def only(self, cases: Sequence[str]) -> Evidence:
+        """The same with some of its cases alone, in the order given."""
+        order = {case: number for number, case in enumerate(cases)}
+
+        def cut(frame: pd.DataFrame) -> pd.DataFrame:
+            place = frame["case"].map(order)
+            return frame[place.notna()].iloc[place.dropna().argsort(kind="stable")].reset_index(drop=True)
+
+        storey, floor, link, scene = map(cut, (self.storey, self.floor, self.link, self.scene))
+        return replace(self, storey=storey, floor=floor, link=link, scene=scene)
+
     @property
     def failed(self) -> pd.DataFrame:
         """The scenes whose status is not "done"."""
@@ -184,6 +200,7 @@ def points(results: Tables) -> list[Evidence]:
             title=results.title,
             resolved=results.resolved,
             point=dict(zip(keys, row, strict=True)),
+            units=results.units,
             **{name: cuts[name][number] for name in frames},
         )
         for number, row in enumerate(rows)
@@ -201,10 +218,6 @@ def _cuts(frame: pd.DataFrame, keys: Sequence[str], rows: Sequence[tuple[Any, ..
     return [parts.get(tuple(row[number] for number in mine), nothing) for row in rows]
 
 
-def _value(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float | int | np.number) else str(value)
-
-
 def motion_label(records: pd.DataFrame) -> str:
     """Motions by where they come from: "real: taft; stand-in: elcentro, eureka", or "stand-in motions"."""
     if records.empty:
@@ -220,15 +233,6 @@ def motion_sentence(records: pd.DataFrame) -> str:
     """The label as a sentence: "Motions: real: ...; stand-in: ...." or "All are stand-in motions."."""
     label = motion_label(records)
     return "All are stand-in motions." if label == "stand-in motions" else f"Motions: {label}."
-
-
-def flags(scene: pd.DataFrame) -> dict[str, int]:
-    """Every flag that was raised and in how many scenes, most frequent first."""
-    count: dict[str, int] = {}
-    for cell in scene["flags"]:
-        for flag in split(cell):
-            count[flag] = count.get(flag, 0) + 1
-    return dict(sorted(count.items(), key=lambda item: -item[1]))
 
 
 def split(cell: Any) -> list[str]:

@@ -79,13 +79,11 @@ def picture_of_results(results: Results, place: Mapping[str, Any], history: Hist
         tuple(np.full(each.size, np.inf) if elastic else each for each in drifts),
         tuple(links.get(label) for label in history.links),
         results.title,
-        in_words({name: place[name] for name in results.axes}, place, source),
+        in_words({name: results.value_label(name, place[name]) for name in results.axes}, place, source),
     )
 
 
-def in_words(swept: Mapping[str, Any], place: Mapping[str, str], source: str) -> str:
-    """Where a scene stands, and whether its motion is real."""
-    values = [
-        f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}" for name, value in swept.items()
-    ]
+def in_words(swept: Mapping[str, str], place: Mapping[str, str], source: str) -> str:
+    """Where a scene stands, and whether its motion is real; `swept`: values of swept keys as people read them."""
+    values = [f"{name} = {value}" for name, value in swept.items()]
     return ", ".join((*values, place["case"], place["analysis"], f"{place['record']} ({source})"))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,6 +31,7 @@ RC: Any = {
     "grid.color": "0.9",
     "grid.linewidth": 0.6,
     "legend.frameon": False,
+    "hatch.linewidth": 0.6,
     "savefig.dpi": 180,
     "svg.fonttype": "none",
     "svg.hashsalt": "pound",  # the same figure gives the same file
@@ -71,9 +74,31 @@ styled = mpl.rc_context(RC)
 """Decorator of every function that draws: the settings hold while it draws and nowhere else."""
 
 
+_given: ContextVar[Figure | None] = ContextVar("given", default=None)
+
+
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure [in] that lays itself out; drawn without any window system."""
-    return Figure(figsize=(width, height), layout="constrained")
+    """An empty figure [in] that lays itself out; drawn without any window system unless within `drawn_on`."""
+    given = _given.get()
+    if given is None:
+        return Figure(figsize=(width, height), layout="constrained")
+    given.set_size_inches(width, height)
+    given.set_layout_engine("constrained")
+    return given
+
+
+@contextmanager
+def drawn_on(figure: Figure) -> Iterator[None]:
+    """The next figure is drawn on this one: one of pyplot, which a notebook or a window shows.
+
+    It is made before the settings of `styled` hold: pyplot starts its backend with the first figure, and what that sets
+    would be undone with them.
+    """
+    token = _given.set(figure)
+    try:
+        yield
+    finally:
+        _given.reset(token)
 
 
 def legend(ax: Axes, cases: Iterable[str], **keywords: Any) -> None:

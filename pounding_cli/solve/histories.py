@@ -6,7 +6,7 @@ link on the branch it is on."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -255,3 +255,17 @@ def _label(scene: Scene, link: Link) -> str:
     """A link in words, as in the results file."""
     floors = f"{link.left_floor}" if link.left_floor == link.right_floor else f"{link.left_floor}|{link.right_floor}"
     return f"{scene.buildings[link.left].name}|{scene.buildings[link.left + 1].name} floor {floors}"
+
+
+def link_ends(buildings: Sequence[str], links: Sequence[str]) -> list[tuple[int, int, int]]:
+    """Of links in words as `History.links` has them: the place of the left building from 0, its floor from 1, and the
+    floor of the building to its right."""
+    ends = []
+    for label in links:
+        for left in range(len(buildings) - 1):
+            start = f"{buildings[left]}|{buildings[left + 1]} floor "
+            if label.startswith(start):
+                floors = label.removeprefix(start).split("|")
+                ends.append((left, int(floors[0]), int(floors[-1])))
+                break
+    return ends

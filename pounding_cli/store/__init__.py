@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from pounding_cli.store.files import check_output, former_run, locked
+from pounding_cli.store.flagged import FlagGroup, flag_groups_of, flagged_scenes
+from pounding_cli.store.former import check_results, former_run
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, solution_key
+from pounding_cli.store.locks import locked
 from pounding_cli.store.overview import Overview, overview
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.results import Results, open_results
@@ -13,11 +15,14 @@ from pounding_cli.store.write import Run, is_current, write_results
 __all__ = [
     "FORMAT",
     "FORMAT_VERSION",
+    "FlagGroup",
     "Overview",
     "PartStore",
     "Results",
     "Run",
-    "check_output",
+    "check_results",
+    "flag_groups_of",
+    "flagged_scenes",
     "former_run",
     "is_current",
     "locked",

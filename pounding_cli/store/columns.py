@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from pounding_cli.store.layout import COORDINATES, VARIABLES
 
-TABLES = ("storey", "floor", "link", "scene", "accuracy", "summary", "records", "buildings")
+TABLES = ("storey", "floor", "link", "scene", "flagged", "accuracy", "summary", "records", "buildings")
 """The tables of `Results`."""
 
 _BARE = {
     "place": ("1", "place of the building from the left, from 1"),
     "records_used": ("1", "number of records with a V_ratio"),
+    "records_flagged": ("1", "number of records whose scene carries a flag"),
+    "records_meaningless": ("1", "number of records whose numbers mean nothing"),
+    "flag": ("", "what is flagged"),
+    "detail": ("", "where, and by how much"),
+    "meaningless": ("", "whether the numbers of the scene mean nothing"),
     "left": COORDINATES["link_left"],
     "right": COORDINATES["link_right"],
     "right_floor": COORDINATES["link_right_floor"],

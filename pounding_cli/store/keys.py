@@ -10,7 +10,7 @@ from pathlib import Path
 FORMAT = "pounding study results"
 """Root attribute `format` of every results file."""
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 """Raised whenever a reader of the former version would misread the file."""
 
 _SOLVER_ROOMS = ("kernels", "model", "solve")

@@ -89,6 +89,7 @@ BUILDINGS = (
     Variable("stiffness", ("building", "storey"), "N/m", "initial storey stiffness"),
     Variable("yield_shear", ("building", "storey"), "N", "storey yield shear"),
     Variable("period", ("building",), "s", "fundamental period on a fixed base"),
+    Variable("base_shear_ratio", ("building",), "1", "yield shear of the lowest storey over the weight, V/W"),
     Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
 )
 

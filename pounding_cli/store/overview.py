@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -11,7 +10,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from pounding_cli.store.bracket import leading, said
 from pounding_cli.store.files import opened
+from pounding_cli.store.flagged import FlagGroup, SceneFlags, counts_of_flags, flag_groups
+from pounding_cli.store.swept import coordinate, written
 
 MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
 """What is shown of each analysis: the paper's Figs 6 and 7 show these two."""
@@ -26,6 +28,7 @@ class Line:
     at : the storey it stands in, from 1; 0 where nothing is known
     error, sensitivity : numerical error and sensitivity of those means, the largest over storeys and points, one a
         building; nan where none was estimated [-]
+    meaningless : whether the numbers of one of the scenes behind a mean mean nothing
     """
 
     case: str
@@ -35,6 +38,7 @@ class Line:
     at: tuple[np.ndarray, ...]
     error: tuple[float, ...]
     sensitivity: tuple[float, ...]
+    meaningless: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -60,10 +64,12 @@ class Overview:
     """What a run found.
 
     motions : source ("real", "stand-in", "user") -> names
-    flags : sentence -> number of scenes
+    flags : what is flagged, by case and analysis
+    meaningless : scenes whose numbers mean nothing
     ratios : analysis -> the ratio shown of it
     spared : scenes answered by proof from smaller groups, none of them simulated
-    points : every point of the sweep in words; one, empty, where nothing is swept
+    points : every point of the sweep in words, of a bracket only its middle; one, empty, where nothing is swept
+    unknown : what the results owe to values nobody knows, in sentences
     """
 
     title: str
@@ -71,9 +77,11 @@ class Overview:
     lines: tuple[Line, ...]
     ratios: dict[str, str]
     motions: dict[str, list[str]]
-    flags: dict[str, int]
+    flags: tuple[FlagGroup, ...]
+    meaningless: int
     spared: int
     points: tuple[str, ...]
+    unknown: tuple[str, ...]
     records: int
     solver_seconds: float
     trust: Trust
@@ -91,36 +99,46 @@ def overview(path: Path) -> Overview:
             list(file[name].asstr()[:]) for name in ("case", "analysis", "building", "record")
         )
         sources = list(file["record_source"].asstr()[()].reshape(-1, len(records))[0])
-        swept = json.loads(file.attrs["swept"])
+        swept, lead = json.loads(file.attrs["swept"]), leading(file)
+        axes = [axis for axis, at in zip(swept, lead, strict=True) if isinstance(at, slice)]
         means, errors, sensitivities = (
-            {ratio: file[f"{ratio}_{what}"][()] for ratio, _ in MEASURES.values()}
+            {ratio: file[f"{ratio}_{what}"][()][lead] for ratio, _ in MEASURES.values()}
             for what in ("mean", "mean_error", "mean_sensitivity")
         )
         # Storeys of a building, in whichever point of the sweep it has most of them.
         mass = file["mass"][()]
         there = np.isfinite(mass).any(axis=tuple(range(mass.ndim - 2)))
+        everywhere = _points([{name: _shown(file[name]) for name in names} for names in swept])
+        flags = file["flags"].asstr()[()]
+        worthless = counts_of_flags(flags)["records_meaningless"]
+        marked = worthless[lead].reshape(-1, len(cases), len(analyses)) > 0
+        scenes = (
+            SceneFlags(*names, cell)
+            for names, cell in zip(product(everywhere, cases, analyses, records), flags.flat, strict=True)
+        )
         lines = []
         for c, case in enumerate(cases):
             for a, analysis in enumerate(analyses):
                 ratio, _ = MEASURES[analysis]
-                values = means[ratio].reshape(-1, *means[ratio].shape[len(swept) :])[:, c, a]
+                values = means[ratio].reshape(-1, *means[ratio].shape[len(axes) :])[:, c, a]
                 each = [_building(values[:, b], int(there[b].sum())) for b in range(len(buildings))]
                 roof, largest, at = zip(*each, strict=True)
-                trust = (
+                error, sensitivity = (
                     tuple(_worst(worth[ratio][..., c, a, b, :]) for b in range(len(buildings)))
                     for worth in (errors, sensitivities)
                 )
-                lines.append(Line(case, analysis, roof, largest, at, *trust))
-        flags = Counter(flag for cell in file["flags"].asstr()[()].flat for flag in cell.splitlines())
+                lines.append(Line(case, analysis, roof, largest, at, error, sensitivity, marked[:, c, a]))
         return Overview(
             str(file.attrs["title"]),
             tuple(buildings),
             tuple(lines),
             {analysis: MEASURES[analysis][1] for analysis in analyses},
             {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
-            dict(flags.most_common()),
+            flag_groups(scenes),
+            int(worthless.sum()),
             int(np.sum((file["status"].asstr()[()] == "done") & (file["steps"][()] == 0))),
-            _points([{name: _values(file[name]) for name in names} for names in swept]),
+            _points([{name: _shown(file[name]) for name in names} for names in axes]),
+            tuple(said(path)),
             len(records),
             float(file.attrs["solver_seconds"]),
             _trust(file, (cases, analyses, records)),
@@ -143,7 +161,7 @@ def _worst(values: np.ndarray) -> float:
     return float(known.max()) if known.size else float("nan")
 
 
-def _points(axes: list[dict[str, list]]) -> tuple[str, ...]:
+def _points(axes: list[dict[str, list[str]]]) -> tuple[str, ...]:
     """Points in words, the last axis fastest, as the arrays are laid out."""
     words = [
         [
@@ -155,8 +173,10 @@ def _points(axes: list[dict[str, list]]) -> tuple[str, ...]:
     return tuple(", ".join(point) for point in product(*words))
 
 
-def _values(dataset: h5py.Dataset) -> list:
-    return list(dataset.asstr()[:]) if h5py.check_string_dtype(dataset.dtype) else dataset[:].tolist()
+def _shown(dataset: h5py.Dataset) -> list[str]:
+    """The values of a swept key as the study wrote them."""
+    unit = written(dataset)
+    return [unit.text(value) for value in coordinate(dataset.file, dataset.name)]
 
 
 def _building(values: np.ndarray, storeys: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from pounding_cli.errors import Problem
 from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
+from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
 from pounding_cli.store.layout import PLACE, SCENES
 from pounding_cli.store.solutions import stored_methods
+from pounding_cli.store.swept import written
+from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,7 +63,9 @@ class Results:
     path : the file
     title, study_text : the study as written
     resolved, resolved_text : the study with every default filled in (SI), as a mapping and as JSON
-    axes : swept key -> its values; keys of one axis (zipped) have the same length
+    axes : swept key -> its values (SI); keys of one axis (zipped) have the same length
+    units : swept key -> the unit the study wrote it in, to show values to people
+    warnings : what `pound check` says of the study: what is unlikely, and floors that meet nothing
     attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
     """
 
@@ -73,15 +79,26 @@ class Results:
             self.title = str(self.attrs["title"])
             self.study_text: str = file["study/text"].asstr()[()]
             self.resolved_text: str = file["study/resolved"].asstr()[()]
+            warnings = file["study/warnings"].asstr()[()] if "warnings" in file["study"] else "[]"
+            self.warnings = tuple(Problem(**each) for each in json.loads(warnings))
             self._swept: list[list[str]] = json.loads(self.attrs["swept"])
             self.axes: dict[str, list[Any]] = {
                 name: _values(file[name]).tolist() for names in self._swept for name in names
             }
+            self.units: dict[str, Unit] = {name: written(file[name]) for name in self.axes}
 
     @cached_property
     def resolved(self) -> dict[str, Any]:
         """The study with every default filled in, SI."""
         return json.loads(self.resolved_text)
+
+    def axis_label(self, key: str) -> str:
+        """A swept key with the unit the study wrote it in: "cases.gap.gap [cm]"."""
+        return self.units[key].label(key)
+
+    def value_label(self, key: str, value: Any) -> str:
+        """A value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
+        return self.units[key].text(value)
 
     @cached_property
     def methods(self) -> tuple[str, ...]:
@@ -101,7 +118,7 @@ class Results:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]."""
         with opened(self.path) as file:
             if "link" not in file:
-                return _frame({name: [] for name in (*self.axes, *PLACE, "link", *_LINK_FACTS, *_LINK)})
+                return _frame({name: [] for name in (*self.axes, *PLACE, "link", *_LINK_FACTS, *_LINK, "right_floor")})
             dims = (*self._dims, *PLACE, "link")
             shape = file["impacts"].shape
             facts = {name: self._spread(_values(file[f"link_{name}"]), shape) for name in _LINK_FACTS}
@@ -126,6 +143,16 @@ class Results:
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
 
+    def flagged(self) -> pd.DataFrame:
+        """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, meaningless; no row where
+        nothing is.
+
+        flag : what is flagged; detail : where and by how much; meaningless : whether the flag takes the meaning from
+        all numbers of its scene (a connector that closes more than its gap), or is worth knowing beside them.
+        `flag_groups_of(results.scene())` sums them up by case and analysis.
+        """
+        return flagged_scenes(self.scene())
+
     def accuracy(self) -> pd.DataFrame:
         """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], energy left open [-],
         steps, events, Taylor orders, seconds in the solver.
@@ -141,7 +168,8 @@ class Results:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
         storey i.
 
-        Standard deviations are with n - 1; `records_used` counts the records with a V_ratio.
+        Standard deviations are with n - 1; `records_used` counts the records with a V_ratio, `records_flagged` those
+        whose scene carries a flag, `records_meaningless` those whose numbers mean nothing (`flagged`).
         """
         with opened(self.path) as file:
             dims = (*self._dims, "case", "analysis", "building", "storey")
@@ -151,6 +179,8 @@ class Results:
                 for measure in _MEASURES:
                     columns[f"{ratio}_{measure}"] = _values(file[f"{ratio}_{measure}"]).ravel()
             columns["records_used"] = _values(file["V_ratio_count"]).ravel()
+            for name, count in counts_of_flags(_values(file["flags"])).items():
+                columns[name] = self._spread(count[..., None, None], shape)
             there = self._there(file, 2)
         return _frame(columns)[there].reset_index(drop=True)
 
@@ -200,7 +230,8 @@ class Results:
     @cached_property
     def buildings(self) -> pd.DataFrame:
         """Per building and storey: place from 1 at the left, mass [kg], height [m], stiffness [N/m],
-        yield shear [N], fundamental period [s], the code's separation from the next building [m].
+        yield shear [N], fundamental period [s], base-shear ratio V/W [-] (infinite for storeys that never yield),
+        the code's separation from the next building [m].
 
         Swept axes that change a building come first.
         """
@@ -213,13 +244,13 @@ class Results:
             columns |= {"place": np.broadcast_to(places, shape).ravel(), "storey": storey}
             for name in ("mass", "height", "stiffness", "yield_shear"):
                 columns[name] = _values(file[name]).ravel()
-            for name in ("period", "separation"):
+            for name in ("period", "base_shear_ratio", "separation"):
                 columns[name] = np.broadcast_to(_values(file[name])[..., None], shape).ravel()
         frame = _frame(columns)
         return frame[frame["mass"].notna()].reset_index(drop=True)
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table by its name: storey, floor, link, scene, accuracy, summary, records or buildings."""
+        """A table by its name: storey, floor, link, scene, flagged, accuracy, summary, records or buildings."""
         found = getattr(self, name)
         return found() if callable(found) else found
 

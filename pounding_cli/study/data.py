@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ import yaml
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.load import Study, validated
-from pounding_cli.study.source import Mark, Node, parse
+from pounding_cli.study.source import Mark, Node
+from pounding_cli.study.yaml_file import parse
 
 
 def study_of(data: Mapping[str, Any]) -> Study:
@@ -29,13 +31,29 @@ def study_of(data: Mapping[str, Any]) -> Study:
     plain = _plain(data, "")
     title = str(plain.get("title") or "study")
     path = Path(re.sub(r"[^\w-]+", "-", title).strip("-").lower() or "study").with_suffix(".yaml")
-    text = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=100)
+    text = _yaml(plain)
     root = parse(text, path)
+    with at_keys(root, path):
+        return dataclasses.replace(validated(path, text, root), from_data=True)
+
+
+def tree_of(data: Mapping[str, Any], path: Path) -> Node:
+    """The tree of a dict as if it had been written to a file `path`."""
+    return parse(_yaml(_plain(data, "")), path)
+
+
+@contextmanager
+def at_keys(root: Node, path: Path) -> Iterator[None]:
+    """Problems of the text that `root` was read from are told at their keys."""
     try:
-        return validated(path, text, root)
+        yield
     except InputError as refused:
         places = dict(_places(root))
         raise InputError([_at_key(problem, path, places) for problem in refused.problems]) from None
+
+
+def _yaml(plain: Any) -> str:
+    return yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=100)
 
 
 def _plain(value: Any, place: str) -> Any:

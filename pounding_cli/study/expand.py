@@ -119,6 +119,6 @@ def _at_point(problem: Problem, axes: tuple[Axis, ...], point: tuple[int, ...]) 
     place = ", ".join(
         f"{name} = {value}"
         for axis, index in zip(axes, point, strict=True)
-        for name, value in zip(axis.names, axis.values[index], strict=True)
+        for name, value in zip(axis.names, axis.shown(index), strict=True)
     )
     return Problem(f"{problem.message} (where {place})", problem.hint, problem.file, problem.line, problem.column)

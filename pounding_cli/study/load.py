@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -12,16 +12,21 @@ import numpy as np
 
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
+from pounding_cli.reading import shortened
 from pounding_cli.study import buildings as building_room
+from pounding_cli.study.bracket import with_brackets
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis
+from pounding_cli.study.plausible import few
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
 from pounding_cli.study.schema import ADAPTIVE, StudyModel
-from pounding_cli.study.source import Node, read_source
+from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis, read_axes
+from pounding_cli.study.written import unit_of
+from pounding_cli.study.yaml_file import read_source
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +41,7 @@ class Study:
     axes : the axes of the sweep
     warnings : what is allowed but should be known
     model, resolver : the study as written, and what answers for every point of the sweep
+    from_data : it is Python data; no file holds it
     """
 
     path: Path
@@ -45,6 +51,7 @@ class Study:
     warnings: tuple[Problem, ...]
     model: StudyModel
     resolver: Resolver
+    from_data: bool = False
 
     def building(self, point: tuple[int, ...], place: int) -> Building:
         """The building at a place of the group, from 0, at a point of the sweep (one index an axis)."""
@@ -115,9 +122,10 @@ def load_study(path: str | Path) -> Study:
 
 def validated(path: Path, text: str, root: Node) -> Study:
     """The study of a tree; `text` is what it says, record files are sought beside `path`. Raises as `load_study`."""
-    file = str(path)
+    file = shortened(path)
     refuse_other_kinds(root, file)
     faults = Faults(file)
+    root = with_brackets(root, faults)
     axes = read_axes(root, faults)
     resolver = Resolver(root, axes, file, path.resolve().parent)
     faults.extend(resolver.problems(resolver.base))
@@ -132,11 +140,16 @@ def validated(path: Path, text: str, root: Node) -> Study:
         check_keep(model, root, axes, resolver.motions(resolver.base), faults)
     faults.refuse()
     assert model is not None
+    said = _said(axes, resolver)
+    _refuse_twins(said, axes, faults)
+    faults.refuse()
+    for point in _along_axes(axes):
+        resolver.doubt(point)
     return Study(
         path,
         text,
         model.title or path.stem,
-        _said(axes, resolver),
+        said,
         _warnings(model, root, resolver),
         model,
         resolver,
@@ -159,6 +172,15 @@ def _at_value(problems: tuple[Problem, ...], axis: SweepAxis, index: int, faulty
     return here
 
 
+def _along_axes(axes: tuple[SweepAxis, ...]) -> Iterator[tuple[int, ...]]:
+    """The first point of the sweep, and those that differ from it in one value."""
+    first = (0,) * len(axes)
+    yield first
+    for place, axis in enumerate(axes):
+        for index in range(1, len(axis)):
+            yield (*first[:place], index, *first[place + 1 :])
+
+
 def _text(node: Node) -> str:
     return node.text or str(node.plain())
 
@@ -173,8 +195,28 @@ def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
             rows.append(
                 tuple(_value(resolver, point, path, node) for path, node in zip(axis.paths, nodes, strict=True))
             )
-        said.append(Axis(axis.names, tuple(rows)))
+        units = tuple(
+            unit_of(StudyModel, path, [nodes[column] for nodes in axis.nodes]) for column, path in enumerate(axis.paths)
+        )
+        said.append(Axis(axis.names, tuple(rows), units))
     return tuple(said)
+
+
+def _refuse_twins(said: tuple[Axis, ...], axes: tuple[SweepAxis, ...], faults: Faults) -> None:
+    """Note points of an axis that are one and the same: 0.5 and 1/2."""
+    for axis, written in zip(said, axes, strict=True):
+        first: dict[tuple[float | str, ...], int] = {}
+        for place, values in enumerate(axis.values):
+            if values in first:
+                texts = [", ".join(map(_text, written.nodes[number])) for number in (first[values], place)]
+                both = texts[0] if texts[0] == texts[1] else f"{texts[0]} and {texts[1]} are the same and"
+                where = ", ".join(axis.names)
+                faults.add(
+                    written.nodes[place][0].mark,
+                    f"{both} {'stands twice' if texts[0] == texts[1] else 'stand'} on the axis '{where}'",
+                    "remove one of the two",
+                )
+            first.setdefault(values, place)
 
 
 def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], node: Node) -> float | str:
@@ -187,6 +229,8 @@ def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], no
         elif found is not None:
             names = {info.alias or name: name for name, info in type(found).model_fields.items()}
             found = getattr(found, names[step])
+    if found == (node.value,):  # one value where a list may stand
+        found = node.value
     if isinstance(found, int | float) and not isinstance(found, bool):
         return float(found)
     return _text(node)
@@ -230,4 +274,4 @@ def _warnings(model: StudyModel, root: Node, resolver: Resolver) -> tuple[Proble
             "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass",
             "leave it out for the dashpot that gives the coefficient of restitution",
         )
-    return tuple(notes.problems)
+    return tuple(few(sorted(notes.problems, key=lambda note: (note.file, note.line, note.column))))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from pounding_cli.model.scene import Scene
+from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     from pounding_cli.study.load import Study
@@ -18,10 +19,20 @@ class Axis:
 
     names : dotted keys as in the file, more than one when they move together
     values : one tuple per point, as long as names: SI numbers, or the file's text for what is no number
+    units : the unit each key is written in; SI where none are given
     """
 
     names: tuple[str, ...]
     values: tuple[tuple[float | str, ...], ...]
+    units: tuple[Unit, ...] = ()
+
+    def unit(self, column: int) -> Unit:
+        """The unit of a key, by its place in `names`."""
+        return self.units[column] if self.units else Unit()
+
+    def shown(self, place: int) -> tuple[str, ...]:
+        """The values at a point in the units of the study, e.g. ("0.7 g",)."""
+        return tuple(self.unit(column).text(value) for column, value in enumerate(self.values[place]))
 
 
 class LinkSeen(NamedTuple):
@@ -89,3 +100,11 @@ class Plan:
     all_effects: bool = False
     kept: tuple[Row, ...] = ()
     every: float = 0.002
+
+    def shown(self, row: Row) -> dict[str, str]:
+        """The swept values of a row, by key, in the units of the study."""
+        return {
+            name: text
+            for axis, place in zip(self.axes, row.point, strict=True)
+            for name, text in zip(axis.names, axis.shown(place), strict=True)
+        }

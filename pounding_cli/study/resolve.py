@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study import buildings as building_room
+from pounding_cli.study import facing, plausible
 from pounding_cli.study.inherit import inherited, refuse_alternatives
 from pounding_cli.study.links import Street, links_of
 from pounding_cli.study.motions import Shelf, Used, motions_of
@@ -58,6 +60,7 @@ class Resolver:
         buildings = root.get("buildings")
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self._met: dict[Problem, None] = {}
+        self._asked: set[str] = set()
         self._last: tuple[Point, Street] | None = None
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
@@ -91,6 +94,11 @@ class Resolver:
             self._met.update(dict.fromkeys(problems))
         return answer
 
+    @property
+    def met(self) -> tuple[Problem, ...]:
+        """Everything wrong with what was asked so far."""
+        return tuple(self._met)
+
     def problems(self, point: Point) -> tuple[Problem, ...]:
         """Everything wrong with the study at this point."""
         self._met.clear()
@@ -101,7 +109,7 @@ class Resolver:
         self.motions(point)
         for case in self._entries(point, "cases"):
             self.links(point, case)
-        return tuple(self._met)
+        return self.met
 
     def _entries(self, point: Point, section: str) -> tuple[str, ...]:
         """The names of the sound entries of `buildings` or `cases`."""
@@ -209,7 +217,7 @@ class Resolver:
     def type(self, point: Point, name: str) -> Building | None:
         """One building type."""
         spec: BuildingSpec | None = self.entry(point, "buildings", name)
-        if spec is None:
+        if spec is None or name in self._asked:  # like itself: told where `like:` is carried out
             return None
 
         def work(faults: Faults) -> Building | None:
@@ -217,7 +225,9 @@ class Resolver:
             building = building_room.build(name, spec, root, ("buildings", name), own)
             if own.problems:
                 # What the whole of a building lacks is told of the one it is like, where that lacks it too.
+                self._asked.add(name)
                 inherits = spec.like is not None and self.type(point, spec.like) is None
+                self._asked.discard(name)
                 whole = root.locate(("buildings", name)) if inherits else None
                 faults.extend(p for p in own.problems if (p.line, p.column) != whole)
             return building
@@ -280,6 +290,32 @@ class Resolver:
             return links_of(spec, around, root, ("cases", case), faults)
 
         return self._once(("links", case), point, ("buildings", "group", "impact", ("cases", case)), work)
+
+    def doubt(self, point: Point) -> None:
+        """Note in `warnings` what is sound at this point, but unlikely or less than it seems."""
+        for name in self._entries(point, "buildings"):
+            if (building := self.type(point, name)) is not None:
+                spec = self.entry(point, "buildings", name)
+                work = partial(plausible.doubt_building, spec, building, self.root_at(point), ("buildings", name))
+                self._noted(("building", name), point, (("buildings", name),), work)
+        street = self.group(point)
+        if street is not None:
+            work = partial(facing.tell, street.group, street.common, self.root_at(point), ("group",))
+            self._noted("group", point, ("buildings", "group"), work)
+            for case in self._entries(point, "cases"):
+                work = partial(
+                    plausible.doubt_links,
+                    self.links(point, case) or (),
+                    street.group,
+                    self.root_at(point),
+                    ("cases", case),
+                )
+                self._noted(("case", case), point, ("buildings", "group", "impact", ("cases", case)), work)
+        work = partial(plausible.doubt_motions, self.motions(point) or {}, self.root_at(point))
+        self._noted("motions", point, ("records",), work)
+
+    def _noted(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Faults], None]) -> None:
+        self._once(("doubt", name), point, subjects, lambda _: work(self.warnings))
 
     def _sketch(self, point: Point) -> Street:
         return Street((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), self._defined)

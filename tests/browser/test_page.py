@@ -8,6 +8,7 @@ import pytest
 from page_study import CONTACTS, DT, FACTOR, PEAKS, refuse
 
 from pounding_cli.report.web.story import digits
+from pounding_cli.solve.flags import CONNECTOR_STRUCK
 from pounding_cli.store import open_results
 
 SWEEP = "sweep: {cases.gap.gap: [1 cm, 2 cm, 3 cm], impact.restitution: [0.4, 0.6]}\n"
@@ -29,16 +30,83 @@ def numbers_drawn(page) -> dict[tuple[str, str], str]:
     return {(row[0], row[1]): row[2] for row in cells(page, "#explore-numbers")}
 
 
+KEPT = (("touching", "elastic"), ("connected", "elastic"))
+
+
 @pytest.fixture
 def moving(study, visit):
     """The page of a study with two kept scenes."""
-    return visit(study("moving", kept=("touching", "connected")) / "report.html")
+    return visit(study("moving", kept=KEPT) / "report.html")
 
 
 def test_the_title_is_text_and_nothing_else(study, visit):
-    page = visit(study("moving", kept=("touching", "connected")) / "report.html")
+    page = visit(study("moving", kept=KEPT) / "report.html")
     assert page.locator("h1").inner_text() == "Two buildings <known> & small"
     assert page.title() == "Two buildings <known> & small"
+
+
+def test_the_page_begins_with_the_cases_side_by_side(moving):
+    rows = {row[0].split()[0]: row for row in cells(moving, ".answer") if len(row) > 1}
+    assert list(rows) == list(FACTOR)
+    assert rows["touching"][1] == f"{FACTOR['touching'] * 2:.2f}storey 3"  # V/V0 of stiff, elastic
+    assert rows["connected"][0] == "connected not meaningful"
+    flags = moving.locator(".answer .flagged").all_inner_texts()
+    assert flags == [
+        "2 of 4 runs failed and are left out of the means",
+        f"{CONNECTOR_STRUCK}: elastic, 2 of 2 runs\n{CONNECTOR_STRUCK}: inelastic, 2 of 2 runs",
+    ]
+    order = moving.eval_on_selector_all("main > header, main > section", "all => all.map(one => one.id)")
+    assert order[:4] == ["overview", "explore", "motion", "claims"]
+    assert moving.locator(".answer").bounding_box()["y"] < 400
+
+
+def test_a_study_without_claims_has_no_section_of_them(study, visit):
+    page = visit(study("plain", claims=False) / "report.html")
+    assert page.locator("#claims").count() == 0
+    assert "claim" not in page.locator("main").inner_text().lower()
+
+
+def test_the_player_fits_one_screen(study, visit):
+    page = visit(study("moving", kept=KEPT) / "report.html", 1400)
+    page.evaluate("document.documentElement.style.scrollBehavior = 'auto'")
+    page.locator("#motion").evaluate("one => one.scrollIntoView()")
+    parts = ("#motion-head", ".stage canvas", "#player > canvas", "#player input[type=range]", "#player .primary")
+    for part in parts:
+        box = page.locator(part).first.bounding_box()
+        assert box["y"] >= 0, part
+        assert box["y"] + box["height"] <= 900, part
+
+
+def test_storeys_are_red_only_where_they_can_yield(study, visit):
+    page = visit(study("yielding", kept=(("touching", "elastic"), ("touching", "inelastic"))) / "report.html")
+    place = page.get_by_label("Scene", exact=True)
+    assert place.evaluate("list => [...list.options].map(one => one.text)") == [
+        "touching, inelastic, strong", "touching, elastic, strong",
+    ]  # fmt: skip
+    page.get_by_label("Time", exact=True).fill("125")  # storey drifts of 10 and 20 mm, far beyond yield
+    assert stage_pixels(page, "#9c1c1c") > 50
+    assert "beyond the yield drift" in page.locator("#player .key").inner_text()
+    choose(page, "Scene", "1", "#player")
+    page.get_by_label("Time", exact=True).fill("125")
+    assert stage_pixels(page, "#9c1c1c") == 0
+    assert "no storey yields" in page.locator("#player .key").inner_text()
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_axis_titles_stand_clear_of_the_ticks(moving, study, visit, width):
+    page = visit(study("moving", kept=KEPT) / "report.html", width)
+    for quantity in ("V_ratio", "V", "drift", "peak_force"):
+        choose(page, "Quantity", quantity)
+        boxes = page.eval_on_selector_all(
+            "#explore-chart text",
+            "all => all.map(one => [one.classList.contains('title'), one.getBoundingClientRect().toJSON()])",
+        )
+        titles, ticks = ([box for title, box in boxes if title == wanted] for wanted in (True, False))
+        assert len(titles) == 2
+        for title in titles:
+            for tick in ticks:
+                apart = title["right"] < tick["left"] or title["bottom"] < tick["top"] or title["top"] > tick["bottom"]
+                assert apart, (quantity, title, tick)
 
 
 def test_charts_draw_the_quantity_building_analysis_and_motion_chosen(moving):
@@ -164,12 +232,12 @@ def readout(page) -> dict[str, str]:
     return page.eval_on_selector_all(".readout div", script)
 
 
-def stars(page) -> int:
-    """Pixels of the stage in the colour of an impact."""
+def stage_pixels(page, colour: str) -> int:
+    """Pixels of the stage in a colour."""
     return page.evaluate(
-        """() => {
+        """colour => {
         const canvas = document.querySelector('.stage canvas');
-        const [r, g, b] = [0xd9, 0x48, 0x0f];
+        const [r, g, b] = [1, 3, 5].map(at => parseInt(colour.slice(at, at + 2), 16));
         const copy = document.createElement('canvas');
         [copy.width, copy.height] = [canvas.width, canvas.height];
         const pen = copy.getContext('2d', { willReadFrequently: true });
@@ -178,8 +246,14 @@ def stars(page) -> int:
         let count = 0;
         for (let at = 0; at < all.length; at += 4)
           if (all[at + 3] > 60 && Math.hypot(all[at] - r, all[at + 1] - g, all[at + 2] - b) < 16) count++;
-        return count; }"""
+        return count; }""",
+        colour,
     )  # fmt: skip
+
+
+def stars(page) -> int:
+    """Pixels of the stage in the colour of an impact."""
+    return stage_pixels(page, "#d9480f")
 
 
 def test_player_opens_at_the_hardest_impact_and_shows_it(moving):
@@ -205,13 +279,13 @@ def test_player_steps_and_finds_impacts_by_key_and_button(moving):
     # 10 mm x 3 floors x sin(2 pi 0.402), twice as much in the second building of two floors
     assert readout(moving)["stiff roof"] == "17.33 mm"
     assert readout(moving)["soft roof"] == "23.10 mm"
-    moving.get_by_role("button", name="Impact after").click()
-    moving.get_by_role("button", name="Impact after").click()
+    moving.get_by_role("button", name="Next impact").click()
+    moving.get_by_role("button", name="Next impact").click()
     assert readout(moving)["time"] == "1.200 s"
     player.press("End")
     assert readout(moving)["time"] == "2.000 s"
     moving.wait_for_function("() => document.getElementById('said').textContent.startsWith('time 2.000 s')")
-    moving.get_by_role("button", name="Hardest impact").click()
+    moving.get_by_role("button", name="Largest impact").click()
     assert readout(moving)["time"] == "1.200 s"
     moving.get_by_label("Time", exact=True).fill("125")
     assert readout(moving)["time"] == "0.250 s"
@@ -252,11 +326,11 @@ def test_player_plays_and_pauses(moving):
 
 def test_impacts_are_played_slowly_unless_told_otherwise(moving):
     choose(moving, "Speed", "1")
-    moving.get_by_role("button", name="Hardest impact").click()
+    moving.get_by_role("button", name="Largest impact").click()
     moving.get_by_role("button", name="Play").click()
     assert 0 < pace(moving) < 0.03
     moving.get_by_label("slow at impacts").uncheck()
-    moving.get_by_role("button", name="Hardest impact").click()
+    moving.get_by_role("button", name="Largest impact").click()
     moving.get_by_role("button", name="Play").click()
     assert pace(moving) > 0.2
     moving.get_by_role("button", name="Play").wait_for()
@@ -302,7 +376,7 @@ def test_pointer_gives_the_numbers_of_a_floor_and_the_strips_the_time(moving, st
 def test_connectors_have_no_impacts_and_the_buttons_say_so(moving):
     choose(moving, "Scene", "1", "#player")
     assert readout(moving)["contacts so far"] == "0 of 0"
-    assert moving.get_by_role("button", name="Hardest impact").is_disabled()
+    assert moving.get_by_role("button", name="Largest impact").is_disabled()
     assert seconds(moving) == 0
     choose(moving, "Time shown below", "0.1")
     moving.get_by_label("Time", exact=True).fill("600")
@@ -312,7 +386,7 @@ def test_connectors_have_no_impacts_and_the_buttons_say_so(moving):
 @pytest.mark.parametrize(("width", "theme"), [(1280, "light"), (400, "dark")])
 def test_no_barrier_is_found(study, visit, width, theme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    page = visit(study("moving", kept=("touching", "connected")) / "report.html", width, color_scheme=theme)
+    page = visit(study("moving", kept=KEPT) / "report.html", width, color_scheme=theme)
     assert page.evaluate("document.documentElement.dataset.theme") == theme
     page.locator("summary").click()
     found = axe.run(page)
@@ -339,7 +413,15 @@ def test_focus_is_seen_and_reaches_every_control(moving):
         assert width == "3px", name
         if name == "study-text":
             break
-    for wanted in ("Skip to the content", "Overview", "explore-chart", "player", "Play", "Storeys", "Save as CSV"):
+    for wanted in (
+        "Skip to the content",
+        "Results by case",
+        "explore-chart",
+        "player",
+        "Play",
+        "Storeys",
+        "Save as CSV",
+    ):
         assert wanted in reached
     assert reached[-1] == "study-text"
 
@@ -352,7 +434,7 @@ def test_colours_can_be_changed(moving):
 
 
 def test_it_prints_in_light_colours_without_controls(study, visit):
-    page = visit(study("moving", kept=("touching", "connected")) / "report.html", color_scheme="dark")
+    page = visit(study("moving", kept=KEPT) / "report.html", color_scheme="dark")
     page.emulate_media(media="print")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     for hidden in (".contents", "#explore-controls", "#player .bar", ".tabs", ".copy"):
@@ -384,7 +466,8 @@ def test_figures_have_texts_and_show(study, visit):
 
 def test_without_scripts_claims_and_figures_are_still_there(study, visit):
     page = visit(study("drawn", formats=("svg",)) / "report.html", scripts=False)
-    assert "Without scripts" in page.locator("noscript").inner_text()
+    assert "Scripts are off" in page.locator("noscript").inner_text()
+    assert page.locator(".answer tbody").count() == len(FACTOR)
     assert page.locator("#claims").is_visible()
     assert page.locator("img").count() == 5
     assert page.locator("#explore").is_hidden()
@@ -411,7 +494,7 @@ def test_sweep_is_drawn_against_either_axis_and_points_can_be_chosen(study, visi
     )
     assert len(options) == 6
     choose(page, "Point of the sweep", options[3])
-    assert options[3] == "cases.gap.gap = 0.02, impact.restitution = 0.6"
+    assert options[3] == "cases.gap.gap = 2 cm, impact.restitution = 0.6"
     assert numbers_drawn(page)["gap", "1"] == f"{FACTOR['gap'] * 1.1:.3f}"
     assert page.locator("#claims table tbody tr").count() == 6
 

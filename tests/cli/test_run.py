@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from pounding_cli.cli.main import main
+from pounding_cli.solve.flags import CONNECTOR_STRUCK
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.store import open_results
 
@@ -100,7 +101,8 @@ def test_summary_shows_ratios_motions_flags_counts_and_times(folder, pound):
     soft = next(line for line in lines if line[:1] == ["soft"])
     assert soft[:5] == ["soft", "2.000", "2.000", "(2)", "0e+00"]
     assert "Motions, user: weak, strong" in out
-    assert "Note, 4 scenes: a sentence to know" in out
+    assert "Note: gap, elastic, 2 of 2 scenes (all): a sentence to know\n" in out
+    assert "Note: gap, inelastic, 2 of 2 scenes (all): a sentence to know\n" in out
     assert re.search(r"Scenes: 16 solved, 0 reused, 0 failed(, \d side by side)?; solver 2 ms, in all", out)
     assert "16 scenes to solve" in err
     assert (folder / "results" / "two.h5").is_file()
@@ -112,7 +114,34 @@ def test_one_of_a_thing_is_told_in_the_singular(folder, pound):
     (folder / "two.yaml").write_text(one)
     out = pound("run", "two.yaml")[1]
     assert "Means over 1 motion.\n" in out
-    assert "Note, 1 scene: a sentence to know\n" in out
+    assert "Note: gap, elastic, 1 of 1 scene (strong): a sentence to know\n" in out
+
+
+def strikes(scene, accuracy=1e-6, method="taylor", **_):
+    """Links across a gap are connectors that the strong motion closes entirely, where nothing yields."""
+    response = known(scene, accuracy, method)
+    if scene.links and scene.links[0].gap and scene.motion.pga > 2 and scene.analysis == "elastic":
+        return replace(response, flags=(f"{CONNECTOR_STRUCK}: stiff | soft, floor 2, by 3 mm",))
+    return replace(response, flags=())
+
+
+def test_a_case_without_meaning_is_marked_in_the_table_and_in_the_last_sentence(folder, pound):
+    _, out, _ = pound("run", "two.yaml", solve=strikes)
+    rows = [line.split() for line in out.splitlines() if line.count(".") > 3]
+    assert [row.count("!") for row in rows] == [0, 0, 3, 2]
+    assert rows[2][:8] == ["gap", "!", "stiff", "2.000", "!", "2.000", "(3)", "!"]  # V/V0, and nothing of mu/mu0
+    where = "stiff | soft, floor 2, by 3 mm"
+    assert f"Meaningless (!): gap, elastic, 1 of 2 scenes (strong): {CONNECTOR_STRUCK}: {where}\n" in out
+    assert "Scenes: 16 solved, 0 reused, 0 failed, 1 row meaningless (!)" in out
+
+
+def test_flagged_scenes_of_a_sweep_are_named_with_their_point(folder, pound):
+    (folder / "two.yaml").write_text(STUDY + "sweep: {cases.gap.gap: [1 cm, 0 cm]}\n")
+    _, out, _ = pound("run", "two.yaml", solve=strikes)
+    assert "gap, elastic, 1 of 4 scenes (cases.gap.gap = 1 cm: strong): connector closes" in out
+    gap = next(at for at, line in enumerate(out.splitlines()) if line.startswith(" gap !"))
+    swept = out.splitlines()[gap : gap + 2]
+    assert [line.count(" !") for line in swept] == [3, 0]  # beside the case's name, and only at the point concerned
 
 
 def test_second_run_solves_nothing_and_says_so(folder, pound):
@@ -129,7 +158,7 @@ def test_a_changed_study_solves_only_what_is_new(folder, pound):
     code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
     assert code == 0
     assert "Scenes: 8 solved, 16 reused, 0 failed" in out
-    assert "Line 3, cases.gap.gap = 0.03\nMeans over 2 motions at 3 points of the sweep." in out
+    assert "Line 3, cases.gap.gap = 3 cm\nMeans over 2 motions at 3 points of the sweep." in out
     assert list(open_results("r.h5").storey().columns[:2]) == ["cases.gap.gap", "case"]
 
 
@@ -263,3 +292,19 @@ def test_python_gives_the_same_tables(folder, pound, monkeypatch):
     again = pounding_cli.run(pounding_cli.load_study("two.yaml"), "again.h5")
     assert results.storey().equals(again.storey())
     assert pounding_cli.open_results("again.h5").title == "Two small buildings"
+
+
+@pytest.mark.parametrize("command", ["check", "plan", "run"])
+def test_what_is_unlikely_and_floors_that_meet_nothing_are_told_and_the_study_goes_on(folder, pound, command):
+    text = STUDY.replace("gap: 1 cm", "gap: 2").replace("storeys: 2,", "storeys: 5, height: 2.25 m,")
+    (folder / "two.yaml").write_text(text)
+    code, _, err = pound(command, "two.yaml", solve=known if command == "run" else None)
+    assert code == 0
+    assert "warning: two.yaml:14:30: gap is 2 m: " in err
+    assert "did you mean 2 cm?" in err
+    assert "warning: two.yaml:10:16: stiff and soft meet at 1 floor only (3 with 4): " in err
+    assert "floors 1 and 2 of stiff and floors 1 to 3 of soft meet no floor" in err
+    if command == "run":
+        found = open_results("results/two.h5").warnings
+        assert [(warning.line, warning.column) for warning in found] == [(10, 16), (14, 30)]
+        assert found[1].hint.startswith("did you mean 2 cm?")

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys
-from pounding_cli.report.web.columns import shown
 
 MOST_ROWS = 6000
 """Rows of one table that the page carries; about 0.1 kB each."""
@@ -93,6 +93,8 @@ def with_trust(frame: pd.DataFrame, scene: pd.DataFrame, keys: Sequence[str]) ->
 
 def _at_points(frame: pd.DataFrame, keys: Sequence[str], chosen: Sequence[Evidence]) -> pd.DataFrame:
     """The rows at the chosen points; a table without swept columns is the same at all of them."""
+    if "case" in frame.columns:
+        frame = frame[frame["case"].isin(chosen[0].cases)]
     mine = [key for key in keys if key in frame.columns]
     if mine:
         wanted = {tuple(evidence.point[key] for key in mine) for evidence in chosen}

@@ -41,7 +41,13 @@ def players(results: Any, evidences: Sequence[Evidence]) -> dict[str, Any]:
             continue  # a shorter one may still fit
         left -= size
         scenes.append(scene)
+    scenes.sort(key=_first)
     return {"scenes": scenes, "kept": len(kept)}
+
+
+def _first(scene: Mapping[str, Any]) -> tuple[bool, bool]:
+    """Order of the scenes: those with contacts first, of these the inelastic; else as in the file."""
+    return (not scene["contact"], scene["analysis"] != "inelastic")
 
 
 def _evidence(row: Mapping[str, Any], evidences: Sequence[Evidence]) -> Evidence:
@@ -74,6 +80,7 @@ def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> tu
         "stride": stride,
         "buildings": buildings,
         "links": links,
+        "contact": any(np.any(history.link_force[:, one["column"]]) for one in links if one["kind"] != "connector"),
         "series": base64.b64encode(packed.tobytes()).decode("ascii"),
     }
     return scene, packed.size * _PER_NUMBER

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
@@ -11,19 +12,25 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pounding_cli import __version__
-from pounding_cli.report.evidence import Evidence, Tables, flags, motion_label, motion_sentence
+from pounding_cli.report.evidence import Evidence, Tables, motion_label, motion_sentence
+from pounding_cli.report.figures import plotted_cases
 from pounding_cli.report.sensitivity import Column
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
+from pounding_cli.report.web.answer import answer
 from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.data import as_json, chosen_points, tables
+from pounding_cli.report.web.limits import limits
 from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, pictures
 from pounding_cli.report.web.sweep import sweep_chart
+from pounding_cli.store import flag_groups_of
 from pounding_cli.words import counted
 
 PAGE = "report.html"
 """File name of the page."""
+MOST_CASES = 40
+"""Cases the page carries, those the figures draw first; the tables beside it hold all."""
 MOST_VERDICTS = 100
 """Points of a sweep whose verdicts are listed."""
 
@@ -51,6 +58,12 @@ def write_page(
     """
     judgements = next((judged for where, judged in columns if where == shown.label), columns[0][1])
     scene = results.scene()
+    cases_left = len(shown.cases) - MOST_CASES
+    if cases_left > 0:
+        cases = list(dict.fromkeys([*plotted_cases(shown), *shown.cases]))[:MOST_CASES]
+        at = next(number for number, evidence in enumerate(evidences) if evidence is shown)
+        evidences = [evidence.only(cases) for evidence in evidences]
+        shown = evidences[at]
     chosen = chosen_points(evidences, shown)
     data = {
         "tables": tables(results, chosen),
@@ -69,11 +82,15 @@ def write_page(
         "data": as_json(data),
         "evidence": shown,
         "group": _group(shown),
+        "infinity": math.inf,
         "sentence": motion_sentence(shown.records),
         "motion_label": motion_label(shown.records),
         "swept": len(evidences) > 1,
         "points": len(evidences),
         "points_carried": len(chosen),
+        "answer": answer(shown),
+        "cases_left": cases_left,
+        "motion_count": len(shown.records),
         "tiles": story.tiles(shown, judgements, scene),
         "judgements": judgements,
         "verdicts": _verdicts(columns) if len(columns) > 1 else None,
@@ -81,7 +98,8 @@ def write_page(
         "pictures_left": len(figures) - len(drawn) if len(figures) > MOST_FIGURES else 0,
         "cases": story.cases(shown),
         "effects": story.effects(scene),
-        "flags": flags(scene),
+        "flags": flag_groups_of(scene, results.units),
+        "limits": limits(results),
         "failures": story.failures(scene),
         "runs": len(scene),
         "scenes": results.attrs.get("scenes"),
@@ -141,11 +159,17 @@ def _main(evidence: Evidence) -> str:
 
 
 def _group(evidence: Evidence) -> list[dict[str, Any]]:
-    """Name, period [s] and storeys of every building, left to right, for the drawing."""
-    storeys = evidence.buildings.groupby("building", sort=False)["storey"].max()
+    """Name, period [s], storeys and V/W [-] of every building, left to right, for the drawing."""
+    parts = dict(iter(evidence.buildings.groupby("building", sort=False)))
     main = _main(evidence)
     return [
-        {"name": name, "period": evidence.periods[name], "storeys": int(storeys.get(name, 1)), "main": name == main}
+        {
+            "name": name,
+            "period": evidence.periods[name],
+            "storeys": len(parts[name]),
+            "strength": float(parts[name]["base_shear_ratio"].iloc[0]),
+            "main": name == main,
+        }
         for name in evidence.group
     ]
 

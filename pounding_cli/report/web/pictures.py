@@ -12,9 +12,9 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from pounding_cli.report.claims import RESPONSES
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.style import RC
-from pounding_cli.report.web.columns import shown
 
 MOST_FIGURES = 60
 """Figures the page carries; those of further buildings stand beside it."""
@@ -72,8 +72,10 @@ def _words(name: str, evidence: Evidence) -> tuple[str, str]:
     if what == "cases":
         said = "One panel a case with every motion and their mean, storey by storey"
         return f"{building}: every case and motion", f"{said}. {_largest(evidence, building)}"
-    if what == "sweep":
-        return f"{building}: over the sweep", "Largest mean ratios over the swept values, one line a case."
+    if what in ("sweep", "map"):
+        of = building.replace("-", ", ")
+        said = "one line a case" if what == "sweep" else "as maps over two swept keys, one a case"
+        return f"{of}: over the sweep", f"Means over the motions where they are largest, {said}."
     said = "Ratios to the building alone, storey by storey, one line a case"
     return f"{building}: storey shears and ductilities", f"{said}. {_largest(evidence, building)}"
 

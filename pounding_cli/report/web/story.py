@@ -10,10 +10,9 @@ from typing import Any
 
 import pandas as pd
 
-from pounding_cli.report.claims import RESPONSES
+from pounding_cli.records import GRAVITY
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
-from pounding_cli.report.web.columns import shown
 from pounding_cli.words import counted
 
 MOST_REASONS = 4
@@ -64,39 +63,27 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFrame) -> list[Tile]:
-    """The numbers a reader looks for first: ratios and forces at the point shown, trust and runs of all `scene`s."""
-    found = []
-    motions = evidence.storey["record"].nunique()
-    mean = f"mean of {motions} motions" if motions > 1 else "one motion"
-    for ratio, analysis, _ in RESPONSES:
-        rows = evidence.storey[evidence.storey["analysis"] == analysis]
-        means = rows.groupby(["case", "building", "storey"], sort=False)[ratio].mean().dropna()
-        if len(means):
-            case, building, storey = means.index[int(means.argmax())]
-            where = f"{case}: {building}, storey {storey}; {mean}"
-            found.append(Tile(f"Largest {shown(ratio).label}, {analysis}", digits(means.max()), where))
-    force = evidence.link["peak_force"].dropna()
-    if len(force):
-        row = evidence.link.iloc[int(evidence.link["peak_force"].argmax())]
-        where = f"{row['case']}, {row['analysis']}, {row['record']}: {row['link']}"
-        found.append(Tile("Largest link force", f"{digits(force.max() / 1e3)} kN", where))
+    """Link force at the point shown; numerical error, sensitivity and runs of all `scene`s; the paper's claims."""
+    failed = int((scene["status"] != "done").sum())
+    found = [Tile("Runs", str(len(scene)), f"{failed} failed" if failed else "all done", "bad" if failed else "")]
     error = scene["error_estimate"].dropna()
     number = digits(error.max(), 2) if len(error) else "not measured"
-    where = f"largest of {counted(len(error), 'run')}" if len(error) else "estimate: all in the study measures it"
+    where = f"relative, largest of {counted(len(error), 'run')}" if len(error) else "the study says estimate: none"
     found.append(Tile("Numerical error", number, where))
     sensitivity = scene["sensitivity"].dropna()
     if len(sensitivity):
         row = scene.iloc[int(scene["sensitivity"].argmax())]
         where = ", ".join(str(row[key]) for key in scene.columns[: list(scene.columns).index("status")])
         found.append(Tile("Largest sensitivity", digits(sensitivity.max(), 3), where))
+    force = evidence.link["peak_force"].dropna()
+    if len(force):
+        row = evidence.link.iloc[int(evidence.link["peak_force"].argmax())]
+        where = f"{row['case']}, {row['analysis']}, {row['record']}: {row['link']}"
+        found.append(Tile("Largest link force", f"{digits(force.max() / 1e3)} kN", where))
     if judgements:
         count = Counter(judgement.verdict for judgement in judgements)
         words = [f"{verdict}: {count[verdict]}" for verdict in Verdict if count[verdict]]
         found.append(Tile("The paper's claims", f"{count[Verdict.HOLDS]} of {len(judgements)} hold", ", ".join(words)))
-    failed = int((scene["status"] != "done").sum())
-    tone = "bad" if failed else ""
-    said = f"{failed} failed" if failed else "all done"
-    found.append(Tile("Runs", str(len(scene)), said, tone))
     return found
 
 
@@ -189,7 +176,7 @@ def motions(evidence: Evidence) -> Grid:
     """The motions as used."""
     rows = []
     for row in evidence.records.to_dict("records"):
-        measures = (row["scale"], row["window"], row["pga"] / 9.80665, row["arias"])
+        measures = (row["scale"], row["window"], row["pga"] / GRAVITY, row["arias"])
         rows.append([row["record"], row["source"], *map(digits, measures), str(row["digest"])[:12]])
     head = ("motion", "source", "scale [–]", "duration [s]", "peak as used [g]", "Arias intensity [m/s]", "digest")
     return Grid(head, rows, (2, 3, 4, 5))

@@ -8,8 +8,8 @@ from typing import Any
 
 import pandas as pd
 
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Tables, axis_keys, names
-from pounding_cli.report.web.columns import shown
 from pounding_cli.report.web.data import numbers
 
 RATIOS = ("V_ratio", "mu_ratio", "acceleration_ratio")

@@ -50,6 +50,7 @@ class FakeResults:
         self.study_text: str = "title: hand-made\n"
         self.resolved: dict[str, Any] = parts["resolved"]
         self.buildings: pd.DataFrame = parts["buildings"]
+        self.units: Mapping[str, Any] = {}
         self.attrs: Mapping[str, Any] = {"package_version": "0.1.0"}
         self._frames: dict[str, pd.DataFrame] = parts["frames"]
 
@@ -141,7 +142,7 @@ def make(
     )
     buildings = pd.DataFrame(
         {"building": name, "place": place, "storey": level, "mass": 2e5, "height": 3.0, "stiffness": 1e9}
-        | {"yield_shear": 1e6, "period": PERIODS[name], "separation": 0.069}
+        | {"yield_shear": 1e6, "period": PERIODS[name], "base_shear_ratio": 0.1, "separation": 0.069}
         for place, name in enumerate(group)
         for level in range(1, heights[name] + 1)
     )

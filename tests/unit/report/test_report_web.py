@@ -12,12 +12,12 @@ import pytest
 from report_fakes import LEVEL, MOTIONS, make
 
 from pounding_cli.report.build import nominal, write_report
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import points
 from pounding_cli.report.sensitivity import judge_points
 from pounding_cli.report.web import data as packing
 from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside
-from pounding_cli.report.web.columns import shown
 from pounding_cli.report.web.page import write_page
 from pounding_cli.solve.histories import ENERGIES, History
 
@@ -169,14 +169,21 @@ def test_head_of_the_page_tells_the_largest_numbers():
     results.scene().loc[7, "sensitivity"] = 42.0
     evidence = points(results)[0]
     tiles = {tile.label: tile for tile in story.tiles(evidence, [], results.scene())}
-    assert tiles["Largest V/V₀, elastic"].number == story.digits(LEVEL["connected"] * np.mean(MOTIONS) * 1.04)
-    assert tiles["Largest V/V₀, elastic"].where == "connected: stiff, storey 5; mean of 5 motions"
     assert tiles["Numerical error"].number == "1.0×10⁻⁷"
     assert tiles["Largest sensitivity"].number == "42.0"
     row = results.scene().loc[7]
     assert tiles["Largest sensitivity"].where == f"{row['case']}, {row['analysis']}, {row['record']}"
     assert tiles["Runs"].where == "all done"
     assert tiles["Runs"].number == str(len(results.scene()))
+
+
+def test_drawing_of_the_group_says_how_strong_every_building_is(tmp_path):
+    results = make()
+    results.buildings.loc[results.buildings["building"] == "soft", "base_shear_ratio"] = np.inf
+    text = page_of(results, tmp_path)
+    assert ">V/W 0.100</text>" in text
+    assert text.count("V/W 0.100") == 2  # drawn, and said to those who do not see it
+    assert "V/W inf" not in text
 
 
 def test_effects_are_counted_with_their_reasons():

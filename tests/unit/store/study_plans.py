@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
+from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Analysis, Scene
@@ -22,7 +24,9 @@ class FakeStudy:
 
     text: str = "title: two buildings  # µ as written\n"
     title: str = "two buildings"
-    path: str = "two.yaml"
+    path: Path = Path("two.yaml")
+    from_data: bool = False
+    warnings: tuple[Problem, ...] = ()
     group: tuple[Building, ...] = ()
     swept: int = 0
     uses: dict[tuple[int, ...] | None, tuple[MotionUse, ...]] = field(default_factory=dict)

@@ -9,6 +9,7 @@ import pytest
 
 from pounding_cli.study import load_study, record_schema, schema
 from pounding_cli.study.keys import table
+from pounding_cli.study.plausible import RANGES, shown
 
 PAGE = Path("docs/study-file.md")
 MODELS = {
@@ -22,6 +23,7 @@ MODELS = {
     "`records.scale`: a target spectrum": record_schema.SpectrumScale,
     "`buildings.NAME`": schema.BuildingSpec,
     "`yield`": schema.CodeDesign,
+    "`yield`: a base-shear coefficient": schema.BaseShear,
     "`rayleigh`": schema.Rayleigh,
     "`foundation`": schema.FoundationSpec,
     "`impact`": schema.Impact,
@@ -67,3 +69,15 @@ def test_case_examples_are_sound(tmp_path):
         path = tmp_path / "study.yaml"
         path.write_text(CASES + block, encoding="utf-8")
         load_study(path)
+
+
+def test_the_plausible_ranges_are_those_of_the_code():
+    page = PAGE.read_text(encoding="utf-8")
+    section = page.split("## Warnings\n")[1].split("\n## ")[0]
+    rows = [line.strip("| ").split(" | ") for line in section.splitlines() if line.startswith("|")][2:]
+    assert [name for name, *_ in rows] == list(RANGES)
+    for name, ends, reason in rows:
+        fits = RANGES[name]
+        pure = " over " in name
+        assert ends == " to ".join(f"{end:g}" if pure else shown(end, fits.units) for end in (fits.low, fits.high))
+        assert reason == fits.reason

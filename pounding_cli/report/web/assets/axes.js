@@ -56,7 +56,7 @@ function axis(spec, from, to) {
  */
 function drawChart(box, chart) {
   const width = Math.max(box.clientWidth - parseFloat(getComputedStyle(box).paddingLeft) * 2, 240);
-  const margin = { left: 52, right: 16, top: 12, bottom: 46 };
+  const margin = { left: 0, right: 16, top: 12, bottom: 46 };
   const points = chart.series.flatMap((one, number) => one.points.map((point, place) => ({ ...point, series: number, place })));
   box.replaceChildren();
   if (!points.length) {
@@ -69,8 +69,9 @@ function drawChart(box, chart) {
   const specs = { x: { ...chart.x }, y: { ...chart.y } };
   specs[across].values = [...points.map((point) => point[across]), ...ends, ...(chart.reference === undefined ? [] : [chart.reference])];
   specs[chart.along].values = points.map((point) => point[chart.along]);
-  const x = axis(specs.x, margin.left, width - margin.right);
   const y = axis(specs.y, chart.height - margin.bottom, margin.top);
+  margin.left = 36 + 7 * Math.max(...y.ticks.map(([, text]) => text.length)); // room for the title beside the ticks
+  const x = axis(specs.x, margin.left, width - margin.right);
   const root = s('svg', { viewBox: `0 0 ${width} ${chart.height}`, 'aria-hidden': 'true' });
   drawAxes(root, x, y, chart, width, margin);
   if (chart.reference !== undefined) {

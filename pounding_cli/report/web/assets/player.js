@@ -19,9 +19,9 @@ function playerView() {
     pause();
     go(Number(scrub.value) * state.scene.dt);
   } });
-  const before = h('button', { type: 'button', onclick: () => toImpact(-1) }, 'Impact before');
-  const after = h('button', { type: 'button', onclick: () => toImpact(1) }, 'Impact after');
-  const hardest = h('button', { type: 'button', onclick: () => toHardest() }, 'Hardest impact');
+  const before = h('button', { type: 'button', onclick: () => toImpact(-1) }, 'Previous impact');
+  const after = h('button', { type: 'button', onclick: () => toImpact(1) }, 'Next impact');
+  const hardest = h('button', { type: 'button', onclick: () => toHardest() }, 'Largest impact');
   const slow = h('input', { type: 'checkbox', checked: true, onchange: () => {
     state.slow = slow.checked;
   } });
@@ -40,10 +40,12 @@ function playerView() {
   });
   root.append(
     h('div', { class: 'bar' }, which.element, scale.element, span.element),
-    h('div', { class: 'stage' }, canvas, tip), strip, scrub,
+    h('div', { class: 'stage' }, canvas, tip),
     h('div', { class: 'bar' }, play, before, after, hardest, speed.element, h('label', { class: 'check' }, slow, 'slow at impacts')),
-    readout,
+    scrub, strip, readout,
     h('p', { class: 'note key' }),
+    h('p', { class: 'note keys' }, ...[['Space', 'plays and pauses'], ['←', ''], ['→', 'one sample, with'], ['Shift', '0.1 s'], ['P', ''], ['N', 'previous and next impact']]
+      .flatMap(([key, does]) => [h('kbd', {}, key), ` ${does} `])),
   );
 
   function open(number) {
@@ -64,9 +66,12 @@ function playerView() {
     state.at = layout(scene, width, state.scale);
     state.strips = stripsOf(scene, state.ink);
     const times = state.at.scale === 1 ? 'to the scale of the heights' : `${state.at.scale} times larger than heights`;
-    const thinned = scene.stride > 1 ? ` Every ${scene.stride}th sample is here; of forces the largest.` : '';
-    root.querySelector('.key').textContent = `Displacements and gaps are drawn ${times}. Columns turn red and thick where a storey’s drift is at or beyond its yield drift. `
-      + `Stars: floors pressing on each other; bars: connectors, orange pushing, blue pulling. Contacts from ${100 * HARD} % of the hardest force count as impacts for the buttons and for slow motion.${thinned}`;
+    const thinned = scene.stride > 1 ? `The page holds every ${scene.stride}th sample, and the largest force in between.` : '';
+    const yielding = scene.yields ? 'Columns are red and thick while the storey drift is at or beyond the yield drift. ' : 'This scene is elastic: no storey yields. ';
+    const kinds = new Set(scene.links.map(({ kind }) => kind));
+    const contact = kinds.has('pounding') || kinds.has('infill') ? `Stars: contact forces. A contact with at least ${100 * HARD} % of the largest force counts as an impact for the buttons and the slow motion. ` : '';
+    const bars = kinds.has('connector') ? 'Bars: connectors, orange in compression, blue in tension. ' : '';
+    root.querySelector('.key').textContent = `Displacements and gaps are drawn ${times}. ${yielding}${contact}${bars}${thinned}`;
     canvas.setAttribute('aria-label', `${scene.buildings.map(({ name }) => name).join(', ')} moving: ${scene.label}; displacements drawn ${times}`);
     draw();
   }
@@ -88,7 +93,7 @@ function playerView() {
     const hard = state.scene.impacts, slack = state.scene.dt / 2;
     const next = way > 0 ? hard.find(({ at }) => at > state.time + slack) : hard.findLast(({ at }) => at < state.time - slack);
     if (next) go(next.at, true);
-    else say('No further impact');
+    else say('No more impacts');
   }
 
   function toHardest() {

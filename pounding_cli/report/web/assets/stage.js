@@ -17,6 +17,7 @@ class Scene {
       return { floors, sway: building.foundation ? take() : null, rocking: building.foundation ? take() : null };
     });
     this.forces = raw.links.map(take);
+    this.yields = raw.analysis !== 'elastic';
     this.end = (this.count - 1) * this.dt;
     const extremes = (series) => series.reduce((most, value) => Math.max(most, Math.abs(value) || 0), 0);
     this.mostGround = extremes(this.ground);
@@ -94,7 +95,7 @@ function layout(scene, width, scale) {
   const heights = scene.buildings.map(({ heights: each }) => each.reduce((all, one) => [...all, all.at(-1) + one], [0]));
   const tallest = Math.max(...heights.map((each) => each.at(-1)));
   const room = { top: 44, bottom: 74, side: 14 };
-  const height = Math.round(Math.max(250, Math.min(440, width * 0.52)));
+  const height = Math.round(Math.max(220, Math.min(440, width * 0.52, innerHeight - 560))); // strips and buttons fit below
   const up = (height - room.top - room.bottom) / tallest;
   const count = scene.buildings.length;
   const gaps = scene.buildings.slice(1).map((_, number) => {
@@ -185,7 +186,7 @@ function drawGround(pen, scene, at, time, ink) {
   pen.fillStyle = ink.soft;
   pen.font = '12px system-ui, sans-serif';
   pen.textAlign = 'left';
-  pen.fillText('ground', 2, y + 4);
+  pen.fillText('ground acceleration', 2, y + 4);
 }
 
 const floorX = (scene, at, building, floor, time) => at.starts[building] + scene.moved(building, floor, time) * at.sideways;
@@ -206,9 +207,9 @@ function drawBuilding(pen, scene, at, number, time, ink) {
   }
   for (let storey = 0; storey < heights.length - 1; storey++) {
     const low = at.ground - heights[storey] * at.up, high = at.ground - heights[storey + 1] * at.up;
-    const here = floorX(scene, at, number, storey, time), demand = scene.demand(number, storey, time);
-    pen.strokeStyle = demand >= 1 ? ink.bad : ink.soft;
-    pen.lineWidth = demand >= 1 ? 3.4 : 2;
+    const here = floorX(scene, at, number, storey, time), yielding = scene.yields && scene.demand(number, storey, time) >= 1;
+    pen.strokeStyle = yielding ? ink.bad : ink.soft;
+    pen.lineWidth = yielding ? 3.4 : 2;
     pen.beginPath();
     for (const post of posts) {
       const from = below + post * at.wide, to = here + post * at.wide, middle = (low + high) / 2;

@@ -1,6 +1,6 @@
 // The strips under the moving buildings: ground motion, roofs, link forces, with a cursor at the present.
 
-const STRIP = 64;
+const STRIP = 56;
 
 /** What the strips show: name, unit, series with colour, factor into the unit. */
 function stripsOf(scene, ink) {

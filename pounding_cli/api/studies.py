@@ -1,4 +1,4 @@
-"""The library's front door: load a study, run it, open its results."""
+"""Load a study, run it, open its results."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pounding_cli.api.results import Results
     from pounding_cli.batch.progress import Progress
-    from pounding_cli.store import Results
     from pounding_cli.study import Study
 
 
@@ -33,6 +33,7 @@ def run(
     engine: str = "processes",
     scheduler: str | None = None,
     progress: Progress | None = None,
+    replace: bool = False,
 ) -> Results:
     """Run what a study still lacks and open its results.
 
@@ -44,6 +45,7 @@ def run(
     engine : "processes", "threads", "serial" or "dask": the same rows from each
     scheduler : address of a Dask scheduler, for the dask engine; a cluster on this machine unless given
     progress : as in `pounding_cli.batch.progress`; nothing is shown unless given
+    replace : replace results of another study too, and leave out scenes and histories that this study does not have
 
     Raises
     ------
@@ -56,7 +58,10 @@ def run(
 
     loaded = load_study(study) if isinstance(study, str | Path | Mapping) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path))
-    run_plan(expand(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler)
+    run_plan(
+        expand(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler,
+        replace=replace,
+    )  # fmt: skip
     return open_results(path)
 
 
@@ -67,9 +72,9 @@ def open_results(path: str | Path) -> Results:
     ------
     InputError : no such file, not a results file, or one of another format version
     """
-    from pounding_cli.store import open_results as read
+    from pounding_cli.api.results import Results
 
-    return read(path)
+    return Results(Path(path))
 
 
 def default_output(study: Path) -> Path:

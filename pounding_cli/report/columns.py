@@ -1,4 +1,4 @@
-"""How the page shows each column of the tables: its name, the unit an engineer reads it in, what it means."""
+"""How a report shows each column of the tables: its name, the unit an engineer reads it in, what it means."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pounding_cli.store.layout import COORDINATES, VARIABLES
 class Shown:
     """One column.
 
-    label : name on the page
+    label : name in figures and on the page
     unit : unit shown; "–" for a pure number, "" for text and counts
     factor : what the SI number is multiplied by
     text : meaning, in words

@@ -1,0 +1,77 @@
+"""The Python API: studies, single scenes, results and histories as a person at a prompt or in a notebook uses them.
+
+Nothing is imported until it is asked for: the commands take `default_output` and `load_study` from here before they
+know whether anything will run.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pounding_cli.api.histories import History
+    from pounding_cli.api.results import Results
+    from pounding_cli.api.scenes import building, history, motion, scene
+    from pounding_cli.api.studies import default_output, load_study, open_results, run
+    from pounding_cli.errors import InputError
+    from pounding_cli.model.building import Building
+    from pounding_cli.model.links import Link
+    from pounding_cli.model.scene import Scene
+    from pounding_cli.records.motion import Motion
+    from pounding_cli.solve.methods import solve
+    from pounding_cli.solve.response import Response
+    from pounding_cli.study.load import Study
+
+__all__ = [
+    "Building",
+    "History",
+    "InputError",
+    "Link",
+    "Motion",
+    "Response",
+    "Results",
+    "Scene",
+    "Study",
+    "building",
+    "default_output",
+    "history",
+    "load_study",
+    "motion",
+    "open_results",
+    "run",
+    "scene",
+    "solve",
+]
+
+_HOMES = {
+    "Building": "model.building",
+    "History": "api.histories",
+    "InputError": "errors",
+    "Link": "model.links",
+    "Motion": "records.motion",
+    "Response": "solve.response",
+    "Results": "api.results",
+    "Scene": "model.scene",
+    "Study": "study.load",
+    "building": "api.scenes",
+    "default_output": "api.studies",
+    "history": "api.scenes",
+    "load_study": "api.studies",
+    "motion": "api.scenes",
+    "open_results": "api.studies",
+    "run": "api.studies",
+    "scene": "api.scenes",
+    "solve": "solve.methods",
+}
+"""Name -> the module below `pounding_cli` that holds it."""
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"pounding_cli.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'pounding_cli.api' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

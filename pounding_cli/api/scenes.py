@@ -1,0 +1,180 @@
+"""One scene by hand: buildings, a motion and what stands between, in the words and units of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pounding_cli import records
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import Link
+from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.records.motion import Motion
+from pounding_cli.study.single import building_of, by_place, links_between, quantity
+from pounding_cli.study.units import ACCELERATION, TIME, Quantity, limited
+
+if TYPE_CHECKING:
+    from pounding_cli.api.histories import History
+
+_SCALE = Quantity("scale", "", "1.5", 0.0, 1000.0, open_low=True)
+_TAIL = limited(TIME, name="tail", example="5 s", open_low=False)
+_EVERY = limited(TIME, name="output step", example="2 ms")
+
+
+def building(name: str, **keys: Any) -> Building:
+    """A building from the keys of a study's building, with the same defaults.
+
+    Parameters
+    ----------
+    name : what tables and figures call it
+    keys : `storeys`, `period`, `mass`, `height`, `taper`, `stiffness`, `damping`, `hardening`, `yield_` (for `yield`),
+        `yield_shear`, `foundation`: SI numbers or texts with units, one value or a list from the ground up
+
+    Raises
+    ------
+    InputError : with every problem found, each at its key
+    """
+    return building_of(name, {key.rstrip("_"): value for key, value in keys.items()})
+
+
+def motion(
+    source: str | Path | Any,
+    *,
+    dt: float | str | None = None,
+    unit: str | None = None,
+    name: str | None = None,
+    duration: float | str = "whole",
+    scale: float = 1.0,
+    pga: float | str | None = None,
+) -> Motion:
+    """A ground motion from an array, a file, the catalogue or an installed library.
+
+    Parameters
+    ----------
+    source : accelerations, shape (n,), n >= 2; or the path of a file; or a name that `pound records list` shows
+    dt : time step [s]; needed for an array, and for a file of one column that does not say it
+    unit : of the accelerations: m/s2 for an array and what a file says, unless given
+    name : what tables and figures call it; "motion", the file's stem or the catalogue's name unless given
+    duration : how much of it is used [s]; "whole" for all
+    scale : factor on it [-]
+    pga : peak it is scaled to instead [m/s2]
+
+    Raises
+    ------
+    InputError : no such motion, a file that cannot be read, a missing time step, an unknown unit
+    """
+    if isinstance(source, str | Path):
+        found = _named_or_read(source, dt, unit, name)
+    else:
+        found = _from_array(source, dt, unit, name)
+    if duration != "whole":
+        found = found.windowed(quantity(TIME, duration, "duration"))
+    if pga is None:
+        return found.scaled(quantity(_SCALE, scale, "scale")) if scale != 1.0 else found
+    if scale != 1.0:
+        raise InputError(Problem("both 'scale' and 'pga' are given", "leave one of them out"))
+    return found.scaled(records.pga_factor(found, quantity(ACCELERATION, pga, "pga")))
+
+
+def scene(
+    buildings: Sequence[Building],
+    motion: Motion,
+    *,
+    analysis: str = "inelastic",
+    link: str = "pounding",
+    links: Sequence[Link] | None = None,
+    impact: Mapping[str, Any] | None = None,
+    tail: float | str = 0.0,
+    **case: Any,
+) -> Scene:
+    """A scene: buildings side by side, what stands between them, and one motion.
+
+    Parameters
+    ----------
+    buildings : left to right; one alone has no links
+    motion : as used, cut and scaled
+    analysis : "elastic" or "inelastic"
+    link : "pounding", "infill", "connector" or "none", between all floors at one elevation
+    links : the links themselves, in place of `link` and the keys of a case
+    impact : keys of a study's `impact` (`stiffness`, `restitution`, `tension_cut`, ...)
+    tail : free vibration after the motion [s]
+    case : keys of a study's case: `gap` (needed unless `link` is none), `stiffness`, `floors`, `by_floor`, `pairs`, ...
+
+    Raises
+    ------
+    InputError : with every problem found, each at its key
+    """
+    if analysis not in list(Analysis):
+        raise InputError(Problem(f"the analysis '{analysis}' is not known", "write elastic or inelastic", "analysis"))
+    row = by_place(buildings)
+    if links is not None:
+        if case:
+            raise InputError(Problem(f"'links' leaves no place for {', '.join(case)}", "give one or the other"))
+        between = tuple(links)
+    else:
+        between = links_between(row, {"link": link, **case}, impact or {}) if len(row) > 1 else ()
+    try:
+        return Scene(row, between, motion, Analysis(analysis), quantity(_TAIL, tail, "tail"))
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(Problem(str(error))) from None
+
+
+def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -> History:
+    """Run a scene and keep what it does over time.
+
+    Parameters
+    ----------
+    scene : what to run
+    every : output step [s]
+    accuracy : as in `solve` [-]
+
+    Raises
+    ------
+    InputError : the output step is not above zero; the run did not end, and why
+    """
+    from pounding_cli.api.histories import History
+    from pounding_cli.solve.histories import history as kept
+
+    return History.of(kept(scene, accuracy, quantity(_EVERY, every, "every")))
+
+
+def _from_array(values: Any, dt: float | str | None, unit: str | None, name: str | None) -> Motion:
+    factor = records.acceleration_unit(unit or "m/s2")
+    if factor is None:
+        raise InputError(Problem(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(records.UNITS)}"))
+    if dt is None:
+        raise InputError(Problem("an array does not say its time step", "give it: dt=0.01, or dt='10 ms'"))
+    try:
+        return Motion(name or "motion", quantity(TIME, dt, "dt"), factor * np.asarray(values, dtype=float))
+    except InputError:
+        raise
+    except (TypeError, ValueError) as error:
+        raise InputError(Problem(str(error), "give accelerations in equal steps of time, shape (n,)")) from None
+
+
+def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None, name: str | None) -> Motion:
+    word = str(source)
+    known = isinstance(source, str) and (word in records.names() or records.library_of(word) is not None)
+    if known:
+        if dt is not None or unit is not None:
+            raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
+        found = records.find(word) if word in records.names() else _held(word)
+        return found if name is None else Motion(name, found.dt, found.acceleration, found.source)
+    if isinstance(source, str) and not (Path(word).suffix or Path(word).exists() or set("/\\") & set(word)):
+        records.entry(word)  # refuses it, with the nearest name
+    step = None if dt is None else quantity(TIME, dt, "dt")
+    return records.read_motion(Path(word).expanduser(), dt=step, unit=unit, name=name)
+
+
+def _held(word: str) -> Motion:
+    found = records.matching(word)
+    if len(found) != 1:
+        hint = f"name one: {', '.join(found[:8])}" + (", ..." if len(found) > 8 else "")
+        raise InputError(Problem(f"'{word}' stands for {len(found)} motions", hint))
+    return records.read_held(found[0])

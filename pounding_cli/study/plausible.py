@@ -1,0 +1,258 @@
+"""What a study may say but hardly means: one table of plausible ranges and the warnings made of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pounding_cli.errors import Problem
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import Kind, Link
+from pounding_cli.study.motions import Used
+from pounding_cli.study.problems import Faults, Path, Tree
+from pounding_cli.study.schema import BuildingSpec
+from pounding_cli.study.units import GRAVITY, NUMBER
+from pounding_cli.words import counted
+
+_LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
+_MASSES = {"t": 1e3, "kg": 1.0}
+_TIMES = {"s": 1.0, "ms": 1e-3}
+_FORCES = {"kN": 1e3, "MN": 1e6, "N": 1.0}
+_STIFFNESSES = {"kN/mm": 1e6, "kN/m": 1e3, "MN/mm": 1e9, "N/m": 1.0}
+_ACCELERATIONS = {"g": GRAVITY, "m/s2": 1.0}
+
+
+@dataclass(frozen=True)
+class Plausible:
+    """A range outside of which a value is more likely a slip than meant.
+
+    low, high : the range, in SI
+    reason : where it comes from
+    units : units a person writes the value in with their factor to SI, the likeliest first
+    """
+
+    low: float
+    high: float
+    reason: str
+    units: Mapping[str, float]
+
+    def holds(self, value: float) -> bool:
+        """Whether a value is plausible; nothing at all (no gap, no damping) is."""
+        return value == 0 or self.low <= value <= self.high
+
+
+RANGES = {
+    "gap": Plausible(
+        1e-4, 1.0, "gaps between neighbours are millimetres to decimetres; the largest a code asks for is near 1 m",
+        _LENGTHS,
+    ),
+    "floor mass": Plausible(
+        5e3, 1e7, "a floor weighs about 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block", _MASSES
+    ),
+    "storey height": Plausible(2.0, 12.0, "people stand in a storey; halls and lobbies reach 12 m", _LENGTHS),
+    "period": Plausible(0.02, 10.0, "the tallest buildings there are have about 10 s", _TIMES),
+    "period of a storey": Plausible(
+        0.02, 0.5, "frames and walls have 0.05 to 0.2 s a storey", _TIMES
+    ),
+    "damping ratio": Plausible(0.006, 0.3, "structures have 1 to 10 % of critical; dampers reach 30 %", {"%": 0.01}),
+    "base yield shear over weight": Plausible(
+        0.005, 3.0, "codes design for 2 to 30 % of the weight; overstrength brings that to 100 % at most", _FORCES
+    ),
+    "impact stiffness over the stiffest storey's": Plausible(
+        0.5, 1e4, "floors that meet are stiffer than the columns below; studies take 5 to 1000 times", _STIFFNESSES
+    ),
+    "link stiffness over the stiffest storey's": Plausible(
+        1e-5, 1e3, "below that the link does nothing, above it is an impact", _STIFFNESSES
+    ),
+    "peak ground acceleration asked for": Plausible(
+        0.04 * GRAVITY, 3 * GRAVITY, "damage begins near 0.05 g, recorded peaks reach 3 g", _ACCELERATIONS
+    ),
+    "peak of a motion as used": Plausible(
+        0.001 * GRAVITY, 5 * GRAVITY, "below 0.001 g nobody feels it; above 5 g the unit is wrong", _ACCELERATIONS
+    ),
+}  # fmt: skip
+"""What is plausible, one row a quantity."""
+
+MOST_ALIKE = 3
+"""Warnings told one by one that differ in their numbers alone, as along a swept axis."""
+
+_AS_MEANT = "the study runs as it is"
+_PARTED = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*\Z")
+
+
+def doubt_building(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Faults) -> None:
+    """Note what is unlikely about a building: masses, heights, period, damping, yield shears."""
+    given = spec.model_fields_set
+    for key, what, values in (
+        ("mass", "floor mass", building.mass),
+        ("height", "storey height", building.height),
+    ):
+        bad = np.flatnonzero((values < RANGES[what].low) | (values > RANGES[what].high))
+        if bad.size and key in given:
+            place = int(bad[0])
+            at = (*path, key, place) if isinstance(getattr(spec, key), tuple) else (*path, key)
+            _note(what, float(values[place]), root, at, notes)
+    if "damping" in given and spec.rayleigh is None:
+        _note("damping ratio", spec.damping, root, (*path, "damping"), notes)
+    _doubt_period(spec, building, root, path, notes)
+    if isinstance(spec.yield_shear, tuple):
+        weight = GRAVITY * float(np.sum(building.mass))
+        share = float(building.yield_shear[0]) / weight
+        if not (fits := RANGES["base yield shear over weight"]).holds(share):
+            at = (*path, "yield_shear", 0)
+            meant = _meant(_text(root, at), float(building.yield_shear[0]), fits, lambda value: value / weight)
+            notes.at(
+                root,
+                at,
+                f"the lowest storey yields at {shown(float(building.yield_shear[0]), _FORCES)}, {share:.2g} of the "
+                f"building's weight: {fits.reason}",
+                _hint(meant),
+            )
+
+
+def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Faults) -> None:
+    period, storeys = spec.period if spec.stiffness is None else float(building.periods[0]), building.storeys
+    assert period is not None  # a building has one or the other
+    whole, each = RANGES["period"], RANGES["period of a storey"]
+    if whole.holds(period) and (storeys == 1 or each.holds(period / storeys)):
+        return
+    a_storey = f", {_rounded(period / storeys)} s a storey" if storeys > 1 else ""
+    reason = each.reason if storeys > 1 else whole.reason
+    words = f"period of {_rounded(period)} s for {counted(storeys, 'storey')}{a_storey}: {reason}"
+    fits = replace(each, low=max(each.low, whole.low / storeys)) if storeys > 1 else whole
+    if spec.stiffness is None:
+        at: Path = (*path, "period")
+        meant = _meant(_text(root, at), period, fits, lambda value: value / storeys)
+        notes.at(root, at, f"a {words}", _hint(meant))
+    else:
+        at = (*path, "stiffness", 0)
+        stiffness = replace(fits, units=_STIFFNESSES)
+        first = float(building.stiffness[0])
+        meant = _meant(_text(root, at), first, stiffness, lambda value: period * (first / value) ** 0.5 / storeys)
+        notes.at(root, at, f"these stiffnesses give a {words}", _hint(meant))
+
+
+def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, path: Path, notes: Faults) -> None:
+    """Note gaps and stiffnesses of a case's links that are unlikely, each once."""
+    stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
+    for gap in dict.fromkeys(link.gap for link in links if link.gap > 0):
+        _note("gap", gap, root, _leaf(root, path, "gap"), notes)
+    kinds = dict.fromkeys((link.kind is Kind.POUNDING, link.stiffness) for link in links)
+    for pounds, stiffness in kinds if stiffest else ():
+        what = f"{'impact' if pounds else 'link'} stiffness over the stiffest storey's"
+        if (fits := RANGES[what]).holds(stiffness / stiffest):
+            continue
+        own = root.get(*path, "stiffness") is not None
+        at = (*path, "stiffness") if own or not pounds else ("impact", "stiffness")
+        text = _text(root, at)
+        number = _PARTED.match(text)
+        if number and not number[2] and fits.holds(float(number[1])):
+            meant = f"{number[1]} x stiffest storey"
+        else:
+            meant = _meant(text, stiffness, fits, lambda value: value / stiffest)
+        notes.at(
+            root,
+            at,
+            f"the {what.split(' over')[0]} is {shown(stiffness, _STIFFNESSES)}, {stiffness / stiffest:.2g} times that "
+            f"of the stiffest storey: {fits.reason}",
+            _hint(meant),
+        )
+
+
+def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Faults) -> None:
+    """Note peaks of the ground that are unlikely, asked for or as they come out."""
+    asked = root.get("records", "scale", "pga")
+    if asked is not None:
+        pga = next((each.use.pga for each in used.values()), None)
+        if pga is not None:
+            _note("peak ground acceleration asked for", pga, root, ("records", "scale", "pga"), notes)
+        return
+    for name, each in used.items():
+        fits = RANGES["peak of a motion as used"]
+        if each.use.pga and not fits.holds(each.use.pga):
+            message = f"'{name}' peaks at {each.use.pga / GRAVITY:.3g} g as it is used: {fits.reason}"
+            hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {_AS_MEANT}"
+            notes.at(root, ("records", "scale") if each.use.scale != 1 else ("records", "use"), message, hint)
+
+
+def few(problems: Iterable[Problem]) -> list[Problem]:
+    """Of warnings that differ in their numbers alone the first MOST_ALIKE; the last of those counts the others."""
+    kept: list[Problem] = []
+    alike: dict[str, list[int]] = {}
+    for problem in problems:
+        kind = re.sub(r"[\d.e+-]+", "#", problem.message)
+        places = alike.setdefault(kind, [])
+        if len(places) < MOST_ALIKE:
+            kept.append(problem)
+        places.append(len(kept) - 1)
+    for places in alike.values():
+        more = len(places) - MOST_ALIKE
+        if more > 0:
+            last = kept[places[MOST_ALIKE - 1]]
+            kept[places[MOST_ALIKE - 1]] = replace(last, message=f"{last.message}; and {more} more like it")
+    return kept
+
+
+def shown(value: float, units: Mapping[str, float]) -> str:
+    """A value in the unit a person would use: the largest that it is at least one of, seconds from 0.01 s on."""
+    sizes = sorted(units.items(), key=lambda unit: unit[1])
+    fitting = [unit for unit in sizes if value >= unit[1] * (0.01 if unit[0] == "s" else 1 - 1e-12)]
+    unit, factor = (fitting or sizes[:1])[-1]
+    return f"{_rounded(value / factor)} {unit}"
+
+
+def _note(what: str, value: float, root: Tree, path: Path, notes: Faults) -> None:
+    fits = RANGES[what]
+    if fits.holds(value):
+        return
+    meant = _meant(_text(root, path), value, fits, lambda read: read)
+    notes.at(root, path, f"{what} is {shown(value, fits.units)}: {fits.reason}", _hint(meant))
+
+
+def _hint(meant: str) -> str:
+    return (
+        f"did you mean {meant}? otherwise leave it, {_AS_MEANT}" if meant else f"leave it if it is meant, {_AS_MEANT}"
+    )
+
+
+def _meant(text: str, value: float, fits: Plausible, measured: Callable[[float], float]) -> str:
+    """The same number in another unit, else with its decimal point elsewhere, that makes `measured` plausible."""
+    parted = _PARTED.match(text)
+    if parted:
+        number = float(parted[1])
+        for unit, factor in fits.units.items():
+            if number > 0 and abs(number * factor - value) > 1e-9 * value and fits.holds(measured(number * factor)):
+                return f"{number:.4g} {unit}"
+    for factor in (0.1, 10.0, 0.01, 100.0):
+        if fits.holds(measured(value * factor)):
+            return shown(value * factor, fits.units)
+    return ""
+
+
+def _text(root: Tree, path: Path) -> str:
+    node = root.get(*path)
+    return "" if node is None else node.text
+
+
+def _leaf(root: Tree, path: Path, key: str) -> Path:
+    """The place of the first `key` at or below `path`."""
+    stack: list[Path] = [path]
+    while stack:
+        here = stack.pop(0)
+        node = root.get(*here)
+        if node is None:
+            continue
+        if node.is_mapping:
+            if key in node.value:
+                return (*here, key)
+            stack += [(*here, name) for name in node.value]
+        elif node.is_list:
+            stack += [(*here, place) for place in range(len(node.value))]
+    return path
+
+
+def _rounded(value: float) -> str:
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"

@@ -1,0 +1,66 @@
+"""The unit a swept key is written in, found from its values and the schema."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+
+from pydantic import BaseModel
+
+from pounding_cli.study.source import Node
+from pounding_cli.study.units import Quantity, TextForm, factor_of, written_unit
+from pounding_cli.words import Unit
+
+
+def unit_of(model: type[BaseModel], path: Sequence[str], values: Sequence[Node]) -> Unit:
+    """The unit of a swept key: the first one written among its values, SI where all are bare numbers.
+
+    model : the schema of the study; path : the key, step by step; values : the nodes of the axis
+    """
+    found = quantity_of(model, path)
+    if found is None:
+        return Unit()
+    for node in values:
+        name = written_unit(node.value) if isinstance(node.value, str) else ""
+        if name and (factor := factor_of(name, found.si)) is not None:
+            return Unit(name, factor, found.si)
+    return Unit(found.si, 1.0, found.si)
+
+
+def quantity_of(model: type[BaseModel], path: Sequence[str]) -> Quantity | None:
+    """The quantity that may stand at a key, or None."""
+    level: list[Any] = [model]
+    for step in path:
+        level = [below for kind in level for below in _below(kind, step)]
+    return next((kind for kind in level if isinstance(kind, Quantity)), None)
+
+
+def _below(kind: Any, step: str) -> Iterator[Any]:
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        hints = get_type_hints(kind, include_extras=True)
+        for name, field in kind.model_fields.items():
+            if (field.alias or name) == step:
+                yield from _leaves(hints[name])
+    elif get_origin(kind) is tuple and step.isdigit():
+        yield from _leaves(get_args(kind)[0])
+    elif get_origin(kind) is dict:
+        yield from _leaves(get_args(kind)[1])
+
+
+def _leaves(kind: Any) -> Iterator[Any]:
+    """What a type comes to: models, tuples, dicts and quantities."""
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        extra = next((part for part in parts[1:] if isinstance(part, Quantity | TextForm)), None)
+        if extra is None:
+            yield from _leaves(parts[0])
+        elif isinstance(extra, Quantity):
+            yield extra
+        elif extra.quantity is not None:
+            yield extra.quantity
+    elif origin in (Union, types.UnionType):
+        for part in parts:
+            yield from _leaves(part)
+    else:
+        yield kind

@@ -1,0 +1,141 @@
+"""Results and histories as a person looks at them: lines, tables, datasets, curves; shorter buildings included."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import pounding_cli as pound
+
+STUDY = {
+    "title": "A <b>bold</b> title",
+    "records": {"use": ["elcentro"], "duration": "3 s"},
+    "buildings": {"stiff": {"storeys": 5, "period": "0.36 s"}, "soft": {"storeys": 3, "period": "0.60 s"}},
+    "group": ["stiff", "soft"],
+    "cases": {"gap": {"link": "pounding", "gap": "2 cm"}, "none": {"link": "none"}},
+    "estimate": "none",
+    "keep": "histories",
+}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    return pound.run(STUDY, tmp_path_factory.mktemp("api") / "r.h5", engine="serial")
+
+
+@pytest.fixture
+def plt(monkeypatch):
+    """pyplot without a window, its figures closed at the end."""
+    with mpl.rc_context({"backend": "agg"}):
+        from matplotlib import pyplot
+
+        pyplot.switch_backend("agg")
+        yield pyplot
+        pyplot.close("all")
+
+
+def test_results_in_a_line_and_as_a_table(results):
+    line = repr(results)
+    assert line.startswith("Results('A <b>bold</b> title': 2 buildings (stiff, soft), 2 cases (gap, none), 2 analyses")
+    assert "\n" not in line
+    table = results._repr_html_()
+    assert "A &lt;b&gt;bold&lt;/b&gt; title" in table
+    worst = results.summary().query("case == 'gap' and analysis == 'elastic' and building == 'stiff'")
+    assert f"<td>{worst['V_ratio_mean'].max():.3f}</td>" in table
+
+
+def test_a_file_that_is_gone_still_shows_itself(results, tmp_path):
+    copy = tmp_path / "copy.h5"
+    copy.write_bytes(results.path.read_bytes())
+    opened = pound.open_results(copy)
+    copy.unlink()
+    assert str(copy) in repr(opened)
+
+
+def test_the_dataset_has_units_and_coordinates(results):
+    data = results.dataset
+    assert data["V"].dims == ("case", "analysis", "record", "building", "storey")
+    assert data["V"].attrs["units"] == "N"
+    assert list(data["storey"].values) == [1, 2, 3, 4, 5]
+    roof = results.storey().query("case == 'gap' and analysis == 'elastic' and building == 'soft' and storey == 3")
+    at = {"case": "gap", "analysis": "elastic", "record": "elcentro", "building": "soft"}
+    assert float(data["V"].sel(storey=3, **at)) == roof["V"].item()
+    assert np.isnan(data["V"].sel(storey=5, **at))
+    results.path.rename(results.path)  # nothing holds the file
+    assert data["seconds"].dtype == float
+
+
+def test_a_history_as_frames_without_floors_that_do_not_exist(results):
+    """Fails if shorter buildings come with empty columns, or columns are named by place."""
+    history = results.history(case="gap", analysis="elastic")
+    drift = history.frame("drift")
+    assert [b for b, _ in drift.columns] == ["stiff"] * 5 + ["soft"] * 3
+    assert drift.columns.names == ["building", "storey"]
+    assert drift["soft", 3].to_numpy() == pytest.approx(history.drift[:, 1, 2])
+    assert drift.index.name == "time"
+    assert drift.attrs["units"] == "m"
+    assert list(history.frame("link_force").columns) == [f"stiff|soft floor {n}" for n in (1, 2, 3)]
+    assert list(history.frame("energy").columns)[:2] == ["input", "kinetic"]
+    assert history.frame("ground_acceleration").shape == (history.time.size, 1)
+    assert results.history(case="none", analysis="elastic").frame("link_force").shape == (history.time.size, 0)
+    with pytest.raises(pound.InputError, match="no quantity 'drifts'"):
+        history.frame("drifts")
+
+
+def test_closings_are_those_of_the_tables(results):
+    """The largest closing every 2 ms against the located peak. Fails if floors or signs are mixed up."""
+    history = results.history(case="gap", analysis="elastic")
+    link = results.link().query("case == 'gap' and analysis == 'elastic'")
+    assert history.closing.max(axis=0) == pytest.approx(link["max_closing"].to_numpy(), rel=5e-3)
+    top = history.largest().loc[("closing", "stiff|soft floor 3"), "largest"]
+    assert top == pytest.approx(link["max_closing"].max(), rel=5e-3)
+
+
+def test_floors_of_a_link_at_different_numbers():
+    """3 m and 6 m storeys: floor 2 meets floor 1. Fails if the right floor is taken for the left one."""
+    low = pound.building("low", storeys=2, period=0.3)
+    high = pound.building("high floor 3", storeys=1, period=0.5, height=6.0)
+    scene = pound.scene([low, high], pound.motion("elcentro", duration=3.0), gap="1 cm", analysis="elastic")
+    history = pound.history(scene, every="0.5 ms")
+    closing = pound.solve(scene).links.max_closing
+    assert history.links == ("low|high floor 3 floor 2|1",)
+    assert history.closing.max() == pytest.approx(closing[0], rel=1e-3)
+
+
+def test_a_history_in_a_line_as_a_table_and_as_a_dataset(results):
+    history = results.history(case="gap", analysis="elastic")
+    assert repr(history) == "History(stiff, soft; 3 links; 3 s every 2 ms, 1501 times)"
+    assert "stiff|soft floor 3" in history._repr_html_()
+    data = history.dataset
+    assert data["shear"].attrs["units"] == "N"
+    assert data["shear"].sel(building="soft", storey=1).values == pytest.approx(history.shear[:, 1, 0])
+    assert data["energy"].sel(kind="input").values == pytest.approx(history.energy["input"])
+
+
+def test_curves_of_a_history(results, plt):
+    history = results.history(case="gap", analysis="elastic")
+    above, between, below = history.plot(between=(1.0, 2.0))
+    assert [line.get_label() for line in above.get_lines()] == ["stiff, floor 5", "soft, floor 3"]
+    time, closing = between.get_lines()[0].get_data()
+    assert (time[0], time[-1]) == pytest.approx((1.0, 2.0))
+    assert closing == pytest.approx(history.frame("closing").loc[1.0:2.0].iloc[:, -1])
+    assert below.get_ylabel() == "link force [N]"
+    (drift,) = history.plot("drift", level=2, axes=plt.subplots()[1])
+    assert [line.get_label() for line in drift.get_lines()] == ["stiff, storey 2", "soft, storey 2"]
+    assert len(results.history(case="none", analysis="elastic").plot()) == 1  # no links to draw
+    with pytest.raises(pound.InputError, match="nothing stands at level 9"):
+        history.plot("drift", level=9)
+    with pytest.raises(pound.InputError, match="1 axis for 2 quantities"):
+        history.plot("drift", "shear", axes=drift)
+
+
+def test_the_main_figure(results, plt):
+    """A figure of pyplot, which a notebook shows. Fails if it is one that only files see."""
+    elastic, inelastic = results.plot()
+    assert elastic.figure.number in plt.get_fignums()
+    assert "storey shear" in elastic.get_title(loc="left")
+    assert "ductility" in inelastic.get_title(loc="left")
+    assert results.plot("soft")[0].figure is not elastic.figure
+    with pytest.raises(pound.InputError, match="no building 'tower' in these results"):
+        results.plot("tower")

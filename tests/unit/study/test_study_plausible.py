@@ -1,0 +1,140 @@
+"""Unlikely input is warned of, with the value in a person's unit and what may have been meant; and it runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pounding_cli.study import expand, load_study
+from pounding_cli.study.plausible import RANGES, few, shown
+
+STUDY = """\
+records: {use: [elcentro], duration: 5 s, scale: {pga: 0.35 g}}
+buildings:
+  A: {storeys: 5, period: 0.36 s, height: &h 3.2 m, mass: 200 t, damping: 5 %}
+  B: {storeys: 3, stiffness: [200 kN/mm, 200 kN/mm, 200 kN/mm], height: *h, yield_shear: [900 kN, 900 kN, 900 kN]}
+group: [A, B]
+impact: {stiffness: 20 x stiffest storey}
+cases:
+  gap: {link: pounding, gap: 2 cm}
+  con: {link: connector, gap: 5 cm, stiffness: 1/5 mean storey, floors: [3]}
+"""
+
+# what is written in place of what, the value shown, what is suggested
+SLIPS = {
+    "gap in metres": ("gap: 2 cm", "gap: §2", "gap is 2 m:", "did you mean 2 cm?"),
+    "gap in metres, with its unit": ("gap: 2 cm", "gap: §2 m", "gap is 2 m:", "did you mean 2 cm?"),
+    "gap of nearly nothing": ("gap: 2 cm", "gap: §0.002 mm", "gap is 0.002 mm:", "did you mean 0.002 m?"),
+    "mass in kilograms": ("mass: 200 t", "mass: §200", "floor mass is 200 kg:", "did you mean 200 t?"),
+    "one mass of a list": (
+        "mass: 200 t",
+        "mass: [200 t, 200 t, §200, 200 t, 200 t]",
+        "floor mass is 200 kg:",
+        "did you mean 200 t?",
+    ),
+    "height in centimetres": (
+        "&h 3.2 m",
+        "§&h 3.2 cm",
+        "storey height is 3.2 cm:",
+        "did you mean 3.2 m?",
+    ),
+    "height of a bare number": (
+        "&h 3.2 m",
+        "§&h 320",
+        "height is 320 m:",
+        "did you mean 320 cm?",
+    ),
+    "period": ("0.36 s", "§36 s", "a period of 36 s for 5 storeys, 7.2 s a storey:", "did you mean 0.36 s?"),
+    "short period": ("0.36 s", "§0.036 s", "a period of 0.036 s for 5 storeys, 0.0072 s", "did you mean 0.36 s?"),
+    "stiffness in N/m": (
+        "stiffness: [200 kN/mm,",
+        "stiffness: [§200 N/m,",
+        "these stiffnesses give a period of",
+        "did you mean 200 kN/mm?",
+    ),
+    "yield shear in N": ("yield_shear: [900 kN,", "yield_shear: [§900,", "yields at 900 N, 0.00015 of", "900 kN?"),
+    "damping": ("5 %", "§50 %", "damping ratio is 50 %:", "did you mean 5 %?"),
+    "damping as a fraction": ("5 %", "§0.5", "damping ratio is 50 %:", "did you mean 5 %?"),
+    "impact stiffness": (
+        "stiffness: 20 x stiffest storey",
+        "stiffness: §20",
+        "the impact stiffness is 20 N/m,",
+        "did you mean 20 x stiffest storey?",
+    ),
+    "connector": ("1/5 mean storey", "§2 N/m", "the link stiffness is 2 N/m,", "did you mean 2 kN/mm?"),
+    "pga": ("pga: 0.35 g", "pga: §0.35", "acceleration asked for is 0.35 m/s2:", "did you mean 0.35 g?"),
+    "scale": ("scale: {pga: 0.35 g}", "scale: §200", "'elcentro' peaks at", "check `unit:`"),
+}
+
+
+def read(folder: Path, text: str):
+    path = folder / "slip.yaml"
+    path.write_text(text)
+    return load_study(path)
+
+
+def test_a_plain_study_is_not_warned_of(tmp_path):
+    assert read(tmp_path, STUDY).warnings == ()
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_is_told_at_its_place_with_what_was_meant(tmp_path, slip):
+    old, new, message, hint = SLIPS[slip]
+    assert STUDY.count(old) == 1
+    text = STUDY.replace(old, new)
+    before = text[: text.index("§")]
+    study = read(tmp_path, text.replace("§", ""))
+    (warning,) = study.warnings
+    assert message in warning.message
+    assert hint in warning.hint
+    assert (warning.line, warning.column) == (before.count("\n") + 1, len(before) - before.rfind("\n"))
+    assert len(expand(study).rows) == 4  # it runs all the same
+
+
+def test_a_value_of_the_sweep_is_told_at_its_place_and_the_one_it_replaces_is_not(tmp_path):
+    text = STUDY.replace("gap: 2 cm", "gap: 2") + "sweep: {cases.gap.gap: [1 cm, 3 m]}\n"
+    (warning,) = read(tmp_path, text).warnings
+    assert warning.message.startswith("gap is 3 m:")
+    assert (warning.line, warning.column) == (10, 31)
+
+
+def test_of_many_values_alike_the_first_are_told_and_the_rest_counted(tmp_path):
+    values = ", ".join(map(str, range(2, 10)))
+    warnings = read(tmp_path, STUDY + f"sweep: {{cases.gap.gap: [{values}]}}\n").warnings
+    assert [warning.message.split(":")[0] for warning in warnings] == ["gap is 2 m", "gap is 3 m", "gap is 4 m"]
+    assert warnings[-1].message.endswith("; and 5 more like it")
+    assert few(warnings[:2]) == list(warnings[:2])
+
+
+def test_no_gap_and_no_damping_are_plausible():
+    assert RANGES["gap"].holds(0.0)
+    assert RANGES["damping ratio"].holds(0.0)
+    assert not RANGES["gap"].holds(1e-6)
+
+
+@pytest.mark.parametrize(
+    ("value", "what", "text"),
+    [(2.0, "gap", "2 m"), (0.02, "gap", "2 cm"), (0.36, "period", "0.36 s"), (2e5, "floor mass", "200 t")],
+)
+def test_values_are_shown_in_the_unit_a_person_would_use(value, what, text):
+    assert shown(value, RANGES[what].units) == text
+
+
+@pytest.mark.parametrize("path", sorted(Path("configs").rglob("*.yaml")), ids=str)
+def test_no_study_that_ships_is_doubted(path):
+    from pounding_cli.study.kinds import kind_of_file
+
+    if kind_of_file(path) == "run":
+        assert load_study(path).warnings == ()
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in Path("pounding_cli/study/templates").glob("*.yaml")))
+def test_no_template_is_doubted(tmp_path, name):
+    from pounding_cli.study.kinds import kind_of_file
+    from pounding_cli.study.template import TEMPLATES
+
+    path = tmp_path / "new.yaml"
+    path.write_text(TEMPLATES[name].written("new"))
+    if kind_of_file(path) == "run":
+        assert load_study(path).warnings == ()
