@@ -11,7 +11,7 @@ from pounding_cli.kernels.pipelines import QUICK
 
 @functools.cache
 def source_digest() -> str:
-    """SHA-256 over every file of this room, and how it is compiled: a kernel of one pipeline is no test of the other."""
+    """SHA-256 over every file of this room and the name of the pipeline, so that each has kernels of its own."""
     sha = hashlib.sha256(b"quick" if QUICK else b"plain")
     for path in sorted(Path(__file__).parent.glob("*.py")):
         sha.update(path.read_bytes())

@@ -1,4 +1,4 @@
-"""The plain path: kernels by numba's public interface and its own compile pipeline, for versions that we do not know."""
+"""The plain path: kernels by numba's published interface and its own compile pipeline, for versions not known."""
 
 from __future__ import annotations
 
