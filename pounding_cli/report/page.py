@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from pounding_cli.report.evidence import Evidence, flags, motion_sentence, names
+from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, names
 from pounding_cli.report.tables import markdown
 from pounding_cli.report.verdicts import Judgement
+from pounding_cli.store.flagged import FlagGroup, flag_groups_of
 from pounding_cli.words import counted
 
 
@@ -75,7 +76,7 @@ def key_numbers(evidence: Evidence) -> list[str]:
             header += [f"V/V0, {analysis}", f"μ/μ0, {analysis}", f"acceleration, {analysis}"]
         rows = []
         for case in evidence.cases:
-            cells = [case]
+            cells = [evidence.marked(case)]
             for analysis in evidence.analyses:
                 for ratio in ("V_ratio", "mu_ratio", "acceleration_ratio"):
                     cells.append(_largest(evidence.means(case, analysis, building, ratio)))
@@ -83,6 +84,8 @@ def key_numbers(evidence: Evidence) -> list[str]:
         lines += [f"### {building} (T = {evidence.periods[building]:.2f} s)", "", *markdown(header, rows)]
     if evidence.link["peak_force"].notna().any():
         lines += ["### Links", "", *_links(evidence)]
+    if evidence.footnote:
+        lines += [evidence.footnote, ""]
     return lines
 
 
@@ -93,7 +96,7 @@ def _largest(means: pd.Series) -> str:
 def _links(evidence: Evidence) -> list[str]:
     rows = []
     for case in names(evidence.link["case"]):
-        cells = [case]
+        cells = [evidence.marked(case)]
         for analysis in evidence.analyses:
             here = evidence.link[(evidence.link["case"] == case) & (evidence.link["analysis"] == analysis)]
             by_motion = here.groupby("record").agg({"peak_force": "max", "impacts": "sum", "max_closing": "max"})
@@ -140,12 +143,19 @@ def _findings(judgement: Judgement) -> str:
     return "\n".join(lines)
 
 
+def _row(group: FlagGroup) -> list[str]:
+    return [
+        f"{group.case} {MARK}" if group.meaningless else group.case, group.analysis, group.flag,
+        f"{group.count} of {group.of}: {group.scenes}", group.detail,
+    ]  # fmt: skip
+
+
 def flagged(scene: pd.DataFrame) -> list[str]:
-    """Failed scenes, and every flag with the number of runs it stands in."""
+    """Failed scenes, and every flag with the scenes it stands in."""
     lines = ["## Flagged", ""]
     total = len(scene)
     failed = scene[scene["status"] != "done"]
-    found = flags(scene)
+    found = flag_groups_of(scene) if total else ()
     if failed.empty and not found:
         every = f"all {total} runs were done and none raised a flag" if total > 1 else "the run was done without a flag"
         return [*lines, f"Nothing: {every}.", ""]
@@ -154,5 +164,5 @@ def flagged(scene: pd.DataFrame) -> list[str]:
         columns = [*scene.columns[: list(scene.columns).index("status")], "status", "advice"]
         lines += markdown(columns, failed[columns].to_numpy().tolist())
     if found:
-        lines += markdown(["flag", f"runs (of {total})"], list(found.items()))
+        lines += markdown(["case", "analysis", "flag", "scenes", "e.g."], [_row(group) for group in found])
     return lines
