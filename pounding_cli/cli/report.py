@@ -73,7 +73,7 @@ def command(
     from pounding_cli.report.quantity import Choice
     from pounding_cli.report.sweep import Asked
     from pounding_cli.store import open_results
-    from pounding_cli.store.swept import kind_of
+    from pounding_cli.store.files import kind_of
 
     chosen = () if no_figures else formats or FORMATS
     systems = [path for path in files if kind_of(path)]

@@ -166,7 +166,7 @@ class Evidence:
     @cached_property
     def meaningless(self) -> dict[tuple[str, str], FlagGroup]:
         """By case and analysis the flag that takes the meaning from the numbers of some of its scenes."""
-        groups = flag_groups_of(self.scene) if len(self.scene) else ()
+        groups = flag_groups_of(self.scene, self.units)
         return {(group.case, group.analysis): group for group in groups if group.meaningless}
 
     @property
@@ -252,15 +252,6 @@ def motion_sentence(records: pd.DataFrame) -> str:
     """The label as a sentence: "Motions: real: ...; stand-in: ...." or "All are stand-in motions."."""
     label = motion_label(records)
     return "All are stand-in motions." if label == "stand-in motions" else f"Motions: {label}."
-
-
-def flags(scene: pd.DataFrame) -> dict[str, int]:
-    """Every flag that was raised and in how many scenes, most frequent first."""
-    count: dict[str, int] = {}
-    for cell in scene["flags"]:
-        for flag in split(cell):
-            count[flag] = count.get(flag, 0) + 1
-    return dict(sorted(count.items(), key=lambda item: -item[1]))
 
 
 def split(cell: Any) -> list[str]:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, names
+from pounding_cli.report.evidence import Evidence, motion_sentence, names
 from pounding_cli.report.tables import markdown
 from pounding_cli.report.verdicts import Judgement
-from pounding_cli.store.flagged import FlagGroup, flag_groups_of
-from pounding_cli.words import counted
+from pounding_cli.store import flag_groups_of
+from pounding_cli.words import Unit, counted
 
 
 def summary(
@@ -34,7 +34,7 @@ def summary(
     lines += motions(evidence)
     lines += key_numbers(evidence)
     lines += claims(judgements)
-    lines += flagged(scene)
+    lines += flagged(scene, evidence.units)
     if figures:
         lines += ["## Figures", ""]
         for figure in figures:
@@ -143,19 +143,12 @@ def _findings(judgement: Judgement) -> str:
     return "\n".join(lines)
 
 
-def _row(group: FlagGroup) -> list[str]:
-    return [
-        f"{group.case} {MARK}" if group.meaningless else group.case, group.analysis, group.flag,
-        f"{group.count} of {group.of}: {group.scenes}", group.detail,
-    ]  # fmt: skip
-
-
-def flagged(scene: pd.DataFrame) -> list[str]:
-    """Failed scenes, and every flag with the scenes it stands in."""
+def flagged(scene: pd.DataFrame, units: Mapping[str, Unit]) -> list[str]:
+    """Failed scenes, and every flag with the runs it stands in."""
     lines = ["## Flagged", ""]
     total = len(scene)
     failed = scene[scene["status"] != "done"]
-    found = flag_groups_of(scene) if total else ()
+    found = flag_groups_of(scene, units)
     if failed.empty and not found:
         every = f"all {total} runs were done and none raised a flag" if total > 1 else "the run was done without a flag"
         return [*lines, f"Nothing: {every}.", ""]
@@ -163,6 +156,6 @@ def flagged(scene: pd.DataFrame) -> list[str]:
         lines += [f"{len(failed)} of {counted(total, 'run')} failed, left out of every mean.", ""]
         columns = [*scene.columns[: list(scene.columns).index("status")], "status", "advice"]
         lines += markdown(columns, failed[columns].to_numpy().tolist())
-    if found:
-        lines += markdown(["case", "analysis", "flag", "scenes", "e.g."], [_row(group) for group in found])
-    return lines
+    for group in found:
+        lines.append(f"- {'**not meaningful**: ' if group.meaningless else ''}{group}")
+    return [*lines, ""] if found else lines

@@ -34,7 +34,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     text = _yaml(plain)
     root = parse(text, path)
     with at_keys(root, path):
-        return validated(path, text, root)
+        return dataclasses.replace(validated(path, text, root), from_data=True)
 
 
 def tree_of(data: Mapping[str, Any], path: Path) -> Node:

@@ -41,6 +41,7 @@ class Study:
     axes : the axes of the sweep
     warnings : what is allowed but should be known
     model, resolver : the study as written, and what answers for every point of the sweep
+    from_data : it is Python data; no file holds it
     """
 
     path: Path
@@ -50,6 +51,7 @@ class Study:
     warnings: tuple[Problem, ...]
     model: StudyModel
     resolver: Resolver
+    from_data: bool = False
 
     def building(self, point: tuple[int, ...], place: int) -> Building:
         """The building at a place of the group, from 0, at a point of the sweep (one index an axis)."""
