@@ -13,11 +13,13 @@ from typing import Any
 
 from numba import njit
 
+from pounding_cli.kernels.kept import FOLDER
 from pounding_cli.kernels.pieces import KernelCompiler, PieceCompiler
 from pounding_cli.kernels.simd import pointer
 
 OPTIONS: dict[str, Any] = {
-    "cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract"}, "pipeline_class": KernelCompiler,
+    "cache": FOLDER is not None, "error_model": "numpy", "nogil": True, "fastmath": {"contract"},
+    "pipeline_class": KernelCompiler,
 }  # fmt: skip
 """How every kernel is compiled; only fused multiply-add is allowed beyond IEEE arithmetic."""
 
