@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -117,8 +117,26 @@ def _spreads(file: h5py.File) -> Iterator[Spread]:
                 yield Spread(key, values[middle], quantity, (ends[0], ends[1]))
 
 
+def depends(mine: Sequence[Spread]) -> list[str]:
+    """Which results a key changes and which it hardly does, in sentences; `mine` are the spreads over that key."""
+    lines = []
+    for words, hardly in (("It hardly changes", True), ("It changes", False)):
+        names = [spread.quantity for spread in mine if spread.hardly == hardly]
+        if names:
+            listed = " and ".join((", ".join(names[:-1]), names[-1])) if len(names) > 1 else names[0]
+            lines.append(f"{words} {listed}.")
+    return lines
+
+
+def advice(path: Path) -> str:
+    """What is said where floors strike and the impact stiffness has one value; "" elsewhere."""
+    with opened(path) as file:
+        strikes = UNKNOWN not in file and _struck(file, len(json.loads(file.attrs["swept"]))).any()
+    return ADVICE if strikes else ""
+
+
 def said(path: Path) -> list[str]:
-    """Sentences about what the results owe to the impact stiffness and other bracketed keys; none where no floor
+    """What the results owe to bracketed keys and to the impact stiffness, in lines for a terminal; none where no floor
     strikes and nothing is bracketed."""
     found = spreads(path)
     lines = []
@@ -126,23 +144,12 @@ def said(path: Path) -> list[str]:
         mine = [spread for spread in found if spread.key == key]
         first, last = mine[0].ends
         lines.append(
-            f"Bracket of {key}: at {first.value} and at {last.value}, times the value at {mine[0].middle} shown above: "
+            f"Bracket of {key}: at {first.value} and at {last.value}, over the value at {mine[0].middle} shown above: "
             "median of the means over the motions (smallest to largest)"
         )
         lines += [f"  {spread.quantity}: {spread.ends[0]} and {spread.ends[1]}" for spread in mine]
-        hardly = " and ".join(spread.quantity for spread in mine if spread.hardly)
-        depend = " and ".join(spread.quantity for spread in mine if not spread.hardly)
-        if hardly:
-            lines.append(
-                f"  {hardly} hardly {'depend' if ' and ' in hardly else 'depends'} on it (medians within 5 %)."
-            )
-        if depend:
-            lines.append(f"  {depend} {'depend' if ' and ' in depend else 'depends'} on it.")
-    if not any(spread.key == UNKNOWN for spread in found):
-        with opened(path) as file:
-            if _struck(file, len(json.loads(file.attrs["swept"]))).any() and UNKNOWN not in file:
-                lines.append(ADVICE)
-    return lines
+        lines += [f"  {sentence}" for sentence in depends(mine)]
+    return [*lines, *filter(None, [advice(path)])]
 
 
 def _struck(file: h5py.File, axes: int) -> np.ndarray:

@@ -101,7 +101,7 @@ def test_page_carries_the_numbers_of_the_file(folder, pound):
     page = (folder / "here" / "summary.md").read_text(encoding="utf-8")
     row = "| connected | 1.30 (1) | 1.30 (1) | 13.79 (1) | 1.30 (1) | 1.30 (1) | 13.79 (1) |"
     assert page.count(row) == 2
-    assert "| connector closed beyond its gap | 4 |" in page
+    assert "- connected, elastic, 2 of 2 scenes (all): connector closed beyond its gap\n" in page
     assert "Motions: user: weak, strong." in page
     # 1 - (1.4 / 1.5)^10 = 49.8 %, short of 80 %.
     assert "infill against touching, elastic, mean over the floors: **50 %**" in page
