@@ -21,7 +21,7 @@ _LONGEST_NAME = 120
 
 
 def file_name(text: str) -> str:
-    """A name for a file in the folder at hand, from any text: no separators, no dots in front; "unnamed" for nothing."""
+    """A name for a file in the folder at hand, from any text: no separators, no dots in front; never empty."""
     return re.sub(r"[^\w +.-]+", "-", text).strip(" .-")[:_LONGEST_NAME].strip() or "unnamed"
 
 
@@ -34,6 +34,15 @@ def plain_all(texts: Iterable[str]) -> list[str]:
     """`plain` of many texts; quick where none needs it."""
     found = list(texts)
     return [plain(each) for each in found] if CONTROL.search("".join(found)) else found
+
+
+def plain_tree(value: Any) -> Any:
+    """`plain` of every text in nested lists and mappings."""
+    if isinstance(value, dict):
+        return {plain(key) if isinstance(key, str) else key: plain_tree(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [plain_tree(item) for item in value]
+    return plain(value) if isinstance(value, str) else value
 
 
 def cells(frame: pd.DataFrame) -> pd.DataFrame:
