@@ -17,7 +17,7 @@ from pounding_cli.report.wall_figures import draw_wall
 from pounding_cli.report.web import write_system_page
 from pounding_cli.store.files import kind_of, opened_kind
 from pounding_cli.store.swept import axes_of, coordinate
-from pounding_cli.texts import write_markdown
+from pounding_cli.texts import cells, write_markdown
 
 _ANCHOR = {"connector": "peak1", "wall": "peak_force"}
 """A variable that lies over the swept dimensions alone."""

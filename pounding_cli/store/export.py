@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
@@ -188,7 +188,8 @@ def _netcdf(results: Results, path: Path) -> None:
 
     with opened(results.path):
         pass  # refuses what leads to other files; every byte is verified with what is read
-    with Sealed(results.path) as content, xarray.open_dataset(content, engine="h5netcdf") as data:
+    content: Any = Sealed(results.path)
+    with content, xarray.open_dataset(content, engine="h5netcdf") as data:
         about = {"study": results.study_text, "resolved": results.resolved_text}
         software = {name: value for name, value in results.attrs.items() if name.startswith("software_")}
         data.assign_attrs(about | software).to_netcdf(path, engine="h5netcdf")
