@@ -328,7 +328,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tries", type=int, default=1000, help="mutations of every sort")
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
-    parser.add_argument("--only", choices=HUNTS, help="one sort of mutation")
+    parser.add_argument("--only", choices=HUNTS, help="one sort of mutation; damaged and parts unless given")
     options = parser.parse_args()
     faults = 0
     with tempfile.TemporaryDirectory() as folder:
@@ -336,7 +336,7 @@ def main() -> int:
         inner.mkdir(parents=True)
         bench = Bench(inner)
         print(f"results file of {len(bench.content)} bytes, {len(bench.parts)} parts")
-        for name in [options.only] if options.only else HUNTS:
+        for name in [options.only] if options.only else ("damaged", "parts"):
             found = hunt(bench, name, options.tries, options.seed)
             print(f"{name}: {dict(found.most_common())}", flush=True)
             faults += sum(count for outcome, count in found.items() if outcome.isupper())
