@@ -102,7 +102,7 @@ def test_figure_8(tmp_path):
     result = run(CONFIGS / "fig8.yaml", "-o", tmp_path / "fig8.h5", "--no-figures")
     assert "contact.over = node, mesh.size = 0.5\n  peak force 6.20 MN at 6.9 ms" in result.output
     claims = wall_claims(tmp_path / "fig8.h5")
-    paper = {c["paper"]: c for c in claims if c["point"] == "contact.over = node, mesh.size = 0.5"}
+    paper = {c["paper"]: c for c in claims if c["point"] == "contact.over = node, mesh.size = 0.5 m"}
     assert next(c for words, c in paper.items() if "33 N/mm2" in words)["holds"]
     assert next(c for words, c in paper.items() if "local" in words)["holds"]
     assert not next(c for words, c in paper.items() if "beams and columns" in words)["holds"]
@@ -146,8 +146,8 @@ def test_heights_in_words(tmp_path):
         ("title: t\ncontact: {over: edge}\n", 2, "edge"),
         ("title: t\nmesh: {size: 0.1 mm, growth: 0}\n", 2, "elements"),
         ("title: t\nstriker: {height: 0 m}\ncontact: {over: node}\n", 2, "fixed node"),
-        ("title: t\nsweep:\n  wall.length: []\n", 3, "not a list"),
-        ("title: t\nsweep:\n  - {wall.length: [1 m, 2 m], wall.thickness: [20 cm]}\n", 3, "one length"),
+        ("title: t\nsweep:\n  wall.length: []\n", 3, "no values"),
+        ("title: t\nsweep:\n  - {wall.length: [1 m, 2 m], wall.thickness: [20 cm]}\n", 3, "as many values"),
         ("wall: {length: 2 m}\n", 1, "'title' is missing"),
     ],
 )

@@ -129,7 +129,7 @@ def _closing(link: pd.DataFrame) -> dict[str, Cell]:
     found = {}
     for row in link.loc[beyond.groupby(link["case"], sort=False).idxmax()].to_dict("records"):
         times, of = closed.loc[row["case"]]
-        where = f"contact: {times} of {of} runs" if times else "no contact"
+        where = f"contact: {times} of {counted(of, 'run')}" if times else "no contact"
         number = f"{digits(1e3 * row['max_closing'], 3)} / {1e3 * row['gap']:.4g} mm"
         found[row["case"]] = Cell(number, where if row["kind"] == "pounding" else str(row["kind"]))
     return found
