@@ -362,10 +362,10 @@ def test_no_room_for_a_part_stops_the_run_and_leaves_no_half_of_it(plan, output,
 def test_a_read_only_folder_is_refused_before_anything_is_solved(plan, output, monkeypatch):
     """Whatever user the tests run as."""
 
-    def refuse(path, **_):
-        raise OSError(errno.EROFS, "Read-only file system", str(path))
+    def refuse(dir):
+        raise OSError(errno.EROFS, "Read-only file system", str(dir))
 
-    monkeypatch.setattr("pathlib.Path.touch", refuse)
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
     solve = Counting()
     with pytest.raises(InputError, match="Read-only file system"):
         in_process(plan, output, solve=solve)
