@@ -110,7 +110,7 @@ def over_sweep(results: Tables, choice: Choice, axes: Sequence[SweptAxis] | None
     keys = [key for axis in axes for key in axis.keys]
     level = [column for column in ("case", "analysis", *_LEVELS[choice.table]) if column in rows.columns]
     numbers = rows[[*keys, *level, "record", choice.quantity]]
-    numbers = numbers.assign(value=numbers[choice.quantity].to_numpy(float), point=_point_numbers(rows, axes))
+    numbers = numbers.assign(value=numbers[choice.quantity].to_numpy(float), point=point_numbers(rows, axes))
     found = numbers.groupby(["point", *level], sort=False)["value"].agg(["mean", "std", "min", "max", "count"])
     found = found[found["count"] > 0].reset_index()
     worst = found.loc[found["mean"].abs().groupby(found["point"], sort=False).idxmax()] if len(found) else found
@@ -153,12 +153,13 @@ def _chosen(frame: pd.DataFrame, choice: Choice) -> pd.DataFrame:
     return frame
 
 
-def _point_numbers(rows: pd.DataFrame, axes: Sequence[SweptAxis]) -> np.ndarray:
-    """The number of every row's point, the last axis fastest."""
+def point_numbers(rows: pd.DataFrame, axes: Sequence[SweptAxis]) -> np.ndarray:
+    """The number of every row's point, the last axis fastest; -1 where the axes do not have it."""
     number = np.zeros(len(rows), int)
     for axis in axes:
         places = pd.MultiIndex.from_tuples(axis.points)
-        number = number * len(axis) + places.get_indexer(pd.MultiIndex.from_frame(rows[list(axis.keys)]))
+        place = places.get_indexer(pd.MultiIndex.from_frame(rows[list(axis.keys)]))
+        number = np.where((number < 0) | (place < 0), -1, number * len(axis) + place)
     return number
 
 

@@ -19,10 +19,10 @@ from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer
 from pounding_cli.report.web.beside import accuracy_beside
-from pounding_cli.report.web.data import as_json, chosen_points, tables
+from pounding_cli.report.web.data import as_json, chosen_points, point_of, tables
 from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, pictures
-from pounding_cli.report.web.sweep import sweep_chart
+from pounding_cli.report.web.sweep import sweep_data
 from pounding_cli.words import counted
 
 PAGE = "report.html"
@@ -65,11 +65,12 @@ def write_page(
     chosen = chosen_points(evidences, shown)
     data = {
         "tables": tables(results, chosen),
-        "points": [{"label": evidence.label, "point": _named(evidence)} for evidence in chosen],
+        "points": [{"label": evidence.label, "point": point_of(evidence)} for evidence in chosen],
         "shown": shown.label,
-        "sweep": sweep_chart(results),
+        "sweep": sweep_data(results, shown.cases),
         "players": players(results, evidences),
         "cases": shown.cases,
+        "motions": len(shown.records),
         "buildings": shown.group,
         "building": _main(shown),
         "periods": shown.periods,
@@ -97,7 +98,7 @@ def write_page(
         "cases": story.cases(shown),
         "effects": story.effects(scene),
         "flags": flags(scene),
-        "failures": story.failures(scene),
+        "failures": story.failures(scene, shown.units),
         "runs": len(scene),
         "scenes": results.attrs.get("scenes"),
         "trust": story.trust(shown.scene),
@@ -143,10 +144,6 @@ def _environment() -> Any:
 def _scripts() -> str:
     """All scripts as one that leaves nothing behind in the page's global scope."""
     return "(() => {\n'use strict';\n" + "\n".join(asset(name) for name in SCRIPTS) + "\n})();"
-
-
-def _named(evidence: Evidence) -> dict[str, Any]:
-    return {key: value if isinstance(value, str) else float(value) for key, value in evidence.point.items()}
 
 
 def _main(evidence: Evidence) -> str:
