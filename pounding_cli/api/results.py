@@ -57,7 +57,7 @@ class Results(store.Results):
     def plot(self, building: str | None = None) -> list[Axes]:
         """The main figure of a building: V/V0 elastic and mu/mu0 inelastic, storey by storey.
 
-        Of a sweep it shows the largest mean over the storeys against the swept values.
+        Of a sweep it shows the largest mean over the storeys: as curves over one swept key, as maps over two.
 
         Parameters
         ----------
@@ -74,8 +74,9 @@ class Results(store.Results):
         from pounding_cli.report.build import nominal
         from pounding_cli.report.evidence import points
         from pounding_cli.report.figures import main_building, response
+        from pounding_cli.report.quantity import Choice
         from pounding_cli.report.style import drawn_on
-        from pounding_cli.report.sweep import sweep_figure
+        from pounding_cli.report.sweep import Asked, sweep_figures
 
         evidences = points(self)
         shown = nominal(evidences)
@@ -83,7 +84,8 @@ class Results(store.Results):
         if name not in shown.group:
             raise InputError(Problem(f"no building '{name}' in these results", f"there are {', '.join(shown.group)}"))
         with drawn_on(plt.figure()):
-            figure = sweep_figure(evidences, name) if len(evidences) > 1 else response(shown, name)
+            swept = sweep_figures(self, shown, Asked(choice=Choice("", building=name)))
+            figure = next(iter(swept.values())) if swept else response(shown, name)
         return [ax for ax in figure.axes if ax.get_xlabel()]
 
     @cached_property

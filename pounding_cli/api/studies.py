@@ -33,6 +33,7 @@ def run(
     engine: str = "processes",
     scheduler: str | None = None,
     progress: Progress | None = None,
+    replace: bool = False,
 ) -> Results:
     """Run what a study still lacks and open its results.
 
@@ -44,6 +45,7 @@ def run(
     engine : "processes", "threads", "serial" or "dask": the same rows from each
     scheduler : address of a Dask scheduler, for the dask engine; a cluster on this machine unless given
     progress : as in `pounding_cli.batch.progress`; nothing is shown unless given
+    replace : replace results of another study too, and leave out scenes and histories that this study does not have
 
     Raises
     ------
@@ -56,7 +58,10 @@ def run(
 
     loaded = load_study(study) if isinstance(study, str | Path | Mapping) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path))
-    run_plan(expand(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler)
+    run_plan(
+        expand(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler,
+        replace=replace,
+    )  # fmt: skip
     return open_results(path)
 
 

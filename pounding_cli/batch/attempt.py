@@ -51,6 +51,11 @@ class Task:
             return response
         return assess(scene, response, self.accuracy, functools.partial(self.solve, all_effects=self.all_effects))
 
+    def free(self, scene: Scene, accuracy: float) -> Response:
+        """The response of neighbours with nothing between them, as accurate as the run a response is judged by, so that
+        it is not assessed itself."""
+        return self.solve(scene, accuracy=accuracy, method=self.method)
+
     def falls_apart(self) -> bool:
         """Whether scenes may be solved in groups: a user of fixed steps wants those steps in every scene."""
         return not self.all_effects and not chosen_method(self.method, self.accuracy).takes_step
@@ -68,4 +73,4 @@ class Task:
 @functools.lru_cache(maxsize=1)
 def _group_solver(task: Task) -> GroupSolver:
     """One memory of groups in every process, for the task at hand."""
-    return GroupSolver(task.respond, task.accuracy)
+    return GroupSolver(task.respond, task.free, task.accuracy)

@@ -141,7 +141,11 @@ def _prover(plan: Plan, tell: Callable[[Scene], None] = lambda scene: None) -> G
         tell(scene)
         return task.respond(scene, watch)
 
-    return GroupSolver(respond, plan.accuracy) if task.falls_apart() else None
+    def free(scene: Scene, accuracy: float) -> Response:
+        tell(scene)
+        return task.free(scene, accuracy)
+
+    return GroupSolver(respond, free, plan.accuracy) if task.falls_apart() else None
 
 
 def _count_effects(found: Forecast, plan: Plan, scene: Scene) -> None:

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pounding_cli.batch.histories import refuse_loss
 from pounding_cli.store import PartStore, former_run, stored_chunks
+from pounding_cli.store.files import damage_of
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -17,36 +19,50 @@ IN_MEMORY = 16 << 20
 """Numbers taken over from a results file that may stay in memory [bytes]; the rest goes to the parts."""
 
 
-def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]) -> None:
-    """Find the scenes of the plan that the parts and the former results file have, and say what becomes of them.
+def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None], replace: bool = False) -> None:
+    """Take over the scenes that the parts and the former results file have, and say what becomes of them.
+
+    Those that the study does not have any more are taken over too, unless `replace`.
 
     Raises
     ------
+    InputError : the former file keeps histories that this run would drop
     OSError : the parts cannot be written
     """
-    from_parts = parts.load(plan.scenes)
+    for damaged in parts.load():
+        say(f"{damaged} is damaged: what it held is solved again")
+    from_parts = sum(digest in parts for digest in plan.scenes)
     if from_parts:
         what = counted(from_parts, "scene of an unfinished run is", "scenes of an unfinished run are")
         say(f"{what} kept in {parts.folder}")
     former = former_run(output, parts.key)
-    if former is None:
-        return
+    damage = damage_of(output) if output.exists() else ""
+    if former is not None and former.differs:
+        if not replace:
+            refuse_loss(plan, output, former.differs)
+    elif damage:
+        say(f"{output} is damaged ({damage}): what is whole in it is kept, the rest is solved again")
     taken = held = 0
-    for chunk in stored_chunks(output, parts.key, plan.scenes):
+    for chunk in stored_chunks(output, parts.key):
         new = chunk.only([place for place, digest in enumerate(chunk.digests) if digest not in parts])
         parts.add(new)
         held += new.numbers.nbytes
         if held > IN_MEMORY:
             parts.flush()
-        taken += len(chunk)
+        taken += sum(digest in plan.scenes for digest in chunk.digests)
+    if replace:
+        parts.only(plan.scenes)
+    if former is None:
+        return
     if former.differs:
         say(
             f"{output} was made with {former.differs}: all scenes are run anew, "
             "and the file stays as it is until the new one is whole"
         )
     elif taken < len(plan.scenes) or taken < former.scenes:
-        gone = former.scenes - former.failed - taken
-        left = f"; {counted(gone, 'scene in it is', 'scenes in it are')} no longer in the study" if gone else ""
+        gone = sum(digest not in plan.scenes for digest in parts)
+        stay = "stays in the file" if gone == 1 else "stay in the file"
+        left = f"; {counted(gone, 'scene')} no longer in the study {stay}" if gone else ""
         again = f"; {counted(former.failed, 'that failed is', 'that failed are')} tried again" if former.failed else ""
         say(f"the study has changed since {output}: kept are {_by_case(plan, parts)}{left}{again}")
 

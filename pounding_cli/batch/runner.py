@@ -21,9 +21,11 @@ from pounding_cli.batch.progress import Progress, Quiet
 from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
 from pounding_cli.errors import InputError
-from pounding_cli.store import PartStore, Run, check_output, is_current, locked, solution_key, write_results
+from pounding_cli.outputs import check_output
+from pounding_cli.store import PartStore, Run, check_results, is_current, locked, solution_key, write_results
 from pounding_cli.store.chunk import Chunk
-from pounding_cli.store.files import lock_of, refused_write
+from pounding_cli.store.files import is_results, refused_write
+from pounding_cli.store.locks import lock_of
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -45,6 +47,7 @@ def run_plan(
     workers: int | None = None,
     engine_name: str = "processes",
     scheduler: str | None = None,
+    replace: bool = False,
 ) -> Outcome:
     """Solve what `output` and its parts still lack and write the results file.
 
@@ -60,24 +63,27 @@ def run_plan(
     workers : scenes side by side; the cores of this machine unless given
     engine_name : one of `engines.ENGINES`; small studies are solved serially whatever it is
     scheduler : address of a Dask scheduler, e.g. tcp://node:8786; only for the dask engine
+    replace : replace results of another study too, and leave out scenes and histories that the study does not ask for
 
     Raises
     ------
-    InputError : `output` cannot be written, or another run is at work on it; no such engine; the disk is full
+    InputError : `output` cannot be written, holds another study or histories that this run would drop, or another run
+        is at work on it; no such engine; the disk is full
     KeyboardInterrupt : stopped; what is solved is on disk
     """
     begin = time.perf_counter()
     progress = progress or Quiet()
     chosen = engine(engine_name, workers or _cores(), scheduler)
-    check_output(output)
+    check_output(output, [plan.study.path], lambda path, _: is_results(path))
     key = solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects)
     parts = PartStore(output, key)
-    if is_current(output, plan):
+    if not replace and is_current(output, plan):
         _tidy(output, parts)
         return Outcome(output, 0, 0, len(plan.scenes), (), "none", 0, 0.0, time.perf_counter() - begin)
+    check_results(output, plan.study, replace=replace)
     try:
         with locked(output):
-            return _run(plan, parts, output, progress, solve, chosen, begin)
+            return _run(plan, parts, output, progress, solve, chosen, begin, replace)
     except OSError as error:
         with contextlib.suppress(OSError):  # results need more room than what they are made of
             parts.flush()
@@ -99,9 +105,10 @@ def _run(
     solve: Solve | None,
     chosen: Engine,
     begin: float,
+    replace: bool,
 ) -> Outcome:
-    reuse(plan, output, parts, progress.say)
-    reused = len(parts)
+    reuse(plan, output, parts, progress.say, replace)
+    reused = sum(digest in parts for digest in plan.scenes)
     order = order_of(plan, parts)
     used, seconds = "none", 0.0
     if order.digests:
@@ -112,12 +119,13 @@ def _run(
             with contextlib.suppress(OSError):  # the disk may be why
                 parts.flush()
             progress.stop()
-            progress.say(f"{parts.saved} of {counted(len(plan.scenes), 'scene')} kept in {parts.folder}")
+            progress.say(f"{parts.saved(plan.scenes)} of {counted(len(plan.scenes), 'scene')} kept in {parts.folder}")
             raise
         progress.stop()
     workers = chosen.workers if used == chosen.name else 1
     run = Run(time.perf_counter() - begin, len(order.digests), reused, used, workers)
-    write_results(output, plan, parts, run, kept_histories(plan, parts, output, parts.key, progress.say))
+    histories = kept_histories(plan, parts, output, parts.key, progress.say, replace)
+    write_results(output, plan, parts, run, histories)
     parts.remove()
     failures = tuple(_failures(plan, parts))
     done = len(order.digests) - len(failures)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.cli.places import at_option, key_and_value
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("--case", help="Case of the study.")
 @click.option("--analysis", help="elastic or inelastic.")
 @click.option("--record", help="Motion.")
-@click.option("--at", multiple=True, metavar="KEY=VALUE", help="Value of a swept key; may be given more than once.")
+@at_option
 @click.option(
     "-o",
     "--output",
@@ -147,17 +148,10 @@ def _shown(frames: Iterable[np.ndarray], count: int, quiet: bool) -> Iterator[np
 
 def _swept(texts: tuple[str, ...]) -> dict[str, Any]:
     """Values of swept keys, in SI where they are quantities."""
-    from pounding_cli.errors import InputError, Problem
     from pounding_cli.study.keep import amount
 
-    values: dict[str, Any] = {}
-    for text in texts:
-        key, equals, value = text.partition("=")
-        if not equals:
-            raise InputError(Problem(f"--at {text}: no value", "write e.g. --at 'cases.gap.gap=5 cm'"))
-        number = amount(value.strip())
-        values[key.strip()] = value.strip() if number is None else number
-    return values
+    pairs = dict(map(key_and_value, texts))
+    return {key: value if (number := amount(value)) is None else number for key, value in pairs.items()}
 
 
 def _time(option: str, text: str | None, default: float) -> float:

@@ -76,10 +76,10 @@ def _results(path: Path) -> _Used:
     import json
 
     from pounding_cli.store import open_results
-    from pounding_cli.store.swept import kind_of, open_swept
+    from pounding_cli.store.files import kind_of, opened_kind
 
     if kind := kind_of(path):
-        with open_swept(path, kind) as file:
+        with opened_kind(path, kind) as file:
             return str(file.attrs["title"]), kind, json.loads(file.attrs["resolved"]), {}, ()
     results = open_results(path)
     records = results.records()

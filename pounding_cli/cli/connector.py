@@ -10,9 +10,10 @@ import click
 @click.command("connector", short_help="Two connected oscillators in closed form (Figs 4 and 5).")
 @click.argument("study", type=click.Path(path_type=Path), metavar="STUDY")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.h5", help="Results file.")
+@click.option("--replace", is_flag=True, help="Replace the results of another study.")
 @click.option("--no-figures", is_flag=True, help="Write the results file only.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
-def command(study: Path, output: Path | None, no_figures: bool, quiet: bool) -> None:
+def command(study: Path, output: Path | None, replace: bool, no_figures: bool, quiet: bool) -> None:
     """How a spring (and dashpot) between two oscillators changes their largest displacements.
 
     Prints the peak ratios and where they stand, writes FILE.h5 (results/STUDY.h5 unless told) and the figure
@@ -22,11 +23,13 @@ def command(study: Path, output: Path | None, no_figures: bool, quiet: bool) -> 
     Example:
       pound connector configs/fig5.yaml -o results/fig5.h5
     """
+    from pounding_cli.store import check_results
     from pounding_cli.store.connector_store import write_connector
     from pounding_cli.study.connector_study import load_connector_study
 
     loaded = load_connector_study(study)
     path = output or Path("results") / f"{study.stem}.h5"
+    check_results(path, loaded, "connector", replace)
     found = write_connector(loaded, path)
     files = [path]
     if not no_figures:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from pounding_cli.cli.places import at_option, points_at
 from pounding_cli.words import counted
 
 
@@ -21,6 +22,15 @@ from pounding_cli.words import counted
 )
 @click.option("--no-figures", is_flag=True, help="Write tables and claims only (much faster).")
 @click.option("--no-page", is_flag=True, help="Write no report.html, the whole report in one file.")
+@click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Draw it over the sweep, e.g. drift.")
+@click.option("--case", help="Of the sweep's figures: only this case; `worst`: the worst of all.")
+@click.option("--analysis", help="Of the sweep's figures: only this analysis.")
+@click.option("--record", help="Of the sweep's figures: only this motion; their mean unless given.")
+@click.option("--building", help="Of the sweep's figures: only this building; `worst`: the worst of all.")
+@click.option("--storey", type=int, help="Of the sweep's figures: only this storey; the worst unless given.")
+@click.option("--floor", type=int, help="Of the sweep's figures: only this floor; the worst unless given.")
+@click.option("--link", help="Of the sweep's figures: only this link; the worst unless given.")
+@at_option
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
 def command(
     files: tuple[Path, ...],
@@ -28,6 +38,15 @@ def command(
     formats: tuple[str, ...],
     no_figures: bool,
     no_page: bool,
+    quantities: tuple[str, ...],
+    case: str | None,
+    analysis: str | None,
+    record: str | None,
+    building: str | None,
+    storey: int | None,
+    floor: int | None,
+    link: str | None,
+    at: tuple[str, ...],
     quiet: bool,
 ) -> None:
     """Draw the figures of results files, write their tables as CSV, and judge the paper's claims.
@@ -38,20 +57,29 @@ def command(
     page, to open in a browser or to send), summary.md, the figures, tables/. Of several files each gets its own
     folder in DIR; comparison.md sets their claims side by side.
 
+    A sweep is drawn too: one swept key as curves, two as maps, of more the two with most values; --at fixes one.
+    Unless said otherwise they show the largest V/V0 (elastic) and mu/mu0 (inelastic) of every building; --quantity
+    takes any number of the tables storey, floor, link and scene.
+
     \b
     Example:
       pound report results/fig6.h5 -o report
       pound report results/fig6.h5 results/fig7.h5 --no-figures
+      pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --storey 3
     """
     from pounding_cli.report.build import FORMATS, write_comparison, write_report
     from pounding_cli.report.claims import judge
     from pounding_cli.report.evidence import points
+    from pounding_cli.report.quantity import Choice
+    from pounding_cli.report.sweep import Asked
     from pounding_cli.store import open_results
-    from pounding_cli.store.swept import kind_of
+    from pounding_cli.store.files import kind_of
 
     chosen = () if no_figures else formats or FORMATS
     systems = [path for path in files if kind_of(path)]
     opened = {path: open_results(path) for path in files if path not in systems}
+    choice = Choice("", case, analysis, building, storey, floor, link, record)
+    asked = {path: Asked(quantities, choice, points_at(results, at)) for path, results in opened.items()}
     folders = _folders(files, output)
     for path in systems:
         from pounding_cli.report.systems import write_system_report
@@ -60,7 +88,7 @@ def command(
         if not quiet:
             click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
     for path, results in opened.items():
-        written = write_report(results, folders[path], chosen, not no_page)
+        written = write_report(results, folders[path], chosen, not no_page, asked[path])
         if quiet:
             continue
         click.echo(f"{written[-1]}: {counted(len(written), 'file')}")

@@ -53,6 +53,11 @@ MEANINGLESS = "!"
     help="Dask scheduler, e.g. tcp://node:8786, for --engine dask; a cluster on this machine unless given.",
 )
 @click.option("--all-effects", is_flag=True, help="Simulate what cannot matter too: a check of the pruning, slower.")
+@click.option(
+    "--replace",
+    is_flag=True,
+    help="Replace results of another study; leave out scenes and histories that STUDY does not have any more.",
+)
 @click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines, and nothing else.")
 @click.pass_context
 def command(
@@ -64,11 +69,13 @@ def command(
     engine: str,
     scheduler: str | None,
     all_effects: bool,
+    replace: bool,
     log_json: bool,
 ) -> None:
     """Run what STUDY still lacks, write one results file, print a summary.
 
     Scenes that an earlier run solved are reused, also after the study was changed, and the count is printed.
+    A file that holds another study is refused unless --replace is said.
     Ctrl-C keeps what is solved; the same command goes on from there, also after a crash or a full disk.
     Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
 
@@ -104,8 +111,9 @@ def command(
     gc.freeze()
     gc.enable()
     outcome = run_plan(
-        plan, path, progress=log or chosen(quiet), workers=workers, engine_name=engine, scheduler=scheduler
-    )
+        plan, path, progress=log or chosen(quiet), workers=workers, engine_name=engine, scheduler=scheduler,
+        replace=replace,
+    )  # fmt: skip
     if log:
         _log(log, outcome)
     elif not quiet:
@@ -205,6 +213,8 @@ def _print(found: Overview, outcome: Outcome) -> None:
     motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
     click.echo(f"Means over {counted(found.records, 'motion')}{many}.\nMotions, {motions}")
     _print_trust(found.trust)
+    for sentence in found.unknown:
+        click.echo(sentence)
     for group in found.flags:
         click.echo(f"{f'Meaningless ({MEANINGLESS})' if group.meaningless else 'Note'}: {group}")
     if found.spared:

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.cli.places import at_option, points_at
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from pounding_cli.store import Results
+
 TABLES = ("storey", "floor", "link", "scene", "flagged", "accuracy", "summary", "records", "buildings")
+_NOTHING = {"link": "no links", "flagged": "no flags"}
+"""What a case without rows in a table has none of."""
 _SENTENCES = ("effects", "dropped", "flags")
 _ASIDE = {
     "summary": ("_error", "_sensitivity", "_std", "_min"),
@@ -39,6 +44,10 @@ _ASIDE = {
 @click.option("--analysis", multiple=True, help="Only this analysis.")
 @click.option("--record", multiple=True, help="Only this record.")
 @click.option("--building", multiple=True, help="Only this building.")
+@click.option("--storey", multiple=True, type=int, help="Only this storey, from 1 at the ground.")
+@click.option("--floor", multiple=True, type=int, help="Only this floor, from 1 at the ground.")
+@click.option("--link", multiple=True, help="Only this link, as the table link names it.")
+@at_option
 def command(
     file: Path,
     table: str,
@@ -48,6 +57,10 @@ def command(
     analysis: tuple[str, ...],
     record: tuple[str, ...],
     building: tuple[str, ...],
+    storey: tuple[int, ...],
+    floor: tuple[int, ...],
+    link: tuple[str, ...],
+    at: tuple[str, ...],
 ) -> None:
     """Print TABLE of a results file: storey, floor, link, scene, flagged, accuracy, summary, records or buildings.
 
@@ -59,13 +72,18 @@ def command(
       pound show results/fig6.h5
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/fig6.h5 accuracy --record elcentro
+      pound show results/sweep.h5 storey --storey 3 --at "cases.gap.gap=5 cm"
     """
     from pounding_cli.store import open_results
 
     results = open_results(file)
     frame = results.table(table)
-    wanted = {"case": case, "analysis": analysis, "record": record, "building": building}
-    frame = _filtered(frame, {name: values for name, values in wanted.items() if values}, table)
+    named: dict[str, tuple[Any, ...]] = {
+        "case": case, "analysis": analysis, "record": record, "building": building,
+        "storey": storey, "floor": floor, "link": link,
+    }  # fmt: skip
+    named |= _points(results, at)
+    frame = _filtered(results, frame, {name: values for name, values in named.items() if values}, table)
     if form == "csv":
         click.echo(_one_line(frame).to_csv(index=False, lineterminator="\n"), nl=False)
     elif form == "json":
@@ -73,12 +91,21 @@ def command(
     else:
         aside = [] if wide else [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
         click.echo(results.title)
-        click.echo(_columns(table, _one_line(frame.drop(columns=aside))))
+        click.echo(_columns(results, table, _one_line(frame.drop(columns=aside))))
         if aside:
             click.echo(f"{counted(len(aside), 'more column')} with --wide: {', '.join(map(str, aside))}", err=True)
 
 
-def _filtered(frame: pd.DataFrame, wanted: dict[str, tuple[str, ...]], table: str) -> pd.DataFrame:
+def _points(results: Results, texts: tuple[str, ...]) -> dict[str, tuple[Any, ...]]:
+    """Values asked for by swept key; several of one key are alternatives."""
+    found: dict[str, tuple[Any, ...]] = {}
+    for text in texts:
+        for key, value in points_at(results, [text]).items():
+            found[key] = (*found.get(key, ()), value)
+    return found
+
+
+def _filtered(results: Results, frame: pd.DataFrame, wanted: dict[str, tuple[Any, ...]], table: str) -> pd.DataFrame:
     """The rows asked for; a name that is not there is refused with those that are."""
     from pounding_cli.errors import InputError, Problem
 
@@ -87,14 +114,21 @@ def _filtered(frame: pd.DataFrame, wanted: dict[str, tuple[str, ...]], table: st
     for name, values in wanted.items():
         if name not in frame.columns:
             message = f"--{name}: the table {table} has no column {name}"
+            if name in results.axes:
+                message = f"--at {name}: it changes nothing in the table {table}"
             problems.append(Problem(message, "leave the option out, or choose another table"))
             continue
         there = list(dict.fromkeys(frame[name]))
-        problems += [
-            Problem(f"--{name}: there is no {name} {value!r}", f"write one of: {', '.join(there)}")
-            for value in values
-            if value not in there
-        ]
+        listed = ", ".join(map(str, sorted(there) if name in ("storey", "floor") else there))
+        for value in values:
+            if value in there or name in results.axes:
+                continue
+            if name == "case" and value in set(results.scene()["case"]):
+                hint = f"cases with rows there: {listed}" if there else "choose another table"
+                problems.append(Problem(f"--case: {value} has {_NOTHING.get(table, 'no rows')}", hint))
+                continue
+            hint = f"write one of: {listed}" if there else f"the table {table} is empty"
+            problems.append(Problem(f"--{name}: there is no {name} {value!r}", hint))
         rows = rows[rows[name].isin(values)]
     if problems:
         raise InputError(problems)
@@ -115,12 +149,18 @@ def _json(frame: pd.DataFrame) -> str:
     return json.dumps(rows, indent=1, default=float)
 
 
-def _columns(table: str, frame: pd.DataFrame) -> str:
-    """Columns under their names with units, numbers to four digits."""
+def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
+    """Columns under their names with units, swept keys in those of the study, numbers to four digits."""
+    import pandas as pd
+
     from pounding_cli.store.columns import meaning
 
     if frame.empty:
         return "no rows"
+    for key, unit in results.units.items():
+        if key in frame.columns and pd.api.types.is_numeric_dtype(frame[key]):
+            frame = frame.assign(**{key: [unit.number(value) for value in frame[key]]})
     units = {str(name): meaning(table, str(name))[0] for name in frame}
+    units |= {key: unit.name for key, unit in results.units.items()}
     headings = {name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")}
     return frame.rename(columns=headings).to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")

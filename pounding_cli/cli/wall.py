@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 @click.command("wall", short_help="The bumper wall of Fig. 8.")
 @click.argument("study", type=click.Path(path_type=Path), metavar="STUDY")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.h5", help="Results file.")
+@click.option("--replace", is_flag=True, help="Replace the results of another study.")
 @click.option("--no-figures", is_flag=True, help="Write the results file only.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
-def command(study: Path, output: Path | None, no_figures: bool, quiet: bool) -> None:
+def command(study: Path, output: Path | None, replace: bool, no_figures: bool, quiet: bool) -> None:
     """A floor strikes a concrete building on its bumper wall: force, separation, stresses.
 
     Prints peak force and stresses, writes FILE.h5 (results/STUDY.h5 unless told), the figures beside it and
@@ -28,11 +29,13 @@ def command(study: Path, output: Path | None, no_figures: bool, quiet: bool) -> 
     Example:
       pound wall configs/fig8.yaml -o results/fig8.h5
     """
+    from pounding_cli.store import check_results
     from pounding_cli.store.wall_store import write_wall
     from pounding_cli.study.wall_study import load_wall_study
 
     loaded = load_wall_study(study)
     path = output or Path("results") / f"{study.stem}.h5"
+    check_results(path, loaded, "wall", replace)
     if not quiet:
         click.echo(loaded.title)
     write_wall(loaded, path, progress=None if quiet else _summary)

@@ -34,7 +34,7 @@ turns by 1.5 radians."""
 
 def room_needed(width: int, wide: int) -> int:
     """Doubles of scratch that `march` needs for states of `width` and `wide` tracked quantities, padded."""
-    return 2 * (width + 8) + 4 * wide + 64
+    return 2 * (width + 8) + 3 * wide + 64
 
 
 # Kept as part of the march: captured by it, it would be another one in every process, and never found again.
@@ -58,7 +58,7 @@ def build():
     @njit(**OPTIONS)
     def march(
         step, rows, bends, jumps, powers, forms, starts, slopes, length, parts, ends, room, peaks, sums, visited,
-        first_watched, top, bottom,
+        first_watched, samples,
     ):  # fmt: skip
         """Step through all segments of the ground motion from the state in `ends[0]` to that in `ends[1]`.
 
@@ -75,14 +75,14 @@ def build():
         peaks : largest and smallest value of everything tracked, shape (2, wide)
         sums : z' W z of every form summed over the segments' starts, shape (F, 8), to be summed over the last
         visited : z summed over the segments' starts, shape (n + 2,)
-        top, bottom : bounds in every segment of what is tracked from `first_watched` on, shape (segments, watched)
+        samples : what is tracked from `first_watched` on at the end of every segment, shape (segments, watched)
         """
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
         total, width = step.shape
         n = total - 2
         wide = rows.shape[1]
         count, orders = powers.shape[:2]
-        watched = top.shape[1]
+        watched = samples.shape[1]
         broad = forms.shape[2]
         matrix, look, bow, terms, quadratic = (
             pointer(step), pointer(rows), pointer(bends), pointer(powers), pointer(forms)
@@ -92,8 +92,7 @@ def build():
         z = pointer(room)
         values = further(z, 2 * stride)
         bows = further(values, wide)
-        strays = further(bows, wide)
-        c = further(strays, wide)
+        c = further(bows, wide)
         high = pointer(peaks)
         low = further(high, wide)
         totals = pointer(sums)
@@ -140,7 +139,6 @@ def build():
                     store(high, b, value)
                     store(low, b, value)
                     continue
-                store(strays, b, stray)
                 above = maximum(value, last)
                 below = minimum(value, last)
                 up = maximum(load(high, b), above)
@@ -160,19 +158,13 @@ def build():
                     bottoms_out &= bottoms_out - 1
                     if m < count:
                         low[m] = -look_closely(terms, m, orders, total, before, c, -1.0, -low[m])
-            if r > 0:
-                within = segment if part > 0 else segment - 1  # the segment that the last step lay in
+            if r > 0 and part == 0:
                 for i in range(watched):
-                    m = first_watched + i
-                    top[within, i] = max(top[within, i], values[m] + strays[m])
-                    bottom[within, i] = min(bottom[within, i], values[m] - strays[m])
+                    samples[segment - 1, i] = values[first_watched + i]
             if r == places:
                 for i in range(n):
                     ends[1, i] = here[i]
                 break
-            for i in range(watched if part == 0 else 0):
-                top[segment, i] = max(top[segment, i], values[first_watched + i])
-                bottom[segment, i] = min(bottom[segment, i], values[first_watched + i])
             for b in range(0, width, 8):
                 value = splat(0.0)
                 for j in range(total):

@@ -87,10 +87,10 @@ link cut (1: pulling, so no force), what is exactly zero of a link, rocking angl
 Peaks = namedtuple(
     "Peaks",
     "watched drift shear acceleration displacement_max displacement_min rocking "
-    "closing force impulse contact_time top bottom impacts",
+    "closing force impulse contact_time samples impacts",
 )
-"""Largest values so far, per slot, foundation and link (SI). Where displacements are `watched` (1, else 0), top and
-bottom are bounds of them in every segment of the ground motion, shape (segments, slots) [m]."""
+"""Largest values so far, per slot, foundation and link (SI). Where displacements are `watched` (1, else 0), samples are
+those at the end of every segment of the ground motion, shape (segments, slots) [m]."""
 
 
 # The same tuples hold numpy arrays where a kernel is called and pointers to their data inside it.
@@ -148,5 +148,5 @@ def peak_pointers(a):
     return Peaks(
         a.watched, pointer(a.drift), pointer(a.shear), pointer(a.acceleration), pointer(a.displacement_max),
         pointer(a.displacement_min), pointer(a.rocking), pointer(a.closing), pointer(a.force), pointer(a.impulse),
-        pointer(a.contact_time), pointer(a.top), pointer(a.bottom), pointer(a.impacts),
+        pointer(a.contact_time), pointer(a.samples), pointer(a.impacts),
     )  # fmt: skip

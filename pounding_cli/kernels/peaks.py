@@ -168,14 +168,12 @@ def widen(run):
 
 
 @njit(**CALLED)
-def show(run, row, slots, top, bottom):
-    """Enter what the displacements stayed between in this segment, by slot."""
+def sample(run, row, slots, samples):
+    """Enter the displacements at the end of this segment, by slot."""
     stand_alone()
     line = run.tally[SEGMENT] * slots
     for slot in range(row.slots):
-        place = 2 * run.padded + row.spots[slot]
-        top[line + slot] = run.ends[place]
-        bottom[line + slot] = run.ends[place + run.padded]
+        samples[line + slot] = run.W[row.spots[slot] - run.padded]
 
 
 @njit(**CALLED)

@@ -93,7 +93,7 @@ from pounding_cli.kernels.layout import (
 )
 from pounding_cli.kernels.ledger import RULE_ROOM, account, ledger_pointers
 from pounding_cli.kernels.link_series import closings
-from pounding_cli.kernels.peaks import show, track, widen
+from pounding_cli.kernels.peaks import sample, track, widen
 from pounding_cli.kernels.polynomial import NEVER
 from pounding_cli.kernels.recurrence import expand, renew_scale, rescale, shrink
 from pounding_cli.kernels.simd import further, load, pointer, splat, stand_alone, store
@@ -115,12 +115,12 @@ saves nothing, where there are many each is as long as can be."""
 SETTINGS = Frame(
     "settings",
     dict.fromkeys(
-        ("inelastic", "founded", "bounded", "most_order", "most_steps", "most_events", "most_standing"), types.int64
+        ("inelastic", "founded", "apart", "most_order", "most_steps", "most_events", "most_standing"), types.int64
     )
     | {"tolerance": types.float64, "nodes": DOUBLES, "weights": DOUBLES},
 )
-"""What `build` says of its arguments of these names; inelastic, founded, bounded: whether storeys can yield, there are
-foundations, bounds of displacements are wanted (1 or 0)."""
+"""What `build` says of its arguments of these names; inelastic, founded, apart: whether storeys can yield, there are
+foundations, islands are looked for (1 or 0)."""
 
 _settings_frame = filler(SETTINGS)
 
@@ -271,7 +271,7 @@ def _cross(run, feet, settings, snapped):
             clock[END] = 1.0
         account(run, feet, settings.nodes, settings.weights, order, busy, curved, inelastic, founded)
         track(run, feet, order, busy, inelastic, founded)
-        if settings.bounded > 0:
+        if settings.apart > 0:
             widen(run)
         renew_scale(run)
         if snapped and clock[END] > 0.0:
@@ -406,10 +406,9 @@ def build():
         run, row, frames, rest = _carve(given_feet, row_pointers(row_arrays), pointer(room), pointer(integers))
         feet = footing_of(frames, given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
         founded = 1 if run.feet > 0 else 0
-        bounded = 1 if apart or peaks.watched != 0 else 0
         settings = _settings_frame(further(frames, FRAMES), (
-            1 if inelastic else 0, founded, bounded, most_order, most_steps, most_events, most_standing, tolerance,
-            pointer(nodes), pointer(weights),
+            1 if inelastic else 0, founded, 1 if apart else 0, most_order, most_steps, most_events, most_standing,
+            tolerance, pointer(nodes), pointer(weights),
         ))  # fmt: skip
         take_slots(run, row, slots, state, peaks, ledger)
         take_links(run, row, links, state, peaks, ledger)
@@ -433,7 +432,7 @@ def build():
                 break
             _go_ashore(row)
             if peaks.watched != 0:
-                show(run, row, slots.size, peaks.top, peaks.bottom)
+                sample(run, row, slots.size, peaks.samples)
             segment += 1
         give_slots(run, row, state, peaks, ledger)
         give_links(run, row, state, peaks, ledger)

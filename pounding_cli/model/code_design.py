@@ -1,7 +1,7 @@
-"""Seismic design by the Uniform Building Code: base shear, storey shears, design displacements, separation.
+"""Strength by the Uniform Building Code or a base-shear coefficient: storey shears, displacements, separation.
 
 Sources: ICBO, Uniform Building Code, editions 1985 and 1988 (sec. 2312), 1991 (secs 2331-2337) and
-1994 (secs 1624-1631); clause numbers stand beside the formulas.
+1994 (secs 1624-1631); clause numbers stand beside the formulas. ASCE/SEI 7-16 and FEMA 356 where they are named.
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ from pounding_cli.records.motion import GRAVITY
 
 EDITIONS = (1985, 1988, 1991, 1994)
 """Editions of the code that `UbcDesign` knows."""
+
+DISTRIBUTIONS = ("triangular", "uniform", "parabolic", "asce7", "ubc")
+"""Distributions of a base shear over the height that `BaseShearDesign` knows."""
 
 
 @dataclass(frozen=True)
@@ -101,12 +104,7 @@ class UbcDesign:
         ValueError : shapes differ or a value is not finite and positive
         """
         m, h = _per_storey(mass=mass, height=height)
-        shear = self.base_shear_coefficient(period) * GRAVITY * m.sum()
-        top = min(0.07 * period, 0.25) * shear if period > 0.7 else 0.0
-        moment = m * np.cumsum(h)
-        forces = (shear - top) * moment / moment.sum()
-        forces[-1] += top
-        return forces
+        return _with_top_force(self.base_shear_coefficient(period) * GRAVITY * m.sum(), m, h, period)
 
     def yield_shears(self, mass: ArrayLike, height: ArrayLike, period: float) -> np.ndarray:
         """Storey shears under the design forces [N], from the ground up, shape (n,).
@@ -114,7 +112,7 @@ class UbcDesign:
         The paper takes them as the yield levels of the inelastic analyses (parametric studies). Arguments and
         errors as `floor_forces`.
         """
-        return np.cumsum(self.floor_forces(mass, height, period)[::-1])[::-1]
+        return _storey_shears(self.floor_forces(mass, height, period))
 
     def design_displacements(
         self, mass: ArrayLike, height: ArrayLike, stiffness: ArrayLike, period: float
@@ -126,6 +124,65 @@ class UbcDesign:
         """
         m, h, k = _per_storey(mass=mass, height=height, stiffness=stiffness)
         return self.amplification * np.cumsum(self.yield_shears(m, h, period) / k)
+
+
+@dataclass(frozen=True)
+class BaseShearDesign:
+    """Yield shears from a base-shear coefficient and a distribution of the forces over the height.
+
+    Parameters
+    ----------
+    coefficient : base shear over weight V/W [-], > 0
+    distribution : one of DISTRIBUTIONS; the force on floor x is a share of V,
+        uniform: w_x (FEMA 356, sec. 3.3.3.2.3, uniform pattern)
+        triangular: w_x h_x (ASCE/SEI 7-16, sec. 12.8.3 with k = 1)
+        parabolic: w_x h_x^2 (the same with k = 2)
+        asce7: w_x h_x^k, k = 1 up to T = 0.5 s, 2 from 2.5 s on, linear between (the same, eqs 12.8-11 and 12.8-12)
+        ubc: F_t = 0.07 T V <= 0.25 V at the roof, zero for T <= 0.7 s, the rest by w_x h_x (UBC 1991, sec. 2334(d))
+
+    Raises
+    ------
+    ValueError : a coefficient that is not finite and positive, or a distribution not in DISTRIBUTIONS
+    """
+
+    coefficient: float
+    distribution: str = "triangular"
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.coefficient) and self.coefficient > 0):
+            raise ValueError(f"V/W is {self.coefficient:g}: it must be finite and above zero")
+        if self.distribution not in DISTRIBUTIONS:
+            raise ValueError(f"distribution {self.distribution}: choose one of {', '.join(DISTRIBUTIONS)}")
+
+    def floor_forces(self, mass: ArrayLike, height: ArrayLike, period: float) -> np.ndarray:
+        """Force on every floor [N], shape (n,); their sum is V. Arguments and errors as `UbcDesign.floor_forces`."""
+        _check_period(period)
+        m, h = _per_storey(mass=mass, height=height)
+        shear = self.coefficient * GRAVITY * m.sum()
+        if self.distribution == "ubc":
+            return _with_top_force(shear, m, h, period)
+        slope = min(max(1 + (period - 0.5) / 2, 1.0), 2.0)
+        k = {"uniform": 0.0, "triangular": 1.0, "parabolic": 2.0, "asce7": slope}[self.distribution]
+        share = m * (np.cumsum(h) / h.sum()) ** k
+        return shear * share / share.sum()
+
+    def yield_shears(self, mass: ArrayLike, height: ArrayLike, period: float) -> np.ndarray:
+        """Storey shears under those forces [N], from the ground up, shape (n,). Arguments and errors as there."""
+        return _storey_shears(self.floor_forces(mass, height, period))
+
+
+def _storey_shears(forces: np.ndarray) -> np.ndarray:
+    """Sums of floor forces from every storey up [N], shape (n,)."""
+    return np.cumsum(forces[::-1])[::-1]
+
+
+def _with_top_force(shear: float, mass: np.ndarray, height: np.ndarray, period: float) -> np.ndarray:
+    """A base shear over the floors [N]: F_t = 0.07 T V <= 0.25 V at the roof above T = 0.7 s, the rest by w h."""
+    top = min(0.07 * period, 0.25) * shear if period > 0.7 else 0.0
+    moment = mass * np.cumsum(height)
+    forces = (shear - top) * moment / moment.sum()
+    forces[-1] += top
+    return forces
 
 
 def code_separation(left: ArrayLike, right: ArrayLike) -> np.ndarray:

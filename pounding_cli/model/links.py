@@ -53,7 +53,8 @@ class Link:
     left : place of the left building in the group, from 0; the right building is left + 1
     left_floor, right_floor : floors, from 1
     kind : Kind
-    gap : initial distance d [m]; 0 allowed for pounding and connector, > 0 for infill
+    gap : initial distance d [m]; 0 allowed for pounding and connector, > 0 for infill; inf for pounding floors that
+        never meet (`apart`)
     stiffness : pounding s_imp, infill s_mat, connector s_con [N/m], > 0
     impact_stiffness : s_imp [N/m], what an infill stiffens to at v = d (unused otherwise)
     damping_ratio : xi [-], 0 <= xi < 1
@@ -82,7 +83,7 @@ class Link:
             raise ValueError(f"link: left is {self.left}; places in the group count from 0")
         if self.left_floor < 1 or self.right_floor < 1:
             raise ValueError(f"link: floors {self.left_floor} and {self.right_floor}; floors count from 1")
-        if not (math.isfinite(self.gap) and self.gap >= 0):
+        if not (self.gap >= 0 and (math.isfinite(self.gap) or self.kind is Kind.POUNDING)):
             raise ValueError(f"link: gap is {self.gap:g} m; it must be finite and not negative")
         if self.kind is Kind.INFILL and self.gap == 0:
             raise ValueError("link: an infill needs a gap above zero to fill; write pounding for a gap of zero")
@@ -93,6 +94,16 @@ class Link:
                 raise ValueError(f"link: {name} is {value:g} N/m; it must be finite and above zero")
         if not 0 <= self.damping_ratio < 1:
             raise ValueError(f"link: damping_ratio is {self.damping_ratio:g}; it must be at least 0 and below 1")
+
+    @classmethod
+    def apart(cls, left: int, left_floor: int, right_floor: int) -> Link:
+        """Nothing between two floors: no force whatever they do; a run finds their largest closing all the same."""
+        return cls(left, left_floor, right_floor, Kind.POUNDING, math.inf, 1.0, 1.0, 0.0)
+
+    @property
+    def can_close(self) -> bool:
+        """Whether a force may ever act."""
+        return math.isfinite(self.gap)
 
     @property
     def words(self) -> str:

@@ -10,22 +10,32 @@ from pounding_cli.report.claims import judge
 from pounding_cli.report.evidence import Evidence, Tables, points
 from pounding_cli.report.figures import draw_all
 from pounding_cli.report.style import FORMATS, save, unwritable
-from pounding_cli.report.sweep import sweep_figures
+from pounding_cli.report.sweep import Asked, sweep_figures
 from pounding_cli.report.tables import write_csv
 from pounding_cli.report.web import write_page
 
 
-def write_report(results: Tables, folder: Path, formats: Sequence[str] = FORMATS, with_page: bool = True) -> list[Path]:
+def write_report(
+    results: Tables,
+    folder: Path,
+    formats: Sequence[str] = FORMATS,
+    with_page: bool = True,
+    asked: Asked | None = None,
+) -> list[Path]:
     """Write the report of one results file into `folder`; returns the files written.
 
     formats : of the figures, any of "png", "svg", "pdf"; none leaves the figures out
     with_page : write report.html too, the whole report in one file
-    Raises InputError where the folder cannot be written to.
+    asked : what is drawn over a sweep
+
+    Raises
+    ------
+    InputError : the folder cannot be written to; something asked for is not there
     """
     evidences = points(results)
     shown = nominal(evidences)
     swept = len(evidences) > 1
-    figures = draw_all(shown) | (sweep_figures(evidences) if swept else {}) if formats else {}
+    figures = sweep_figures(results, shown, asked) | draw_all(shown) if formats else {}
     files = save(figures, folder, formats)
     judgements = judge(shown)
     try:
@@ -63,10 +73,12 @@ def write_comparison(results: Mapping[str, Tables], folder: Path) -> list[Path]:
 
 
 def nominal(evidences: Sequence[Evidence]) -> Evidence:
-    """The point of the sweep that equals the study without its sweep; the first where none does."""
-    for evidence in evidences:
-        if all(_at(evidence.resolved, key) == value for key, value in evidence.point.items()):
-            return evidence
+    """The point of the sweep that equals the study without its sweep; where none does the first, in the middle of every
+    bracket."""
+    for keys in (evidences[0].point, evidences[0].resolved.get("bracket") or ()):
+        for evidence in evidences:
+            if all(_at(evidence.resolved, key) == evidence.point[key] for key in keys):
+                return evidence
     return evidences[0]
 
 

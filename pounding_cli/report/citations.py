@@ -92,7 +92,7 @@ def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> No
         used("westermo1989", "connecting buildings")
     for name in dict.fromkeys(resolved["group"]):
         building = resolved["buildings"][name]
-        if building["yield_shear"] is None:
+        if building["yield_shear"] is None and "code" in building["yield"]:
             used(f"ubc{building['yield']['code'][-4:]}", f"the yield shears of {name}, the separation")
     _scaling(resolved["records"]["scale"], used)
     if "stand-in" in sources.values():

@@ -11,14 +11,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pounding_cli.report.style import caption, new_figure, save, styled
-from pounding_cli.store.swept import axes_of, coordinate, open_swept, written
+from pounding_cli.store.files import opened_kind
+from pounding_cli.store.swept import axes_of, coordinate, written
 
 _COLORS = ("#000000", "#0072B2")
 
 
 def draw_connector(path: Path, folder: Path, formats: tuple[str, ...] = ("png", "svg", "pdf")) -> list[Path]:
     """Draw the results of `pound connector`; returns the files."""
-    with open_swept(path, "connector") as file:
+    with opened_kind(path, "connector") as file:
         return save({path.stem: connector_figure(file)}, folder, formats)
 
 
@@ -76,7 +77,7 @@ def connector_claims(path: Path) -> list[dict[str, Any]]:
     Each entry has `paper` (the sentence), `found` (words with numbers), `holds` (bool) and `point`.
     """
     entries = []
-    with open_swept(path, "connector") as file:
+    with opened_kind(path, "connector") as file:
         axes = axes_of(file, "peak1")
         for point in product(*(range(n) for n in file["peak1"].shape)):
             label = point_label(file, axes, point)

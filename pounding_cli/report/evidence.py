@@ -235,15 +235,6 @@ def motion_sentence(records: pd.DataFrame) -> str:
     return "All are stand-in motions." if label == "stand-in motions" else f"Motions: {label}."
 
 
-def flags(scene: pd.DataFrame) -> dict[str, int]:
-    """Every flag that was raised and in how many scenes, most frequent first."""
-    count: dict[str, int] = {}
-    for cell in scene["flags"]:
-        for flag in split(cell):
-            count[flag] = count.get(flag, 0) + 1
-    return dict(sorted(count.items(), key=lambda item: -item[1]))
-
-
 def split(cell: Any) -> list[str]:
     """The sentences of one cell: a list, a JSON list, or one sentence a line."""
     if cell is None or (isinstance(cell, float) and math.isnan(cell)):

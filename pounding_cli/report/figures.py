@@ -120,7 +120,7 @@ def small_multiples(evidence: Evidence, building: str) -> Figure:
         headline(evidence, building),
         width=1.75,
         height=2.2,
-        key=False,
+        cases=(),
     )
     look = looks(cases)
     for number, block in enumerate(blocks):
@@ -180,9 +180,13 @@ def framed(
     *,
     width: float = 3.6,
     height: float = 3.3,
-    key: bool = True,
+    cases: Sequence[str] | None = None,
 ) -> tuple[Figure, list[list[Axes]]]:
-    """A figure with title, the group's drawing and the legend above `rows` x `columns` panels."""
+    """A figure with title, the group's drawing and the legend above `rows` x `columns` panels.
+
+    black : buildings filled in the drawing
+    cases : in the legend, none where it is empty; those of the main figures unless given
+    """
     figure = new_figure(max(columns * width, 5.4), rows * height + 1.75)
     figure.suptitle(headline, x=0.015, ha="left", fontsize=11, fontweight="bold")
     grid = figure.add_gridspec(2, 1, height_ratios=[0.95, height * rows])
@@ -193,8 +197,8 @@ def framed(
     side.axis("off")
     characters = int(14 * (figure.get_figwidth() - drawing))
     side.text(0.0, 1.0, textwrap.fill(evidence.title, characters), va="top", fontsize=8.5, color="0.25")
-    if key:
-        cases = plotted_cases(evidence)
+    cases = plotted_cases(evidence) if cases is None else cases
+    if cases:
         lines = 2 if len(cases) <= 4 else 3
         legend(
             side,

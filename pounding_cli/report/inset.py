@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
@@ -16,7 +17,10 @@ MANY = 7
 
 
 def draw_group(ax: Axes, evidence: Evidence, black: Sequence[str]) -> None:
-    """Buildings left to right as blocks of storeys with their periods; those plotted are black."""
+    """Buildings left to right as blocks of storeys with their periods; those plotted are black.
+
+    A period that is NaN is not written.
+    """
     storeys = evidence.storey.dropna(subset=["V"]).groupby("building")["storey"].max()
     pitch = WIDTH + SPACE
     group = evidence.group
@@ -34,6 +38,8 @@ def draw_group(ax: Axes, evidence: Evidence, black: Sequence[str]) -> None:
                 linewidth=0.8,
             )
             ax.add_patch(block)
+        if math.isnan(evidence.periods[name]):
+            continue
         ax.annotate(
             f"{evidence.periods[name]:.2f}" if many else f"T = {evidence.periods[name]:.2f} s",
             (place * pitch + WIDTH / 2, 0),

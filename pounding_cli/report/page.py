@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from pounding_cli.report.evidence import Evidence, flags, motion_sentence, names
+from pounding_cli.report.evidence import Evidence, motion_sentence, names
 from pounding_cli.report.tables import markdown
 from pounding_cli.report.verdicts import Judgement
-from pounding_cli.words import counted
+from pounding_cli.store import flag_groups_of
+from pounding_cli.words import Unit, counted
 
 
 def summary(
@@ -33,7 +34,7 @@ def summary(
     lines += motions(evidence)
     lines += key_numbers(evidence)
     lines += claims(judgements)
-    lines += flagged(scene)
+    lines += flagged(scene, evidence.units)
     if figures:
         lines += ["## Figures", ""]
         for figure in figures:
@@ -140,12 +141,12 @@ def _findings(judgement: Judgement) -> str:
     return "\n".join(lines)
 
 
-def flagged(scene: pd.DataFrame) -> list[str]:
-    """Failed scenes, and every flag with the number of runs it stands in."""
+def flagged(scene: pd.DataFrame, units: Mapping[str, Unit]) -> list[str]:
+    """Failed scenes, and every flag with the runs it stands in."""
     lines = ["## Flagged", ""]
     total = len(scene)
     failed = scene[scene["status"] != "done"]
-    found = flags(scene)
+    found = flag_groups_of(scene, units)
     if failed.empty and not found:
         every = f"all {total} runs were done and none raised a flag" if total > 1 else "the run was done without a flag"
         return [*lines, f"Nothing: {every}.", ""]
@@ -153,6 +154,6 @@ def flagged(scene: pd.DataFrame) -> list[str]:
         lines += [f"{len(failed)} of {counted(total, 'run')} failed, left out of every mean.", ""]
         columns = [*scene.columns[: list(scene.columns).index("status")], "status", "advice"]
         lines += markdown(columns, failed[columns].to_numpy().tolist())
-    if found:
-        lines += markdown(["flag", f"runs (of {total})"], list(found.items()))
-    return lines
+    for group in found:
+        lines.append(f"- {'**not meaningful**: ' if group.meaningless else ''}{group}")
+    return [*lines, ""] if found else lines

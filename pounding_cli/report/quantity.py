@@ -4,8 +4,9 @@ Maps and curves of the static figures and of the page draw what `over_sweep` ret
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,10 +15,16 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.report.axes import SweptAxis, swept_axes
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Tables, names
+from pounding_cli.store.flagged import flagged_scenes
 from pounding_cli.store.layout import RESPONSES, VARIABLES
 
-_LEVELS = {"storey": ("building", "storey"), "floor": ("building", "floor"), "link": ("link", "floor"), "scene": ()}
-"""Tables that hold quantities, and the columns that say where in a scene a value stands."""
+LEVELS = {
+    "storey": ("case", "analysis", "building", "storey"),
+    "floor": ("case", "analysis", "building", "floor"),
+    "link": ("case", "analysis", "link", "floor"),
+    "scene": ("case", "analysis"),
+}
+"""Tables that hold quantities, and the columns that, beside point and motion, say where a value stands."""
 
 _OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "events", "seconds")
 
@@ -53,6 +60,8 @@ class OverSweep:
     mean, std, low, high : over the motions, at the place whose mean is largest at that point; NaN where nothing is
     motions : number of motions in the mean
     place : that place in words ("stiff, storey 5"); "" where nothing is
+    meaningless : number of motions whose scene carries a flag that takes the meaning from its numbers
+    reasons : those flags
     """
 
     choice: Choice
@@ -65,18 +74,26 @@ class OverSweep:
     high: np.ndarray
     motions: np.ndarray
     place: np.ndarray
+    meaningless: np.ndarray
+    reasons: tuple[str, ...]
 
-    def at(self, places: Sequence[int | slice]) -> OverSweep:
-        """The part at given places of the axes: a number takes an axis away, a slice keeps it."""
-        cut = tuple(places)
-        kept = tuple(axis for axis, place in zip(self.axes, cut, strict=True) if isinstance(place, slice))
-        parts = {name: getattr(self, name)[cut] for name in ("mean", "std", "low", "high", "motions", "place")}
-        return replace(self, axes=kept, **parts)
+    @property
+    def is_ratio(self) -> bool:
+        """Whether 1 stands for the building alone."""
+        return self.choice.quantity.endswith("_ratio")
 
     @property
     def title(self) -> str:
         """The quantity with its unit."""
         return f"{self.label} [{self.unit}]" if self.unit not in ("", "–") else self.label
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """What stands side by side in a figure: a heading, and one quantity by case."""
+
+    heading: str
+    by_case: dict[str, OverSweep]
 
 
 def table_of(quantity: str) -> str:
@@ -95,40 +112,79 @@ def table_of(quantity: str) -> str:
 
 def quantities() -> tuple[str, ...]:
     """The quantities that can be drawn over a sweep, by their names in the tables."""
-    return (*(variable.name for variable in RESPONSES if variable.dims[-1] in _LEVELS), *_OF_SCENES)
+    return (*(variable.name for variable in RESPONSES if variable.dims[-1] in LEVELS), *_OF_SCENES)
 
 
-def over_sweep(results: Tables, choice: Choice, axes: Sequence[SweptAxis] | None = None) -> OverSweep:
+def over_sweep(
+    results: Tables,
+    choice: Choice,
+    axes: Sequence[SweptAxis] | None = None,
+    at: Mapping[str, Any] | None = None,
+) -> OverSweep:
     """A quantity over the sweep: per place the mean over the motions, at every point the place where it is largest.
+
+    axes : in the order wanted, all axes of the sweep unless given
+    at : value (SI, as in the tables) of every key of the axes left out
 
     Raises
     ------
     InputError : a quantity, case, analysis, building, storey, floor, link or motion that is not there
     """
     axes = tuple(axes) if axes is not None else swept_axes(results)
-    rows = _chosen(getattr(results, choice.table)(), choice)
-    keys = [key for axis in axes for key in axis.keys]
-    level = [column for column in ("case", "analysis", *_LEVELS[choice.table]) if column in rows.columns]
-    numbers = rows[[*keys, *level, "record", choice.quantity]]
-    numbers = numbers.assign(value=numbers[choice.quantity].to_numpy(float), point=point_numbers(rows, axes))
-    found = numbers.groupby(["point", *level], sort=False)["value"].agg(["mean", "std", "min", "max", "count"])
-    found = found[found["count"] > 0].reset_index()
-    worst = found.loc[found["mean"].abs().groupby(found["point"], sort=False).idxmax()] if len(found) else found
     shape = tuple(len(axis) for axis in axes)
+    rows = _chosen(_cut(getattr(results, choice.table)(), at or {}), choice)
+    scenes = ["point", "case", "analysis", "record"]
+    level = list(LEVELS[choice.table])
+    point = point_numbers(rows, axes)
+    numbers = rows[[*level, "record"]].assign(value=rows[choice.quantity].to_numpy(float), point=point)
+    voids = _meaningless(_cut(results.scene(), at or {}), axes)
+    numbers["void"] = pd.MultiIndex.from_frame(numbers[scenes]).isin(pd.MultiIndex.from_frame(voids[scenes]))
+    found = over_motions(numbers, "value", level)
+    void_of = numbers.groupby(["point", *level], sort=False)["void"].sum()
+    found["void"] = void_of.reindex(pd.MultiIndex.from_frame(found[["point", *level]])).to_numpy()
+    worst = largest(found, ["point"])
     look = shown(choice.quantity)
-    at = worst["point"].to_numpy(int)
 
     def spread(values: np.ndarray, empty: object, kind: object = float) -> np.ndarray:
         whole = np.full(int(np.prod(shape)), empty, dtype=kind)  # type: ignore[call-overload]
-        whole[at] = values
+        whole[worst["point"].to_numpy(int)] = values
         return whole.reshape(shape)
 
     mean, std, low, high = (
         spread(look.factor * worst[name].to_numpy(float), np.nan) for name in ("mean", "std", "min", "max")
     )
-    motions = spread(worst["count"].to_numpy(int), 0, int)
+    motions, void = (spread(worst[name].to_numpy(int), 0, int) for name in ("count", "void"))
     place = spread(_places(worst, choice), "", object)
-    return OverSweep(choice, axes, look.label, look.unit, mean, std, low, high, motions, place)
+    drawn = pd.MultiIndex.from_frame(numbers.loc[numbers["void"], scenes])
+    reasons = names(voids.loc[pd.MultiIndex.from_frame(voids[scenes]).isin(drawn), "flag"])
+    return OverSweep(choice, axes, look.label, look.unit, mean, std, low, high, motions, place, void, tuple(reasons))
+
+
+def over_motions(frame: pd.DataFrame, quantity: str, place: Sequence[str]) -> pd.DataFrame:
+    """Mean, std, min, max and count of a quantity over the motions, by `point` and place; no row where nothing is."""
+    found = frame.groupby(["point", *place], sort=False)[quantity].agg(["mean", "std", "min", "max", "count"])
+    return found[found["count"] > 0].reset_index()
+
+
+def largest(found: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
+    """Of what `over_motions` found the row with the largest mean, positive or negative, in every group."""
+    if found.empty:
+        return found
+    return found.loc[found["mean"].abs().groupby([found[name] for name in by], sort=False).idxmax()]
+
+
+def _cut(frame: pd.DataFrame, at: Mapping[str, Any]) -> pd.DataFrame:
+    """The rows at some values of swept keys."""
+    for key, value in at.items():
+        frame = frame[frame[key] == value]
+    return frame
+
+
+def _meaningless(scene: pd.DataFrame, axes: Sequence[SweptAxis]) -> pd.DataFrame:
+    """Flags that take the meaning from a scene's numbers, with its point's number, case, analysis and record."""
+    flagged = flagged_scenes(scene[scene["flags"].astype(bool)])
+    flagged = flagged[flagged["meaningless"]]
+    return flagged.assign(point=point_numbers(flagged, axes))
 
 
 def _chosen(frame: pd.DataFrame, choice: Choice) -> pd.DataFrame:
@@ -166,7 +222,7 @@ def point_numbers(rows: pd.DataFrame, axes: Sequence[SweptAxis]) -> np.ndarray:
 def _places(worst: pd.DataFrame, choice: Choice) -> np.ndarray:
     """Where the numbers stand in words, without what was chosen."""
     words = []
-    for name in ("case", "analysis", *_LEVELS[choice.table]):
+    for name in LEVELS[choice.table]:
         if getattr(choice, name) is not None or (choice.table == "link" and name == "floor"):
             continue
         prefix = f"{name} " if name in ("storey", "floor") else ""

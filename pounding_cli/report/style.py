@@ -31,6 +31,7 @@ RC: Any = {
     "grid.color": "0.9",
     "grid.linewidth": 0.6,
     "legend.frameon": False,
+    "hatch.linewidth": 0.6,
     "savefig.dpi": 180,
     "svg.fonttype": "none",
     "svg.hashsalt": "pound",  # the same figure gives the same file

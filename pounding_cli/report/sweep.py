@@ -1,83 +1,142 @@
-"""Figures of a sweep: the largest mean ratio of every building against the swept value, one line a case."""
+"""Figures of a sweep: maps over its two longest axes, or curves where it has one."""
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.figures import RESPONSES, framed, headline, plotted_cases
-from pounding_cli.report.style import caption, looks, styled
-from pounding_cli.words import counted
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.report.axes import SweptAxis, swept_axes
+from pounding_cli.report.curves import draw_curves
+from pounding_cli.report.evidence import Evidence, Tables, motion_sentence
+from pounding_cli.report.figures import RESPONSES, plotted_cases
+from pounding_cli.report.maps import draw_maps
+from pounding_cli.report.quantity import LEVELS, Choice, Panels, over_sweep, table_of
+from pounding_cli.words import Unit, counted
 
-LINE = 34
-"""Characters that fit under one panel."""
-MOST_POINTS = 40
-"""Points without a numeric axis beyond which there is no figure: their names would not be legible."""
+WORST = "worst"
+"""What is said in place of a case or building for the largest over all of them."""
+MOST_CASES = 12
+"""Cases of one figure; further ones are drawn when asked for."""
+MOST_BUILDINGS = 6
+"""Buildings that get a figure of their own unasked."""
 
 
-def sweep_figures(evidences: Sequence[Evidence]) -> dict[str, Figure]:
-    """One figure a building; none where many points have no numeric axis to stand on."""
-    numeric = _numeric_axis(evidences)
-    if numeric is None and len(evidences) > MOST_POINTS:
+@dataclass(frozen=True)
+class Asked:
+    """What is drawn over a sweep; what is not said is drawn for all there are.
+
+    quantities : names of the tables' columns; V/V0 elastic and mu/mu0 inelastic unless given
+    choice : the places that are fixed; its case and building may be WORST
+    at : swept key -> value (SI, as in the tables) at which an axis is cut
+    """
+
+    quantities: tuple[str, ...] = ()
+    choice: Choice = field(default_factory=lambda: Choice(""))
+    at: Mapping[str, Any] = field(default_factory=dict)
+
+
+def sweep_figures(results: Tables, shown: Evidence, asked: Asked | None = None) -> dict[str, Figure]:
+    """The figures by file name; none where nothing is swept.
+
+    shown : the point at which axes that are neither drawn nor cut by `asked.at` are taken
+
+    Raises
+    ------
+    InputError : something asked for is not there
+    """
+    asked = asked or Asked()
+    drawn, cut = _drawn_axes(swept_axes(results), shown, asked.at)
+    if not drawn:
+        if asked.quantities:
+            what = "all swept keys are fixed" if asked.at else "nothing is swept"
+            raise InputError(Problem(f"{what}, so there is nothing to draw {asked.quantities[0]} over", "see `sweep:`"))
         return {}
-    return {f"{name}-sweep": sweep_figure(evidences, name) for name in evidences[0].group}
+    kind, draw = ("map", draw_maps) if len(drawn) == 2 else ("sweep", draw_curves)
+    drawing = _without_swept_periods(results, shown)
+    figures = {}
+    for name, choices in _choices(results, shown, asked):
+        panels = [_panels(results, shown, choice, drawn, cut) for choice in choices]
+        panels = [panel for panel in panels if panel.by_case]
+        if panels:
+            building = str(choices[0].building)
+            group = [building] if building in shown.group else []
+            title = f"{building} over the sweep" if group else "Over the sweep"
+            figures[f"{name}-{kind}"] = draw(drawing, group, title, panels, _said(shown, panels, drawn, cut))
+    return figures
 
 
-def _numeric_axis(evidences: Sequence[Evidence]) -> np.ndarray | None:
-    """The swept values, where exactly one key is swept and its values are numbers."""
-    values = [list(evidence.point.values()) for evidence in evidences]
-    if len(values[0]) != 1 or not all(isinstance(value[0], int | float | np.number) for value in values):
-        return None
-    return np.array([value[0] for value in values], float)
+def _without_swept_periods(results: Tables, shown: Evidence) -> Evidence:
+    """The same without the periods that change over the sweep, for the drawing of the group."""
+    changing = results.buildings.groupby("building")["period"].transform("nunique") > 1
+    names = set(results.buildings.loc[changing, "building"])
+    periods = shown.buildings["period"].mask(shown.buildings["building"].isin(names))
+    return replace(shown, buildings=shown.buildings.assign(period=periods))
 
 
-def _worded(evidences: Sequence[Evidence]) -> tuple[list[str], str]:
-    """Ticks for points that are no numbers, and their key: the words where they fit, else numbers."""
-    words = [", ".join(str(value) for value in evidence.point.values()) for evidence in evidences]
-    width = LINE // len(words)
-    wrapped = [textwrap.fill(text, max(width, 1), break_long_words=False) for text in words]
-    if max(len(line) for text in wrapped for line in text.split("\n")) <= width and len("".join(words)) < 3 * LINE:
-        return wrapped, ""
-    numbers = [str(number) for number in range(1, len(words) + 1)]
-    return numbers, " Points: " + "; ".join(f"({n}) {text}" for n, text in zip(numbers, words, strict=True)) + "."
+def _drawn_axes(
+    axes: Sequence[SweptAxis], shown: Evidence, at: Mapping[str, Any]
+) -> tuple[tuple[SweptAxis, ...], dict[str, Any]]:
+    """The one or two axes that are drawn, the longer last, and the values of the keys of all others."""
+    free = [axis for axis in axes if len(axis) > 1 and at.keys().isdisjoint(axis.keys)]
+    drawn = sorted(sorted(free, key=len, reverse=True)[:2], key=len)
+    cut = {key: shown.point[key] for axis in axes if axis not in drawn for key in axis.keys} | dict(at)
+    return tuple(drawn), cut
 
 
-@styled
-def sweep_figure(evidences: Sequence[Evidence], building: str) -> Figure:
-    """V/V0 elastic and mu/mu0 inelastic at the storey where the mean over the motions is largest."""
-    first = evidences[0]
-    panels = [panel for panel in RESPONSES if panel[0] in first.analyses]
-    figure, axes = framed(first, [building], 1, max(len(panels), 1), headline(first, building))
-    numeric = _numeric_axis(evidences)
-    ticks, key = ([], "") if numeric is not None else _worded(evidences)
-    across = np.arange(len(evidences)) if numeric is None else numeric
-    order = np.argsort(across, kind="stable")
-    for ax, (analysis, ratio, label) in zip(axes[0], panels, strict=False):
-        for case, look in looks(plotted_cases(first)).items():
-            largest = np.array([evidence.means(case, analysis, building, ratio).max() for evidence in evidences])
-            ax.plot(
-                across[order],
-                largest[order],
-                color=look.color,
-                ls=look.line,
-                marker=look.marker,
-                ms=5,
-                lw=1.6,
-            )
-        ax.axhline(1, color="0.35", lw=1.0, zorder=1)
-        ax.set_title(analysis.capitalize(), loc="left")
-        ax.set_ylabel(f"{label}, largest mean over the storeys")
-        if numeric is None:
-            ax.set_xticks(across, ticks)
-            ax.set_xlim(-0.3, len(ticks) - 0.7)
-        elif (numeric > 0).all() and numeric.max() / numeric.min() > 20:
-            ax.set_xscale("log")
-        ax.set_xlabel(", ".join(first.point))
-    motions = counted(first.storey["record"].nunique(), "motion")
-    sentence = motion_sentence(first.records)
-    caption(figure, f"Means over the {motions} of the ratios to {building} alone. {sentence}{key}")
-    return figure
+def _choices(results: Tables, shown: Evidence, asked: Asked) -> Iterator[tuple[str, list[Choice]]]:
+    """Name and quantities of every figure."""
+    fixed = asked.choice
+    buildings: list[str] = [fixed.building] if fixed.building else list(shown.group)[:MOST_BUILDINGS]
+    analyses = [fixed.analysis] if fixed.analysis else shown.analyses
+    if not asked.quantities:
+        for building in buildings:
+            pairs = [(quantity, analysis) for analysis, quantity, _ in RESPONSES if analysis in analyses]
+            yield building, [replace(fixed, quantity=q, analysis=a, building=building) for q, a in pairs]
+    for quantity in asked.quantities:
+        of_buildings = table_of(quantity) in ("storey", "floor") or fixed.building is not None
+        places: list[str | None] = [*buildings] if of_buildings else [None]
+        for place in places:
+            name = f"{place}-{quantity}" if place else quantity
+            yield name, [replace(fixed, quantity=quantity, analysis=a, building=place) for a in analyses]
+
+
+def _panels(
+    results: Tables, shown: Evidence, choice: Choice, drawn: Sequence[SweptAxis], cut: Mapping[str, Any]
+) -> Panels:
+    """A quantity by case; cases that have none of it are left out, unless they were asked for."""
+    cases: list[str] = [choice.case] if choice.case else plotted_cases(shown)[:MOST_CASES]
+    building = None if choice.building == WORST and WORST not in shown.group else choice.building
+    by_case, refused = {}, None
+    for case in cases:
+        named = None if case == WORST and WORST not in shown.cases else case
+        try:
+            over = over_sweep(results, replace(choice, case=named, building=building), drawn, cut)
+        except InputError as error:
+            refused = error
+            continue
+        if np.isfinite(over.mean).any():
+            by_case[case if named else "worst of all cases"] = over
+    if not by_case and refused:
+        raise refused
+    return Panels(str(choice.analysis).capitalize(), by_case)
+
+
+def _said(shown: Evidence, panels: Sequence[Panels], axes: Sequence[SweptAxis], cut: Mapping[str, Any]) -> str:
+    """What is drawn, in a sentence without its full stop."""
+    choice = next(iter(panels[0].by_case.values())).choice
+    motions = shown.records["record"].nunique()
+    what = f"Mean over the {counted(motions, 'motion')}" if choice.record is None else f"Under {choice.record}"
+    chosen = [f"{name} {getattr(choice, name)}" for name in ("storey", "floor", "link") if getattr(choice, name)]
+    free = [name for name in LEVELS[choice.table] if getattr(choice, name) is None and name != "analysis"]
+    if choice.table == "link":
+        free = [] if chosen else [name for name in free if name != "floor"]
+    worst = f"at the {' and '.join(free)} where it is largest" if free else ""
+    where = " ".join((*(f"at {place}" for place in chosen), worst)).strip()
+    others = ", ".join(f"{key} = {shown.units.get(key, Unit()).text(value)}" for key, value in cut.items())
+    said = f"{what}, {where}".rstrip(", ") + (f"; {others}" if others else "")
+    return f"{motion_sentence(shown.records)} {said}"

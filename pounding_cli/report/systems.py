@@ -15,7 +15,8 @@ from pounding_cli.report.style import FORMATS, unwritable
 from pounding_cli.report.wall_claims import wall_claims
 from pounding_cli.report.wall_figures import draw_wall
 from pounding_cli.report.web import write_system_page
-from pounding_cli.store.swept import axes_of, coordinate, kind_of, open_swept
+from pounding_cli.store.files import kind_of, opened_kind
+from pounding_cli.store.swept import axes_of, coordinate
 
 _ANCHOR = {"connector": "peak1", "wall": "peak_force"}
 """A variable that lies over the swept dimensions alone."""
@@ -24,7 +25,7 @@ _ANCHOR = {"connector": "peak1", "wall": "peak_force"}
 def numbers(path: Path) -> pd.DataFrame:
     """Every number of the sweep, one row a point, swept keys first [SI]."""
     kind = kind_of(path)
-    with open_swept(path, kind) as file:
+    with opened_kind(path, kind) as file:
         axes = axes_of(file, _ANCHOR[kind])
         names = [name for name, item in file.items() if _over_axes(item, axes, file[_ANCHOR[kind]].shape)]
         rows: list[dict[str, Any]] = []
@@ -43,7 +44,7 @@ def write_system_report(
     Raises `InputError` for a file that neither `pound connector` nor `pound wall` wrote, or a folder that refuses.
     """
     kind = kind_of(path)
-    with open_swept(path, kind if kind in _ANCHOR else "wall") as file:
+    with opened_kind(path, kind if kind in _ANCHOR else "wall") as file:
         title, study = str(file.attrs["title"]), str(file.attrs["study"])
     written: list[Path] = []
     if formats:

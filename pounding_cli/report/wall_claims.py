@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from pounding_cli.report.connector_figures import point_label
-from pounding_cli.store.swept import axes_of, open_swept
+from pounding_cli.store.files import opened_kind
+from pounding_cli.store.swept import axes_of
 
 LOW = 0.5
 """A stress is called low, or lower, below this share of the wall's averaged peak."""
@@ -20,7 +21,7 @@ def wall_claims(path: Path) -> list[dict[str, Any]]:
     Stresses in N/mm2; the averaged stress is the one that settles as the mesh is refined.
     """
     entries = []
-    with open_swept(path, "wall") as file:
+    with opened_kind(path, "wall") as file:
         axes = axes_of(file, "peak_force")
         for point in product(*(range(n) for n in file["peak_force"].shape)):
             label = point_label(file, axes, point) if axes else ""

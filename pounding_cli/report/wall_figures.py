@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 
 from pounding_cli.report.connector_figures import point_label
 from pounding_cli.report.style import caption, new_figure, save, styled
-from pounding_cli.store.swept import axes_of, coordinate, open_swept
+from pounding_cli.store.files import opened_kind
+from pounding_cli.store.swept import axes_of, coordinate
 from pounding_cli.store.wall_store import point_group
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
@@ -39,7 +40,7 @@ _UNITS = {
 
 def draw_wall(path: Path, folder: Path, formats: tuple[str, ...] = ("png", "svg"), vtu: bool = True) -> list[Path]:
     """Draw the results of `pound wall` and write its fields for ParaView; returns the files."""
-    with open_swept(path, "wall") as file:
+    with opened_kind(path, "wall") as file:
         points = list(product(*(range(n) for n in file["peak_force"].shape)))
         figures = {f"{path.stem}-history": history_figure(file, points)}
         for point in points[:_FIELDS_DRAWN]:

@@ -18,6 +18,9 @@ from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
 LANES = 8
+FAR = 1e100
+"""What stands for a gap without end [m]: kernels take differences of it, and inf - inf is none."""
+
 KINDS = {Kind.POUNDING: layout.POUNDING, Kind.INFILL: layout.INFILL, Kind.CONNECTOR: layout.CONNECTOR}
 
 
@@ -137,9 +140,9 @@ def _pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors
         right_mass = buildings[link.left + 1].mass[link.right_floor - 1]
         mass = link.dashpot_mass(left_mass, right_mass)
         links.kind[e] = KINDS[link.kind]
-        links.gap[e] = link.gap
-        links.stiffness[e] = link.stiffness
-        links.dashpot[e] = link.dashpot(left_mass, right_mass)
+        links.gap[e] = min(link.gap, FAR)
+        links.stiffness[e] = link.stiffness if link.can_close else 0.0
+        links.dashpot[e] = link.dashpot(left_mass, right_mass) if link.can_close else 0.0
         links.tension_cut[e] = int(link.tension_cut and link.damping_ratio > 0 and link.kind is not Kind.CONNECTOR)
         if link.kind is Kind.INFILL:
             links.cubic[e] = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
@@ -169,16 +172,13 @@ def at_rest(arrays: Arrays) -> State:
 
 
 def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
-    """Peaks before the first step; `watched` is the number of segments whose displacements are to be bounded."""
+    """Peaks before the first step; `watched` is the number of segments at whose ends displacements are wanted."""
     padded, feet, count = arrays.padded, arrays.feet.number, arrays.links.size
     by_slot = rows(("drift", "shear", "acceleration", "displacement_max", "displacement_min"), padded)
     by_link = {n: np.zeros(count) for n in ("force", "impulse", "contact_time")}
-    top, bottom = aligned(watched * padded), aligned(watched * padded)
-    top.fill(-1e300)
-    bottom.fill(1e300)
     return Peaks(
         watched=int(watched > 0), **by_slot, rocking=np.zeros(feet), closing=np.full(count, -1e300), **by_link,
-        top=top.reshape(watched, padded), bottom=bottom.reshape(watched, padded), impacts=np.zeros(count, np.int64),
+        samples=aligned(watched * padded).reshape(watched, padded), impacts=np.zeros(count, np.int64),
     )  # fmt: skip
 
 

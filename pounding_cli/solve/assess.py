@@ -34,6 +34,11 @@ BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
 
 
+def finer(accuracy: float) -> float:
+    """Accuracy of the run that one at `accuracy` is judged by [-]."""
+    return max(accuracy * TIGHTER, FINEST)
+
+
 def nudged_motion(motion: Motion) -> Motion:
     """The motion, stronger by NUDGE at its end and by less before."""
     growth = 1 + NUDGE * np.linspace(0.0, 1.0, motion.acceleration.size)
@@ -65,11 +70,11 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
     if response.status != "done":
         return response
     fixed_steps = chosen_method(response.method, accuracy).takes_step
-    tight = BESIDE_FIXED_STEPS if fixed_steps else max(accuracy * TIGHTER, FINEST)
+    tight = BESIDE_FIXED_STEPS if fixed_steps else finer(accuracy)
     method = TAYLOR.name if fixed_steps else response.method
-    finer = run(scene, accuracy=tight, method=method)
+    second = run(scene, accuracy=tight, method=method)
     nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method=method)
-    error, sensitivity = change(response, finer), change(finer, nudged) / NUDGE
+    error, sensitivity = change(response, second), change(second, nudged) / NUDGE
     flags = response.flags
     if sensitivity > ILL_CONDITIONED:
         flags = (

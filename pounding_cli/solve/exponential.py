@@ -1,4 +1,4 @@
-"""Exact stepping of linear scenes (no link or connectors only, nothing yields) by the matrix exponential.
+"""Exact stepping of linear scenes (no link that may close but connectors, nothing yields) by the matrix exponential.
 
 Between two record samples the ground is a straight line, so z = (q, q', a_g, a_g') obeys z' = A z and z(t + h) =
 exp(A h) z(t): no error but rounding. What is tracked (drifts, displacements, accelerations, link forces) is C z. Every
@@ -236,15 +236,14 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     extremes, sums = aligned(2 * wide).reshape(2, wide), np.zeros((len(found.forms), LANES))
     ends, visited = np.zeros((2, 2 * count)), np.zeros(2 * count + 2)
     ends[0] = np.concatenate((state.u[:n], state.phi, state.v[:n], state.phi_v))
-    top = peaks.top[:, : n * peaks.watched].copy()
-    bottom = peaks.bottom[:, : n * peaks.watched].copy()
+    samples = np.empty((len(peaks.samples), n * peaks.watched))
     kernels.build()(
         found.step, found.rows, found.bends, found.jumps, found.powers, found.forms, starts, slopes, found.length,
         found.parts, ends,
-        aligned(kernels.room_needed(found.step.shape[1], wide)), extremes, sums, visited, n, top, bottom,
+        aligned(kernels.room_needed(found.step.shape[1], wide)), extremes, sums, visited, n, samples,
     )  # fmt: skip
 
-    peaks.top[:, : top.shape[1]], peaks.bottom[:, : top.shape[1]] = top, bottom
+    peaks.samples[:, : samples.shape[1]] = samples
     tracked = len(found.powers)
     highest, lowest = extremes[0, :tracked], extremes[1, :tracked]
     largest = np.maximum(highest, -lowest)
@@ -253,7 +252,7 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     peaks.shear[:n] = arrays.slots.stiffness[:n] * peaks.drift[:n]
     peaks.displacement_max[:n], peaks.displacement_min[:n] = highest[n : 2 * n], lowest[n : 2 * n]
     peaks.closing[:links] = highest[cuts[2] : cuts[3]]
-    peaks.contact_time[:links] = starts.size * dt
+    peaks.contact_time[:links] = starts.size * dt * (arrays.links.kind[:links] == layout.CONNECTOR)
 
     peaks.impulse[:links] = found.impulses @ visited
     ledger.input[0], ledger.dashpots[0], *on_links = sums.sum(axis=1)

@@ -1,8 +1,9 @@
-"""A row of buildings falls apart where nothing closes: its groups are solved alone, each once, and the rest is proof.
+"""A row of buildings falls apart where nothing closes: its groups are solved alone, each once.
 
 If the groups of a row, run one by one, never close a link between two of them, then no force crosses from one to the
-other: their responses *are* the response of the row, which is unique. The proof needs no more than bounds of the
-displacements in every segment of the motion, and those come with the very runs that give the baselines."""
+other: their responses *are* the response of the row, which is unique. Whether a gap closes is seen in two steps. The
+displacements of the groups at the samples of the motion show most gaps that do. Where they show none, two neighbouring
+groups are run with nothing between them (`closing`): their peak closings decide, for this gap and for any other."""
 
 from __future__ import annotations
 
@@ -10,20 +11,25 @@ import dataclasses
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from dataclasses import dataclass
+from functools import partial
+from itertools import chain, pairwise
 
 import numpy as np
 
+from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import LinkResponse, Response, composed_method
+from pounding_cli.solve.closing import free_accuracy, kept_apart
+from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response, composed_method
 
 ERRORS = 10.0
-"""By so many accuracies, relative to the floors' own displacements, a gap must stay open to count as never closed."""
+"""By so many accuracies of the closing, relative to the floors' own displacements, a gap must stay open to count as
+never closed."""
 
 MEMORY = 64 * 2**20
-"""Envelopes kept for the scenes that follow [bytes]."""
+"""Responses kept for the scenes that follow [bytes]."""
 
 
 class GroupSolver:
@@ -31,14 +37,21 @@ class GroupSolver:
 
     Parameters
     ----------
-    respond : (scene, watch) -> Response, with its envelopes where asked to watch
-    accuracy : relative error of its peaks [-]
+    respond : (scene, watch) -> Response, with its samples where asked to watch
+    solve : (scene, accuracy) -> Response of neighbouring groups with nothing between them
+    accuracy : relative error of the peaks [-]
 
     What it answers depends on the scene alone, never on what came before. Threads may share it.
     """
 
-    def __init__(self, respond: Callable[[Scene, bool], Response], accuracy: float) -> None:
+    def __init__(
+        self,
+        respond: Callable[[Scene, bool], Response],
+        solve: Callable[[Scene, float], Response],
+        accuracy: float,
+    ) -> None:
         self._respond = respond
+        self._solve = solve
         self._accuracy = accuracy
         self._kept: OrderedDict[str, Response] = OrderedDict()
         self._bytes = 0
@@ -49,7 +62,7 @@ class GroupSolver:
         """The response of a scene. Its seconds include groups of several buildings that were solved on the way: those
         are no scenes of their own, as buildings alone are."""
         if not scene.links and len(scene.buildings) == 1:
-            return dataclasses.replace(self._watched(scene), envelopes=())
+            return dataclasses.replace(self._watched(scene), samples=())
         response = self.by_proof(scene) or self._respond(scene, False)
         with self._lock:
             beside, self._unbooked = self._unbooked, 0.0
@@ -62,23 +75,42 @@ class GroupSolver:
             parts = [self._watched(_cut_out(scene, group)) for group in groups]
             if any(part.status != "done" for part in parts):
                 return None
-            reach = [
-                _reach(scene, left, right, a, b, self._accuracy)
-                for (left, right), (a, b) in zip(pairwise(groups), pairwise(parts), strict=True)
-            ]
-            meeting = [number for number, bounds in enumerate(reach) if bounds is None]
+            sides = zip(pairwise(groups), pairwise(parts), strict=True)
+            meeting = [n for n, (two, (a, b)) in enumerate(sides) if _seen_to_meet(scene, *two, a, b)]
             if not meeting:
-                return _composed(scene, groups, parts, [bounds for bounds in reach if bounds is not None])
+                free = self._kept_apart(scene, groups)
+                meeting = [n for n, closings in enumerate(free) if closings is None]
+                if not meeting:
+                    return _composed(scene, groups, parts, [closings for closings in free if closings is not None])
             groups = _merged(groups, meeting)
         return None
 
+    def _kept_apart(self, scene: Scene, groups: list[range]) -> list[Free | None]:
+        """Of every two neighbouring groups what is found while nothing meets; None if they do, or come too close to
+        say."""
+        free: list[Free | None] = [Free(dict.fromkeys(_between(scene, g[-1]), 0.0)) for g in groups[:-1]]
+        for stretch in _stretches(scene, groups):
+            along = groups[stretch[0] : stretch[-1] + 2]
+            begin = along[0].start
+            row, _ = condensed(_cut_out(scene, range(begin, along[-1].stop)), self._accuracy)
+            row = kept_apart(row, [group[-1] - begin for group in along[:-1]])
+            accuracy = free_accuracy(self._accuracy)
+            response = self._kept_or_solved(row, partial(self._solve, row, accuracy))
+            for n in stretch:
+                free[n] = _open(scene, groups[n], groups[n + 1], row, response, begin, ERRORS * accuracy)
+        return free
+
     def _watched(self, scene: Scene) -> Response:
-        """The response with its envelopes, from memory if it is there."""
+        """The response with its samples."""
+        return self._kept_or_solved(scene, partial(self._respond, scene, True))
+
+    def _kept_or_solved(self, scene: Scene, solve: Callable[[], Response]) -> Response:
+        """The response from memory if it is there."""
         with self._lock:
             if scene.digest in self._kept:
                 self._kept.move_to_end(scene.digest)
                 return self._kept[scene.digest]
-        response = self._respond(scene, True)
+        response = solve()
         with self._lock:
             self._unbooked += response.seconds if len(scene.buildings) > 1 else 0.0
             if scene.digest not in self._kept:
@@ -95,8 +127,16 @@ def sure_parts(scene: Scene) -> list[Scene]:
     return [_cut_out(scene, group) for group in groups if len(group) > 1] if len(groups) > 1 else []
 
 
-Reach = dict[Link, float]
-"""Of every link between two groups that never meet: what its closing u_l - u_r stays below [m]."""
+@dataclass(frozen=True)
+class Free:
+    """Two neighbouring groups that never meet.
+
+    closings : of every link between them, its largest closing u_l - u_r [m]
+    methods : keys in METHODS of what found them
+    """
+
+    closings: dict[Link, float]
+    methods: tuple[str, ...] = ()
 
 
 def _between(scene: Scene, left: int) -> list[Link]:
@@ -108,6 +148,11 @@ def _move_alike(scene: Scene, link: Link) -> bool:
     closed by anything."""
     a, b = scene.buildings[link.left], scene.buildings[link.left + 1]
     return link.left_floor == link.right_floor and a.digest == b.digest
+
+
+def _rests(scene: Scene, left: range, right: range, link: Link) -> bool:
+    """Whether a link between two groups joins buildings that move alike, each alone in its group."""
+    return len(left) == len(right) == 1 and _move_alike(scene, link)
 
 
 def _sure_to_meet(scene: Scene) -> list[int]:
@@ -145,46 +190,73 @@ def _cut_out(scene: Scene, group: range) -> Scene:
     return Scene(scene.buildings[group.start : group.stop], links, scene.motion, scene.analysis, scene.tail)
 
 
-def _reach(scene: Scene, left: range, right: range, a: Response, b: Response, accuracy: float) -> Reach | None:
-    """Bounds of the closings between two neighbouring groups; None if one may close."""
-    bounds: Reach = {}
-    alone = len(left) == len(right) == 1
+def _seen_to_meet(scene: Scene, left: range, right: range, a: Response, b: Response) -> bool:
+    """Whether the groups' own displacements at the samples of the motion close a link between them, or one of a law
+    that any movement closes."""
     for link in _between(scene, left[-1]):
-        if alone and _move_alike(scene, link):
-            bounds[link] = 0.0
+        if _rests(scene, left, right, link):
             continue
-        if not (a.envelopes and b.envelopes):
-            return None
-        top = a.envelopes[-1].top[:, link.left_floor - 1]
-        bottom = b.envelopes[0].bottom[:, link.right_floor - 1]
-        error = ERRORS * accuracy * float(np.max(np.abs(top)) + np.max(np.abs(bottom)))
-        bounds[link] = float(np.max(top - bottom))
-        if link.kind is not Kind.POUNDING or bounds[link] + error >= link.gap:
-            return None
-    return bounds
+        closing = a.samples[-1][:, link.left_floor - 1] - b.samples[0][:, link.right_floor - 1]
+        if link.kind is not Kind.POUNDING or closing.max(initial=0.0) >= link.gap:
+            return True
+    return False
 
 
-def _composed(scene: Scene, groups: list[range], parts: list[Response], reach: list[Reach]) -> Response:
+def _stretches(scene: Scene, groups: list[range]) -> list[list[int]]:
+    """Pairs of neighbouring groups, by the place of the left one, that are run together: one behind the other where a
+    group of several stands between them, which is then run once. Others stay by themselves: two buildings are met
+    again more often than three. Left out where nothing can close."""
+    stretches: list[list[int]] = []
+    for n, (left, right) in enumerate(pairwise(groups)):
+        if all(_rests(scene, left, right, link) for link in _between(scene, left[-1])):
+            continue
+        if stretches and stretches[-1][-1] == n - 1 and len(left) > 1:
+            stretches[-1].append(n)
+        else:
+            stretches.append([n])
+    return stretches
+
+
+def _open(
+    scene: Scene, left: range, right: range, row: Scene, response: Response, begin: int, error: float
+) -> Free | None:
+    """What a run of a `row`, which begins with building `begin` of the scene, says of the links between two groups;
+    `error` is that of a closing, relative to the floors' own displacements [-]."""
+    if response.status != "done":
+        return None
+    found = (c for c, link in zip(response.links.max_closing, row.links, strict=True) if link.left == left[-1] - begin)
+    closings = dict(zip(_between(scene, left[-1]), map(float, found), strict=True))
+    error *= sum(_furthest(response.buildings[place - begin]) for place in (left[-1], right[0]))
+    for link in closings:
+        if _rests(scene, left, right, link):
+            closings[link] = 0.0
+        elif link.kind is not Kind.POUNDING or closings[link] + error >= link.gap:
+            return None
+    return Free(closings, response.methods)
+
+
+def _composed(scene: Scene, groups: list[range], parts: list[Response], free: list[Free]) -> Response:
     """The response of the row from those of its groups; what these cost is booked when they are solved."""
     found: dict[Link, tuple[float, ...]] = {}
     for group, part in zip(groups, parts, strict=True):
         inside = [link for link in scene.links if link.left in group[:-1]]
         found |= zip(inside, zip(*dataclasses.astuple(part.links), strict=True), strict=True)
-    still = {link: bound for bounds in reach for link, bound in bounds.items()}
-    rows = [found.get(link, (0, 0.0, still.get(link, 0.0), 0.0, 0.0)) for link in scene.links]
+    for closings in (between.closings for between in free):
+        found |= {link: (0, 0.0, closing, 0.0, 0.0) for link, closing in closings.items()}
+    rows = [found[link] for link in scene.links]
     columns = zip(*rows, strict=True) if rows else [()] * 5
     names = [field.name for field in dataclasses.fields(LinkResponse)]
     links = LinkResponse(
         **{n: np.array(c, int if n == "impacts" else float) for n, c in zip(names, columns, strict=True)}
     )
     effects = tuple(dict.fromkeys(effect for part in parts for effect in part.effects))
-    sentences = (_sentence(scene, bounds) for bounds in reach)
+    sentences = (_sentence(scene, between.closings) for between in free)
     return Response(
         tuple(building for part in parts for building in part.buildings),
         links,
         "done",
         "",
-        composed_method(parts),
+        composed_method(chain(*(part.methods for part in parts), *(between.methods for between in free))),
         parts[0].tolerance,
         steps=0,
         events=0,
@@ -199,16 +271,16 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], reach: l
     )
 
 
-def _sentence(scene: Scene, bounds: Reach) -> str:
+def _sentence(scene: Scene, closings: dict[Link, float]) -> str:
     """Why the links between two groups were not simulated."""
-    if not bounds:
+    if not closings:
         return ""
-    left = next(iter(bounds)).left
+    left = next(iter(closings)).left
     names = " | ".join(building.name for building in scene.buildings[left : left + 2])
-    if all(bound == 0 for bound in bounds.values()):
+    if all(closing == 0 for closing in closings.values()):
         return f"links {names}: equal buildings move alike, so nothing closes"
-    least = min(link.gap - bound for link, bound in bounds.items())
-    return f"links {names}: the gap never closes, at least {least * 1000:.3g} mm of it stay open"
+    least = min(link.gap - closing for link, closing in closings.items())
+    return f"links {names}: the gap never closes, {least * 1000:.3g} mm of it stay open"
 
 
 def _summed(ledgers: list[dict[str, float]]) -> dict[str, float]:
@@ -219,5 +291,14 @@ def _summed(ledgers: list[dict[str, float]]) -> dict[str, float]:
     return book | {"residual": missing / scale if scale > 0 else 0.0}
 
 
+def _furthest(building: BuildingResponse) -> float:
+    """The largest displacement of any floor [m]."""
+    return float(max(building.displacement_max.max(), -building.displacement_min.min()))
+
+
+PEAKS = 4096
+"""What a response takes beside its samples, roughly [bytes]."""
+
+
 def _size(response: Response) -> int:
-    return sum(envelope.top.nbytes + envelope.bottom.nbytes for envelope in response.envelopes)
+    return PEAKS + sum(samples.nbytes for samples in response.samples)

@@ -26,7 +26,7 @@ from pounding_cli.solve.ground import segments_of
 from pounding_cli.solve.linear import central_difference_limit
 from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Method, step_taken
 from pounding_cli.solve.newmark import NEWMARK
-from pounding_cli.solve.response import Envelope, Response
+from pounding_cli.solve.response import Response
 from pounding_cli.solve.runge_kutta import RUNGE_KUTTA, RUNGE_KUTTA_EVENTS
 
 TAYLOR = Method(
@@ -130,7 +130,7 @@ def solve(
         rest
     bounds : most steps, most events
     all_effects : simulate everything there is, whether or not it can matter here
-    watch : bound the displacements in every segment too (`Response.envelopes`)
+    watch : keep the displacements at the end of every segment too (`Response.samples`)
 
     Raises
     ------
@@ -184,9 +184,7 @@ def solve(
         flags=flags_of(scene, links) + ((note,) if note else ()),
         effects=effects.kept, dropped=effects.dropped + condensing,
         final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
-        envelopes=tuple(
-            Envelope(peaks.top[:, span].copy(), peaks.bottom[:, span].copy()) for span in arrays.floors if watch
-        ),
+        samples=tuple(peaks.samples[:, span].copy() for span in arrays.floors if watch),
     )  # fmt: skip
 
 

@@ -53,14 +53,6 @@ class LinkResponse:
 
 
 @dataclass(frozen=True, eq=False)
-class Envelope:
-    """What the floors of one building stay between in every segment of the ground motion [m]; shape (segments, n)."""
-
-    top: np.ndarray
-    bottom: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class Response:
     """The response of a scene, what its solution cost, and what the user should know about it.
 
@@ -76,7 +68,8 @@ class Response:
     orders : Taylor orders computed in all (0 for other methods)
     error_estimate, sensitivity : see `assess` [-]; nan where not assessed
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
-    envelopes : one a building, where the run was asked to watch them
+    samples : floor displacements at the end of every segment of the motion [m], one array (segments, n) a building,
+        where the run was asked to watch them
     """
 
     buildings: tuple[BuildingResponse, ...]
@@ -96,7 +89,7 @@ class Response:
     error_estimate: float = float("nan")
     sensitivity: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
-    envelopes: tuple[Envelope, ...] = ()
+    samples: tuple[np.ndarray, ...] = ()
 
     def __repr__(self) -> str:
         shears = ", ".join(f"{each.shear.max():.4g}" for each in self.buildings)
@@ -109,9 +102,9 @@ class Response:
         return methods_in(self.method)
 
 
-def composed_method(parts: Iterable[Response]) -> str:
+def composed_method(methods: Iterable[str]) -> str:
     """The `method` of a row that fell into groups: theirs, each once, with commas."""
-    return ", ".join(dict.fromkeys(name for part in parts for name in part.methods))
+    return ", ".join(dict.fromkeys(methods))
 
 
 def methods_in(method: str) -> tuple[str, ...]:

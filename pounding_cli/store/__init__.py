@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from pounding_cli.store.files import check_output, former_run, locked
 from pounding_cli.store.flagged import FlagGroup, flag_groups_of, flagged_scenes
+from pounding_cli.store.former import check_results, former_run
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, solution_key
+from pounding_cli.store.locks import locked
 from pounding_cli.store.overview import Overview, overview
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.results import Results, open_results
@@ -19,7 +20,7 @@ __all__ = [
     "PartStore",
     "Results",
     "Run",
-    "check_output",
+    "check_results",
     "flag_groups_of",
     "flagged_scenes",
     "former_run",

@@ -16,9 +16,6 @@ from pounding_cli.study.schema import ADAPTIVE
 if TYPE_CHECKING:
     import pandas as pd
 
-BOUND = 0.05
-"""By so much, relative to a link's largest closing, a bound of a closing may exceed the closing itself [-]."""
-
 ROUNDING = 1e-12
 """Relative difference [-] that two machines may show in the same computation."""
 
@@ -163,9 +160,6 @@ def _numbers(first: Results, second: Results, carried: pd.DataFrame) -> Iterator
             elif column in _SHARED:
                 kinds = one[_SHARED[column]].abs().combine(other[_SHARED[column]].abs(), np.fmax)
                 size = kinds.groupby(group).transform("max").to_numpy(float)
-            if column == "max_closing":  # of links that never close a bound may stand there (docs/effects.md)
-                open_in_both = (one["impacts"] == 0) & (other["impacts"] == 0)
-                error = np.where(open_in_both, np.maximum(error, BOUND), error)
             yield _differing(table, column, rows, a, b, size, error), len(rows)
     for table, (places, columns) in _GIVEN.items():
         one, other = first.table(table), second.table(table)

@@ -24,7 +24,7 @@ def write_connector(study: ConnectorStudy, path: Path) -> list[Findings]:
     found = [find(p.pair, study.low, study.high, max(study.count, 4001)) for p in study.points]
     curves = np.array([response_ratios(p.pair, ratio * p.pair.omega10) for p in study.points])
     with create(path) as file:
-        write_head(file, "connector", study.title, study.text, study.resolved)
+        write_head(file, "connector", study, path)
         dims = write_axes(file, study.axes, [(p.index, p.values) for p in study.points])
         write_scale(file, "frequency", ratio, "1")
         for which in (0, 1):

@@ -51,7 +51,7 @@ def shape_of(plan: Plan, responses: PartStore) -> Shape:
     links = tuple(sorted({(link.left, link.left_floor, link.right_floor) for some in seen for link in some}))
     sizes = {name: len(axis.values) for name, axis in zip(axes, plan.axes, strict=True)}
     sizes |= {"case": len(plan.cases), "analysis": len(plan.analyses), "record": len(plan.records)}
-    storeys = responses.storeys
+    storeys = responses.storeys(plan.scenes)
     sizes |= {"building": len(plan.buildings), "storey": storeys, "floor": storeys, "link": len(links)}
     return Shape(axes, sizes, links)
 

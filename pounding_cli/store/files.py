@@ -1,183 +1,160 @@
-"""Opening results files, refusing what is not one, and keeping two runs from one file."""
+"""Opening results files: what is damaged, made to mislead or no results file at all is refused here, nowhere else."""
 
 from __future__ import annotations
 
 import errno
-import os
-import socket
+import io
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION
+from pounding_cli.store.seal import Sealed, Unsealed, is_sealed, open_regular
+from pounding_cli.store.structure import check_links, check_study, number
+
+KINDS = ("connector", "wall")
+"""Root attribute `kind` of what these commands write; files of `pound run` have none."""
+
+_AGAIN = "run the study again: `pound run` keeps what is whole in the file and solves the rest"
+
+
+class Damaged(InputError):
+    """A results file whose bytes are not those that were written."""
 
 
 @contextmanager
 def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
-    """A results file, open for reading.
+    """A results file of `pound run`, open for reading; whatever is read is verified against its checksums.
+
+    Parameters
+    ----------
+    path : the file
+    any_version : open one of another format version or without checksums too; only its attributes are to be read
 
     Raises
     ------
-    InputError : missing, a folder, not HDF5, not ours, or (unless `any_version`) of another format version
+    InputError : missing, a folder, a pipe or a device, not HDF5, not ours, damaged (`Damaged`), made to mislead, or
+        (unless `any_version`) of another format version; also for what cannot be read while the file is open
     """
-    name = str(path)
-    if not path.exists():
-        raise InputError(Problem("there is no such results file", "make one with: pound run STUDY -o FILE.h5", name))
-    if path.is_dir():
-        raise InputError(Problem("is a folder, not a results file", "name the .h5 file in it", name))
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        advice = "give the file that pound run wrote; if it was damaged, run the study again"
-        raise InputError(Problem(f"cannot be read as HDF5 ({_first_line(error)})", advice, name)) from None
-    with file:
+    with _content(path) as (file, unsealed):
+        if file.attrs.get("kind") in KINDS:
+            what = f"holds results of `pound {file.attrs['kind']}`, not of `pound run`"
+            raise InputError(Problem(what, "give it to `pound report`", str(path)))
         if file.attrs.get("format") != FORMAT:
-            advice = "give a file that pound run wrote"
-            raise InputError(Problem("is HDF5 but not a results file of pound", advice, name))
-        version = int(file.attrs.get("format_version", 0))
-        if version != FORMAT_VERSION and not any_version:
             raise InputError(
-                Problem(
-                    f"has format version {version}, this program reads version {FORMAT_VERSION}",
-                    "run the study again with this program: pound run STUDY -o FILE.h5",
-                    name,
-                )
+                Problem("is HDF5 but not a results file of pound", "give a file that pound run wrote", str(path))
             )
+        version = number(file.attrs, "format_version")
+        if not any_version:
+            if version != FORMAT_VERSION:
+                what = f"has format version {version:g}, this program reads version {FORMAT_VERSION}"
+                hint = "run the study again with this program: pound run STUDY -o FILE.h5"
+                raise InputError(Problem(what, hint, str(path)))
+            if unsealed:
+                raise _damaged(path, unsealed)
+            check_study(file)
         yield file
 
 
-def check_output(path: Path) -> None:
-    """Make sure that results can be written at `path`, before anything is simulated; makes the folder.
+@contextmanager
+def opened_kind(path: Path, kind: str, any_version: bool = False) -> Iterator[h5py.File]:
+    """A results file of `pound connector` or `pound wall` (`kind`), open for reading; `any_version` as in `opened`.
 
     Raises
     ------
-    InputError : a folder stands there, another file, or results of a newer program; the folder cannot be made or
-        written
+    InputError : as `opened`, or of another kind
     """
-    name = str(path)
-    if path.is_dir():
-        raise InputError(Problem("the output is a folder", f"name a file, e.g. {path / 'results.h5'}", name))
-    if path.exists():
-        advice = "it would be overwritten: choose another name with -o FILE.h5, or move it away"
-        try:
-            with opened(path, any_version=True) as file:
-                version = int(file.attrs["format_version"])
-        except InputError:
-            raise InputError(Problem("the output exists and is not a results file of pound", advice, name)) from None
-        if version > FORMAT_VERSION:
-            what = f"the output has format version {version}, newer than this program's {FORMAT_VERSION}"
-            raise InputError(Problem(what, advice, name))
-    advice = "choose another place with -o FILE.h5"
-    probe = path.with_name(f".{path.name}.probe")
+    with _content(path) as (file, unsealed):
+        if file.attrs.get("kind") != kind:
+            hint = f"write it with: pound {kind} STUDY -o FILE.h5"
+            raise InputError(Problem(f"holds no results of `pound {kind}`", hint, str(path)))
+        if not any_version:
+            if unsealed:
+                raise Damaged(Problem(f"is damaged: {unsealed}", f"run `pound {kind}` on the study again", str(path)))
+            check_links(file)
+        yield file
+
+
+def kind_of(path: Path) -> str:
+    """What wrote a results file: "connector", "wall", or "" for anything else, also for what cannot be read."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        probe.touch()
-        probe.unlink()
+        with _content(path) as (file, _):
+            kind = file.attrs.get("kind", "")
+            return kind if isinstance(kind, str) and kind in KINDS else ""
+    except InputError:
+        return ""
+
+
+def is_results(path: Path) -> bool:
+    """Whether a pound command wrote this file as its results, damaged since or not."""
+    if is_sealed(path):
+        return True
+    try:
+        with _content(path) as (file, _):
+            return file.attrs.get("format") == FORMAT or file.attrs.get("kind") in KINDS
+    except InputError:
+        return False
+
+
+def damage_of(path: Path) -> str:
+    """What is damaged in a results file, in words; "" where every byte is the one that was written. Reads all of it."""
+    try:
+        with Sealed(path) as sealed:
+            sealed.verify()
+            return ""
     except OSError as error:
-        what = f"the output folder {path.parent} cannot be written ({error.strerror or error})"
-        raise InputError(Problem(what, advice, name)) from None
-
-
-@dataclass(frozen=True)
-class FormerRun:
-    """The results file that stands where new results will.
-
-    differs : in words, what keeps its scenes from being used again; "" where nothing does
-    scenes, failed : counts
-    """
-
-    differs: str
-    scenes: int
-    failed: int
-
-
-def former_run(path: Path, key: str) -> FormerRun | None:
-    """What stands at `path`, if anything; `key`: the `solution_key` of the new run."""
-    try:
-        with opened(path, any_version=True) as file:
-            attrs = dict(file.attrs)
-    except (InputError, OSError):
-        return None
-    mine, its = (dict(part.split(" ", 1) for part in text.split(" | ")) for text in (key, attrs["solution_key"]))
-    changes = [f"{name} {its.get(name, '?')} (now {value})" for name, value in mine.items() if its.get(name) != value]
-    return FormerRun(", ".join(changes), int(attrs["scenes"]), int(attrs["scenes_failed"]))
-
-
-def lock_of(path: Path) -> Path:
-    """The lock file of a results file; it exists while a run is at work, or was killed."""
-    return path.with_name(f".{path.name}.lock")
-
-
-_held: set[Path] = set()
-"""Files that runs in this process are at work on."""
+        return error.strerror or _first_line(error)
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Keep every other run, in this process or another, from working on the results file at `path`.
-
-    The lock goes with the process that holds it, however it ends.
-
-    Raises
-    ------
-    InputError : another run holds it
-    OSError : the lock file cannot be written
-    """
-    where, lock = path.resolve(), lock_of(path)
-    if where in _held:
-        raise _at_work(path, "this process")
-    handle = _taken(path, lock)
-    _held.add(where)
+def _content(path: Path) -> Iterator[tuple[h5py.File, str]]:
+    """The HDF5 content, and why it cannot be verified ("" where it is); what keeps it from being read is refused."""
+    name = str(path)
+    if path.is_dir():
+        raise InputError(Problem("is a folder, not a results file", "name the .h5 file in it", name))
+    stream: Sealed | io.FileIO
+    unsealed = ""
     try:
-        yield
-    finally:
-        _held.discard(where)
-        with suppress(OSError):  # the folder may be gone
-            lock.unlink(missing_ok=True)
-        os.close(handle)
-
-
-def _taken(path: Path, lock: Path) -> int:
-    """The open lock file, locked; one that its former holder has deleted meanwhile does not count."""
-    while True:
-        handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o644)
         try:
-            _lock(handle)
-            if lock.exists() and os.path.samestat(os.fstat(handle), lock.stat()):
-                os.truncate(handle, 0)
-                os.write(handle, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
-                return handle
-        except OSError as error:
-            os.close(handle)
-            if error.errno in (errno.EACCES, errno.EAGAIN):
-                raise _at_work(path, lock.read_text().strip()) from None
+            stream = Sealed(path)
+        except Unsealed as error:
+            stream, unsealed = io.FileIO(open_regular(path)), str(error.strerror)
+    except FileNotFoundError:
+        hint = "make one with: pound run STUDY -o FILE.h5"
+        raise InputError(Problem("there is no such results file", hint, name)) from None
+    except (OSError, ValueError) as error:
+        hint = "give the file that pound run wrote"
+        raise InputError(Problem(f"cannot be read: {_first_line(error)}", hint, name)) from None
+    with stream:
+        try:
+            file = h5py.File(stream, "r")
+        except Exception as error:
+            if isinstance(stream, Sealed) and stream.damage:
+                raise _damaged(path, stream.damage) from None
+            hint = "give the file that pound run wrote; if it was damaged, run the study again"
+            raise InputError(Problem(f"cannot be read as HDF5 ({_first_line(error)})", hint, name)) from None
+        try:
+            with file:
+                yield file, unsealed
+                if isinstance(stream, Sealed) and stream.damage:  # the HDF5 library may have gone on
+                    raise _damaged(path, stream.damage)
+        except InputError:
             raise
-        os.close(handle)
+        except Exception as error:
+            if isinstance(stream, Sealed) and stream.damage:
+                raise _damaged(path, stream.damage) from None
+            if isinstance(error, OSError) and error.errno is not None:
+                raise  # of a file that the caller writes meanwhile
+            what = f"does not hold what results hold ({_first_line(error)})"
+            hint = "give the file that pound run wrote, or run the study again"
+            raise InputError(Problem(what, hint, name)) from error
 
 
-def _lock(handle: int) -> None:
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        import msvcrt
-
-        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined]
-        return
-    # A record lock, which forked workers do not inherit: it must not outlive this process.
-    try:
-        fcntl.lockf(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        if error.errno not in (errno.ENOLCK, errno.ENOTSUP):  # some network file systems have no locks
-            raise
-
-
-def _at_work(path: Path, who: str) -> InputError:
-    hint = "wait until it has ended, or give this run another file with -o FILE.h5"
-    return InputError(Problem(f"another run is at work on this file ({who})", hint, str(path)))
+def _damaged(path: Path, what: str) -> Damaged:
+    return Damaged(Problem(f"is damaged: {what}", _AGAIN, str(path)))
 
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)

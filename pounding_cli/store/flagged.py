@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pounding_cli.solve.flags import is_meaningless
-from pounding_cli.words import counted
+from pounding_cli.words import Unit, counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,10 +85,16 @@ def flag_groups(scenes: Iterable[SceneFlags]) -> tuple[FlagGroup, ...]:
     return tuple(sorted(groups, key=lambda group: (not group.meaningless, order[group.case, group.analysis])))
 
 
-def flag_groups_of(scene: pd.DataFrame) -> tuple[FlagGroup, ...]:
-    """`flag_groups` of a table of scenes (`Results.scene()`), or of some of its rows."""
-    swept = _swept(scene)
-    points = [", ".join(f"{name} = {row[name]}" for name in swept) for row in scene[swept].to_dict("records")]
+def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None) -> tuple[FlagGroup, ...]:
+    """`flag_groups` of a table of scenes (`Results.scene()`), or of some of its rows.
+
+    units : of the swept keys, to name points by (`Results.units`); SI unless given
+    """
+    swept, written = _swept(scene), units or {}
+    points = [
+        ", ".join(f"{name} = {written.get(name, Unit()).text(row[name])}" for name in swept)
+        for row in scene[swept].to_dict("records")
+    ]
     columns = (scene[name] for name in ("case", "analysis", "record", "flags"))
     return flag_groups(map(SceneFlags._make, zip(points, *columns, strict=True)))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -11,11 +12,14 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.store.layout import COORDINATES, PLACE
+from pounding_cli.store.structure import check_links
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan, Row
 
 GROUP = "histories"
+FORMER = "former"
+"""Scenes over time that the study does not have any more, in the form of `/histories` without units and dimensions."""
 
 FIELDS = {
     "ground_acceleration": (("time",), "m/s2", "ground acceleration"),
@@ -40,13 +44,38 @@ _FACTS = ("number", "scene", "every", "times")
 """What is known of a kept scene besides its place."""
 
 
-def write_histories(file: h5py.File, plan: Plan, histories: Iterable[tuple[Row, History]]) -> None:
-    """Write kept scenes one after the other, each under the attributes that say which it is."""
-    for row, history in histories:
-        place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
-        for axis, number in zip(plan.axes, row.point, strict=True):
-            place |= dict(zip(axis.names, axis.values[number], strict=True))
-        write_history(file, place | {"scene": row.scene, "every": plan.every}, history)
+@dataclass(frozen=True)
+class Kept:
+    """A row of the study over time, every `every` seconds."""
+
+    row: Row
+    every: float
+    history: History
+
+
+def place_of(plan: Plan, row: Row) -> dict[str, Any]:
+    """Case, analysis, record and swept values of a row, as a kept scene has them for attributes."""
+    place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
+    for axis, number in zip(plan.axes, row.point, strict=True):
+        place |= dict(zip(axis.names, axis.values[number], strict=True))
+    return place
+
+
+def write_histories(file: h5py.File, plan: Plan, histories: Iterable[Kept | h5py.Group]) -> None:
+    """Write kept scenes one after the other, each under the attributes that say which it is.
+
+    Groups of a former file go to `/former` as they are: scenes that the study had before.
+    """
+    for each in histories:
+        if isinstance(each, h5py.Group):
+            parent = file.require_group(FORMER)
+            name = str(len(parent))
+            # Without attributes, which refer to other places of the former file.
+            each.file.copy(each, parent, name, without_attrs=True)
+            parent[name].attrs.update(each.attrs)
+        else:
+            place = place_of(plan, each.row) | {"scene": each.row.scene, "every": each.every}
+            write_history(file, place, each.history)
 
 
 def write_history(file: h5py.File, place: Mapping[str, Any], history: History) -> None:
@@ -84,20 +113,21 @@ def write_history(file: h5py.File, place: Mapping[str, Any], history: History) -
             dataset.dims[number].attach_scale(scales[dim])
 
 
-def stored_histories(file: h5py.File, every: float) -> dict[str, h5py.Group]:
-    """The kept scenes of a results file at this output step [s], by scene digest."""
-    groups = file.get(GROUP, {}).values()
-    return {str(group.attrs["scene"]): group for group in groups if group.attrs["every"] == every}
+def stored_groups(file: h5py.File) -> list[h5py.Group]:
+    """Every scene over time that a results file has, first those of its study in the order of its tables."""
+    return [group[number] for name in (GROUP, FORMER) if name in file for group in [file[name]]
+            for number in sorted(group, key=int)]  # fmt: skip
 
 
 def kept_places(file: h5py.File) -> list[dict[str, Any]]:
-    """Every kept scene in the order of the tables: its attributes, its `number` and how many `times` it has."""
+    """Every kept scene of the study in the order of the tables: attributes, its `number`, how many `times` it has."""
+    places = []
     groups = file.get(GROUP, {})
-    return [
-        {name: _plain(value) for name, value in groups[number].attrs.items()}
-        | {"number": int(number), "times": groups[number]["time"].size}
-        for number in sorted(groups, key=int)
-    ]
+    for number in sorted(groups, key=int):
+        check_links(groups[number])
+        facts = {name: _plain(value) for name, value in groups[number].attrs.items()}
+        places.append(facts | {"number": int(number), "times": groups[number]["time"].size})
+    return places
 
 
 def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> dict[str, Any]:
@@ -111,7 +141,7 @@ def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> dict[
     if not places:
         hint = "add `keep: histories` to the study and run it again; what is solved stays"
         raise InputError(Problem("keeps no histories", hint, name))
-    meant = [facts for facts in places if all(_same(facts.get(key), value) for key, value in wanted.items())]
+    meant = [facts for facts in places if all(same_value(facts.get(key), value) for key, value in wanted.items())]
     if len(meant) == 1:
         return meant[0]
     said = ", ".join(f"{key} {value}" for key, value in wanted.items())
@@ -123,6 +153,7 @@ def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> dict[
 
 def read_history(group: h5py.Group) -> History:
     """A kept scene; links in the file's order, NaN where the scene has none."""
+    check_links(group)
     texts = {dim: tuple(group[dim].asstr()[:]) if dim in group else () for dim in ("building", "link")}
     time = group["time"][()]
     arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}
@@ -135,7 +166,8 @@ def _in_words(facts: Mapping[str, Any]) -> str:
     return ", ".join((*swept, *(facts[key] for key in PLACE)))
 
 
-def _same(one: Any, other: Any) -> bool:
+def same_value(one: Any, other: Any) -> bool:
+    """Whether two values of a swept key or two names are the same."""
     if isinstance(one, float) and isinstance(other, int | float):
         return abs(one - other) <= 1e-9 * max(abs(one), abs(other))
     return one == other

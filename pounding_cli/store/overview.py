@@ -10,6 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from pounding_cli.store.bracket import leading, said
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import FlagGroup, SceneFlags, counts_of_flags, flag_groups
 from pounding_cli.store.swept import coordinate, written
@@ -67,7 +68,8 @@ class Overview:
     meaningless : scenes whose numbers mean nothing
     ratios : analysis -> the ratio shown of it
     spared : scenes answered by proof from smaller groups, none of them simulated
-    points : every point of the sweep in words; one, empty, where nothing is swept
+    points : every point of the sweep in words, of a bracket only its middle; one, empty, where nothing is swept
+    unknown : what the results owe to values nobody knows, in sentences
     """
 
     title: str
@@ -79,6 +81,7 @@ class Overview:
     meaningless: int
     spared: int
     points: tuple[str, ...]
+    unknown: tuple[str, ...]
     records: int
     solver_seconds: float
     trust: Trust
@@ -96,33 +99,35 @@ def overview(path: Path) -> Overview:
             list(file[name].asstr()[:]) for name in ("case", "analysis", "building", "record")
         )
         sources = list(file["record_source"].asstr()[()].reshape(-1, len(records))[0])
-        swept = json.loads(file.attrs["swept"])
+        swept, lead = json.loads(file.attrs["swept"]), leading(file)
+        axes = [axis for axis, at in zip(swept, lead, strict=True) if isinstance(at, slice)]
         means, errors, sensitivities = (
-            {ratio: file[f"{ratio}_{what}"][()] for ratio, _ in MEASURES.values()}
+            {ratio: file[f"{ratio}_{what}"][()][lead] for ratio, _ in MEASURES.values()}
             for what in ("mean", "mean_error", "mean_sensitivity")
         )
         # Storeys of a building, in whichever point of the sweep it has most of them.
         mass = file["mass"][()]
         there = np.isfinite(mass).any(axis=tuple(range(mass.ndim - 2)))
-        points = _points([{name: _shown(file[name]) for name in names} for names in swept])
+        everywhere = _points([{name: _shown(file[name]) for name in names} for names in swept])
         flags = file["flags"].asstr()[()]
-        worthless = counts_of_flags(flags)["records_meaningless"].reshape(-1, len(cases), len(analyses))
+        worthless = counts_of_flags(flags)["records_meaningless"]
+        marked = worthless[lead].reshape(-1, len(cases), len(analyses)) > 0
         scenes = (
             SceneFlags(*names, cell)
-            for names, cell in zip(product(points, cases, analyses, records), flags.flat, strict=True)
+            for names, cell in zip(product(everywhere, cases, analyses, records), flags.flat, strict=True)
         )
         lines = []
         for c, case in enumerate(cases):
             for a, analysis in enumerate(analyses):
                 ratio, _ = MEASURES[analysis]
-                values = means[ratio].reshape(-1, *means[ratio].shape[len(swept) :])[:, c, a]
+                values = means[ratio].reshape(-1, *means[ratio].shape[len(axes) :])[:, c, a]
                 each = [_building(values[:, b], int(there[b].sum())) for b in range(len(buildings))]
                 roof, largest, at = zip(*each, strict=True)
                 error, sensitivity = (
                     tuple(_worst(worth[ratio][..., c, a, b, :]) for b in range(len(buildings)))
                     for worth in (errors, sensitivities)
                 )
-                lines.append(Line(case, analysis, roof, largest, at, error, sensitivity, worthless[:, c, a] > 0))
+                lines.append(Line(case, analysis, roof, largest, at, error, sensitivity, marked[:, c, a]))
         return Overview(
             str(file.attrs["title"]),
             tuple(buildings),
@@ -132,7 +137,8 @@ def overview(path: Path) -> Overview:
             flag_groups(scenes),
             int(worthless.sum()),
             int(np.sum((file["status"].asstr()[()] == "done") & (file["steps"][()] == 0))),
-            points,
+            _points([{name: _shown(file[name]) for name in names} for names in axes]),
+            tuple(said(path)),
             len(records),
             float(file.attrs["solver_seconds"]),
             _trust(file, (cases, analyses, records)),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
+import errno
 import os
 import shutil
 import uuid
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import zlib
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from pounding_cli.solve.response import Response
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import Words, decode, parse
+from pounding_cli.store.seal import open_regular
 
 _SPAN = 1 << 24
 """More than the scenes of one chunk."""
@@ -44,24 +46,31 @@ class PartStore(Mapping[str, Response]):
         store.add(Chunk.of(responses))
         return store
 
-    def load(self, wanted: Mapping[str, object]) -> int:
-        """Find the wanted scenes that are done in the parts on disk; how many there are.
+    def load(self) -> list[Path]:
+        """Find the scenes that are done in the parts on disk; those of another key are passed over.
 
-        A part that is damaged or of another key is passed over.
+        Returns the parts that are damaged.
         """
+        damaged = []
         for path in sorted(self.folder.glob("*.part")):
-            with contextlib.suppress(OSError, ValueError, KeyError, TypeError, IndexError):
-                chunk = Chunk.from_bytes(path.read_bytes(), self.key)
-                if chunk is not None:
-                    good = [d in wanted and done for d, done in zip(chunk.digests, chunk.is_done, strict=True)]
-                    self._note(_Held(chunk, path), chunk.digests, good)
-        return len(self)
+            try:
+                chunk = Chunk.from_bytes(_content(path), self.key)
+            except Exception:  # whatever is wrong with it, its scenes can be solved
+                damaged.append(path)
+                continue
+            if chunk is not None:
+                self._note(_Held(chunk, path), chunk.digests, chunk.is_done)
+        return damaged
 
     def add(self, chunk: Chunk, content: bytes = b"") -> None:
         """Take a chunk in, for now in memory; `content`: its bytes, where they are at hand."""
         if len(chunk):
             self._unsaved[len(self._chunks)] = content
             self._note(_Held(chunk, None), chunk.digests, [True] * len(chunk))
+
+    def only(self, wanted: Container[str]) -> None:
+        """Forget every other scene."""
+        self._where = {digest: place for digest, place in self._where.items() if digest in wanted}
 
     def flush(self) -> None:
         """Bring to disk what is in memory only.
@@ -76,10 +85,9 @@ class PartStore(Mapping[str, Response]):
             self._chunks[number] = _Held(chunk, self._write(content or chunk.to_bytes(self.key)))
             del self._unsaved[number]
 
-    @property
-    def saved(self) -> int:
-        """Scenes that are on disk."""
-        return len(self) - sum(len(self._chunks[number].words) for number in self._unsaved)
+    def saved(self, wanted: Iterable[str]) -> int:
+        """How many of some scenes are on disk."""
+        return sum(d in self._where and self._where[d] // _SPAN not in self._unsaved for d in wanted)
 
     def remove(self) -> None:
         """Delete the parts: the results file has everything."""
@@ -114,15 +122,19 @@ class PartStore(Mapping[str, Response]):
         chunk, place = divmod(self._where[digest], _SPAN)
         return float(self._chunks[chunk].seconds[place])
 
-    @property
-    def storeys(self) -> int:
-        """Storeys of the tallest building."""
-        lines = {line for held in self._chunks for line in held.words}
+    def storeys(self, digests: Iterable[str]) -> int:
+        """Storeys of the tallest building of some scenes."""
+        lines = {self.line(digest) for digest in digests}
         spans = (spans["shear"] for line in lines for spans in parse(line).buildings)
         return max((span.stop - span.start for span in spans), default=0)
 
     def take(self, digests: Sequence[str]) -> list[tuple[str, np.ndarray]]:
-        """Words and numbers of many responses; every part is read once."""
+        """Words and numbers of many responses; every part is read once.
+
+        Raises
+        ------
+        OSError : a part cannot be read any more, or was damaged since it was written
+        """
         by_chunk: dict[int, list[int]] = {}
         for number, digest in enumerate(digests):
             by_chunk.setdefault(self._where[digest] // _SPAN, []).append(number)
@@ -159,6 +171,11 @@ class PartStore(Mapping[str, Response]):
         return path
 
 
+def _content(path: Path) -> bytes:
+    with open(open_regular(path), "rb") as stream:
+        return stream.read()
+
+
 class _Held:
     """A chunk in memory, or where it is on disk."""
 
@@ -166,6 +183,7 @@ class _Held:
         self.path = path
         self.chunk = chunk if path is None else None
         self.words, self.starts, self.seconds = chunk.words, chunk.starts, chunk.seconds
+        self._sum = zlib.crc32(chunk.numbers.astype("<f8").tobytes())
 
     def numbers(self) -> np.ndarray:
         """The numbers of all its scenes, one after another."""
@@ -174,4 +192,7 @@ class _Held:
         assert self.path is not None
         with self.path.open("rb") as stream:
             stream.seek(-8 * int(self.starts[-1]), os.SEEK_END)
-            return np.frombuffer(stream.read(), "<f8")
+            content = stream.read()
+        if zlib.crc32(content) != self._sum:
+            raise OSError(errno.EIO, "a part was damaged since it was written", str(self.path))
+        return np.frombuffer(content, "<f8")

@@ -118,7 +118,7 @@ class Results:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]."""
         with opened(self.path) as file:
             if "link" not in file:
-                return _frame({name: [] for name in (*self.axes, *PLACE, "link", *_LINK_FACTS, *_LINK)})
+                return _frame({name: [] for name in (*self.axes, *PLACE, "link", *_LINK_FACTS, *_LINK, "right_floor")})
             dims = (*self._dims, *PLACE, "link")
             shape = file["impacts"].shape
             facts = {name: self._spread(_values(file[f"link_{name}"]), shape) for name in _LINK_FACTS}

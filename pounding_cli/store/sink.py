@@ -4,7 +4,47 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+import h5py
+
+from pounding_cli.store.seal import seal
+
+
+@contextmanager
+def writing(path: Path, track_order: bool = False) -> Iterator[tuple[h5py.File, Sink]]:
+    """A new results file: written beside its place, sealed, then put there in one step, or not at all.
+
+    Yields the HDF5 file and the sink under it, whose `check` tells of writes that failed.
+    track_order : keep groups and attributes in the order in which they are written
+
+    Raises
+    ------
+    OSError : the disk is full, or the folder went away; `path` is as it was
+    """
+    hidden = path.with_name(f".{path.name}.tmp")
+    try:
+        with Sink(hidden) as sink:
+            with h5py.File(sink, "w", libver=("v110", "latest"), track_order=track_order) as file:
+                yield file, sink
+            sink.finish()
+        hidden.replace(path)
+        _sync(path.parent)
+    finally:
+        hidden.unlink(missing_ok=True)
+
+
+def _sync(folder: Path) -> None:
+    """Bring the entry of a file in its folder to the disk."""
+    if os.name == "nt":
+        return  # a folder has no handle to synchronise there
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 class Sink(io.RawIOBase):
@@ -26,9 +66,10 @@ class Sink(io.RawIOBase):
         if self._failure is not None:
             raise OSError(self._failure.errno, self._failure.strerror)
 
-    def sync(self) -> None:
-        """Bring it to the disk.  Raises OSError."""
+    def finish(self) -> None:
+        """Put the seal behind what was written and bring all to the disk.  Raises OSError."""
         self.check()
+        seal(self._handle)
         os.fsync(self._handle)
 
     def close(self) -> None:

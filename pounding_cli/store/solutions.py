@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import h5py
@@ -23,14 +23,19 @@ _NUMBERS = 1 << 15
 
 
 def write_solutions(file: h5py.File, digests: Sequence[str], responses: PartStore) -> None:
-    """Write `digest`, `line` (distinct words, JSON), `words` (line of each scene), `numbers` (scene after scene)."""
+    """Write `digest`, `line` (distinct words, JSON), `words` (line of each scene), `numbers` (scene after scene).
+
+    First come the scenes of the study, `digests`; then what else `responses` has: scenes the study had before.
+    """
+    mine = set(digests)
+    digests = [*digests, *(digest for digest in responses if digest not in mine)]
     group = file.create_group("solutions")
     group.attrs["long_name"] = "responses by scene digest, linked scenes and buildings alone; kept for reuse"
     group["digest"] = np.array(digests, dtype="S64")
     lines: dict[str, int] = {}
     words = np.array([lines.setdefault(responses.line(digest), len(lines)) for digest in digests], np.int64)
     group.create_dataset("line", data=list(lines), dtype=h5py.string_dtype())
-    packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+    packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
     group.create_dataset("words", data=words, **packed)
     total = sum(responses.words(digest).size for digest in digests)
     numbers = group.create_dataset("numbers", (total,), np.float64, chunks=(min(total, _NUMBERS),), **packed)
@@ -41,27 +46,42 @@ def write_solutions(file: h5py.File, digests: Sequence[str], responses: PartStor
         end += piece.size
 
 
-def stored_chunks(path: Path, key: str, wanted: Mapping[str, object]) -> Iterator[Chunk]:
-    """The wanted responses that are done, some at a time, if `path` is a results file with this `solution_key`."""
+def stored_chunks(path: Path, key: str) -> Iterator[Chunk]:
+    """The responses that are done, some at a time, if `path` is a results file with this `solution_key`.
+
+    Those that are damaged are left out.
+    """
     try:
         with opened(path) as file:
             if file.attrs["solution_key"] != key:
                 return
             group = file["solutions"]
             digests, lines, words = group["digest"][:], list(group["line"].asstr()[:]), group["words"][:]
-            end = 0
+            sizes = np.array([parse(line).size for line in lines])[words]
+            starts = np.cumsum([0, *sizes])
             for begin in range(0, len(digests), _SCENES):
-                some = [digest.decode() for digest in digests[begin : begin + _SCENES]]
-                chunk = Chunk(some, [lines[place] for place in words[begin : begin + _SCENES]], np.zeros(0))
-                start, end = end, end + int(chunk.starts[-1])
-                chunk = Chunk(some, chunk.words, group["numbers"][start:end])
-                good = [n for n, done in enumerate(chunk.is_done) if done and some[n] in wanted]
-                yield chunk if len(good) == len(some) else chunk.only(good)
+                for first, last, numbers in _sound(group["numbers"], starts, begin, min(begin + _SCENES, len(digests))):
+                    some = [digest.decode() for digest in digests[first:last]]
+                    chunk = Chunk(some, [lines[place] for place in words[first:last]], numbers)
+                    good = [place for place, done in enumerate(chunk.is_done) if done]
+                    yield chunk if len(good) == len(some) else chunk.only(good)
     except (InputError, OSError, KeyError, ValueError, TypeError, IndexError):
-        return  # nothing that can be reused
+        return  # nothing more that can be used again
+
+
+def _sound(numbers: h5py.Dataset, starts: np.ndarray, first: int, last: int) -> Iterator[tuple[int, int, np.ndarray]]:
+    """Scenes from `first` to before `last` with their numbers, without those that cannot be read."""
+    try:
+        yield first, last, numbers[starts[first] : starts[last]]
+    except OSError:
+        if last - first > 1:
+            middle = (first + last) // 2
+            yield from _sound(numbers, starts, first, middle)
+            yield from _sound(numbers, starts, middle, last)
 
 
 def stored_methods(file: h5py.File) -> tuple[str, ...]:
-    """Keys in METHODS of the methods that solved the scenes of a results file, buildings alone included."""
-    lines = [parse(line) for line in file["solutions/line"].asstr()[:]]
+    """Keys in METHODS of the methods that solved the scenes of a study, buildings alone included."""
+    used = np.unique(file["solutions/words"][: int(file.attrs["scenes"])])
+    lines = [parse(line) for line in file["solutions/line"].asstr()[:][used]]
     return tuple(sorted({name for line in lines if line.is_done for name in methods_in(line.facts["method"])}))

@@ -3,60 +3,57 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import h5py
 import numpy as np
 
 from pounding_cli import __version__
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.store.former import written_place
+from pounding_cli.store.sink import writing
 from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     from pounding_cli.study.points import PointAxis
 
 
-def create(path: Path) -> h5py.File:
-    """A new file in place of an old one.  Raises `InputError` where the folder refuses."""
+class SystemStudy(Protocol):
+    """A study of `pound connector` or `pound wall`."""
+
+    @property
+    def path(self) -> Path: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def resolved(self) -> dict[str, Any]: ...
+
+
+@contextmanager
+def create(path: Path) -> Iterator[h5py.File]:
+    """A new file, put in place of an old one once it is whole.  Raises `InputError` where the disk refuses."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        return h5py.File(path, "w", track_order=True)
+        with writing(path, track_order=True) as (file, _):
+            yield file
     except OSError as error:
         raise InputError(
             Problem(f"cannot write {path}: {error.strerror or error}", "name another file with -o FILE.h5")
         ) from error
 
 
-def open_swept(path: Path, kind: str) -> h5py.File:
-    """A file written for `kind` ("connector" or "wall"), to read.  Raises `InputError` for any other file."""
-    try:
-        file = h5py.File(path, "r")
-    except OSError:
-        hint = f"write it with `pound {kind} STUDY -o {path}`"
-        raise InputError(Problem(f"{path} is not a results file", hint)) from None
-    if file.attrs.get("kind") != kind:
-        file.close()
-        raise InputError(Problem(f"{path} holds no results of `pound {kind}`", f"run `pound {kind} STUDY -o FILE.h5`"))
-    return file
-
-
-def kind_of(path: Path) -> str:
-    """What wrote an HDF5 file: "connector", "wall", or "" for anything else."""
-    try:
-        with h5py.File(path, "r") as file:
-            return str(file.attrs.get("kind", ""))
-    except OSError:
-        return ""
-
-
-def write_head(file: h5py.File, kind: str, title: str, text: str, resolved: dict[str, Any]) -> None:
-    """The study as written and as resolved, and the version that wrote the file."""
+def write_head(file: h5py.File, kind: str, study: SystemStudy, path: Path) -> None:
+    """The study as written and as resolved, where it stands, and the version that wrote the file."""
     file.attrs["kind"] = kind
-    file.attrs["title"] = title
-    file.attrs["study"] = text
-    file.attrs["resolved"] = json.dumps(resolved)
+    file.attrs["title"] = study.title
+    file.attrs["study_file"] = written_place(study, path)
+    file.attrs["study"] = study.text
+    file.attrs["resolved"] = json.dumps(study.resolved)
     file.attrs["pounding_cli"] = __version__
 
 

@@ -59,7 +59,7 @@ def write_wall(
     shape = tuple(len(axis.nodes) for axis in study.axes)
     responses = []
     with create(path) as file:
-        write_head(file, "wall", study.title, study.text, study.resolved)
+        write_head(file, "wall", study, path)
         dims = write_axes(file, study.axes, [(p.index, p.values) for p in study.points])
         for point in study.points:
             response = strike(point.model)

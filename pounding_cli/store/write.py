@@ -17,26 +17,26 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError
-from pounding_cli.solve.histories import History
 from pounding_cli.solve.response import Response
 from pounding_cli.store.blocks import blocks
 from pounding_cli.store.dense import Shape, facts, shape_of
-from pounding_cli.store.files import opened
-from pounding_cli.store.histories import write_histories
+from pounding_cli.store.files import damage_of, opened
+from pounding_cli.store.former import written_place
+from pounding_cli.store.histories import Kept, write_histories
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
 from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES
 from pounding_cli.store.parts import PartStore
-from pounding_cli.store.sink import Sink
+from pounding_cli.store.sink import writing
 from pounding_cli.store.solutions import write_solutions
 from pounding_cli.store.swept import describe_unit
 
 if TYPE_CHECKING:
-    from pounding_cli.study import Plan, Row
+    from pounding_cli.study import Plan
 
 _PACKED_ABOVE = 1 << 15
 """Arrays above this size [bytes] are compressed; smaller ones are not worth the chunk index."""
 
-_PACKED = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
+_PACKED = {"compression": "gzip", "compression_opts": 4, "shuffle": True, "fletcher32": True}
 
 _SOFTWARE = ("numpy", "scipy", "numba", "h5py")
 
@@ -57,7 +57,7 @@ def write_results(
     plan: Plan,
     responses: Mapping[str, Response],
     run: Run | None = None,
-    histories: Iterable[tuple[Row, History]] = (),
+    histories: Iterable[Kept | h5py.Group] = (),
 ) -> None:
     """Write one results file, whole or not at all.
 
@@ -65,33 +65,26 @@ def write_results(
     ----------
     path : the file; one that exists is replaced in one step
     plan : the study expanded
-    responses : by scene digest; every scene of the plan
+    responses : by scene digest; every scene of the plan, and others, which are only kept for reuse
     run : how they came about
-    histories : of kept rows; taken one by one while the file is written
+    histories : see `write_histories`; taken one by one while the file is written
 
     Raises
     ------
     OSError : the disk is full, or the folder went away; `path` is as it was
     """
-    hidden = path.with_name(f".{path.name}.tmp")
     store = responses if isinstance(responses, PartStore) else PartStore.of(responses)
-    try:
-        with Sink(hidden) as sink:
-            with h5py.File(sink, "w", libver=("v110", "latest")) as file:
-                _write(file, plan, store, run or Run(), sink.check)
-                write_histories(file, plan, histories)
-            sink.sync()
-        hidden.replace(path)
-        _sync(path.parent)
-    finally:
-        hidden.unlink(missing_ok=True)
+    with writing(path) as (file, sink):
+        _write(file, plan, store, run or Run(), sink.check, path)
+        write_histories(file, plan, histories)
 
 
 def is_current(path: Path, plan: Plan) -> bool:
-    """Whether the file already holds exactly this plan, every scene done."""
+    """Whether the file already holds exactly this plan, every scene done and no byte damaged."""
     try:
         with opened(path) as file:
-            return file.attrs["content"] == content_digest(plan) and int(file.attrs["scenes_failed"]) == 0
+            same = file.attrs["content"] == content_digest(plan) and int(file.attrs["scenes_failed"]) == 0
+        return same and not damage_of(path)
     except (InputError, KeyError, OSError):
         return False
 
@@ -113,7 +106,7 @@ def content_digest(plan: Plan) -> str:
     return sha.hexdigest()
 
 
-def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: Callable[[], None]) -> None:
+def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: Callable[[], None], path: Path) -> None:
     shape = shape_of(plan, responses)
     scales = _write_coordinates(file, plan, shape)
     for name, (dims, array) in facts(plan, shape).items():
@@ -128,6 +121,7 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
     study["warnings"] = json.dumps([vars(warning) for warning in plan.study.warnings])
     write_solutions(file, list(plan.scenes), responses)
     _write_attributes(file, plan, responses, run)
+    file.attrs["study_file"] = written_place(plan.study, path)
 
 
 def _write_tables(
@@ -294,14 +288,3 @@ def _link_label(buildings: tuple[str, ...], place: tuple[int, int, int]) -> str:
 
 def _json(value: object) -> str:
     return json.dumps(value, default=str, sort_keys=True)
-
-
-def _sync(folder: Path) -> None:
-    """Bring the entry of a file in its folder to the disk."""
-    if os.name == "nt":
-        return  # a folder has no handle to synchronise there
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

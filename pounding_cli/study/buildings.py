@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.model.building import Building
-from pounding_cli.model.code_design import UbcDesign, code_separation
+from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.study.problems import Faults, Path, Tree
-from pounding_cli.study.schema import BuildingSpec, CodeDesign, FoundationSpec
+from pounding_cli.study.schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec
 from pounding_cli.study.source import Node
 from pounding_cli.words import counted
 
@@ -61,7 +61,11 @@ def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) 
     return storeys
 
 
-def _design(code: CodeDesign, root: Node | Tree, path: Path, faults: Faults) -> UbcDesign | None:
+def _design(
+    code: CodeDesign | BaseShear, root: Node | Tree, path: Path, faults: Faults
+) -> UbcDesign | BaseShearDesign | None:
+    if isinstance(code, BaseShear):
+        return BaseShearDesign(code.base_shear, code.distribution)
     old = code.code == "UBC-1985"
     wrong = "Rw" if old else "K"
     if (code.rw if old else code.k) is not None:
@@ -107,7 +111,11 @@ def _foundation(spec: FoundationSpec | str, root: Node | Tree, path: Path, fault
 
 
 def _derived(
-    name: str, spec: BuildingSpec, storeys: int, design: UbcDesign | None, foundation: Foundation | None
+    name: str,
+    spec: BuildingSpec,
+    storeys: int,
+    design: UbcDesign | BaseShearDesign | None,
+    foundation: Foundation | None,
 ) -> Building:
     mass, height, hardening = (_filled(getattr(spec, key), storeys) for key in ("mass", "height", "hardening"))
     if spec.stiffness is not None:
@@ -118,7 +126,7 @@ def _derived(
         period = spec.period
         stiffness = stiffness_for_period(mass, period, spec.taper)
     if design is not None:
-        yield_shear = design.yield_shears(mass, height, period)
+        yield_shear = spec.yield_.overstrength * design.yield_shears(mass, height, period)
     elif spec.yield_shear == "never":
         yield_shear = np.full(storeys, np.inf)
     else:
@@ -136,10 +144,10 @@ def _filled(value: Any, storeys: int) -> np.ndarray:
 
 def design_displacements(spec: BuildingSpec, building: Building) -> np.ndarray | None:
     """Design displacements by the code that set the yield shears [m], shape (n,); None without one."""
-    if spec.yield_shear is not None:
+    if spec.yield_shear is not None or isinstance(spec.yield_, BaseShear):
         return None
     design = _design(spec.yield_, Node({}, (0, 0), keys={}), (), Faults(""))
-    assert design is not None
+    assert isinstance(design, UbcDesign)
     return design.design_displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
 
 

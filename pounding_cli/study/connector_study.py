@@ -16,8 +16,9 @@ from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.points import PointAxis, points_of, read_point_axes
 from pounding_cli.study.problems import Faults
 from pounding_cli.study.schema import Mass, Model, Period
-from pounding_cli.study.source import Node, read_source
-from pounding_cli.study.units import NUMBER, Quantity, TextForm, limited
+from pounding_cli.study.source import Node
+from pounding_cli.study.units import LONGEST, NUMBER, Quantity, TextForm, limited, whole_number
+from pounding_cli.study.yaml_file import read_source
 
 _TIMES_K1 = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*k1\s*\Z")
 _STIFFNESS = limited(units.STIFFNESS, example="0.2 k1", open_low=False)
@@ -34,7 +35,7 @@ class TimesK1:
 
 
 def _read_stiffness(value: Any) -> float | TimesK1:
-    found = _TIMES_K1.match(value) if isinstance(value, str) else None
+    found = _TIMES_K1.match(value) if isinstance(value, str) and len(value) <= LONGEST else None
     if found is None:
         return _STIFFNESS.read(value)
     bottom = float(found["bottom"] or 1)
@@ -92,7 +93,9 @@ class RangeSpec(Model):
 
     low: Ratio = Field(default=0.2, description="lowest Omega / omega10", examples=[0.2])
     high: Ratio = Field(default=1.6, description="highest Omega / omega10", examples=[1.6])
-    points: int = Field(default=1401, ge=11, le=1_000_000, description="number of frequencies", examples=[1401])
+    points: Annotated[int, whole_number(11, 1_000_000)] = Field(
+        default=1401, ge=11, le=1_000_000, description="number of frequencies", examples=[1401]
+    )
 
 
 class ConnectorStudyModel(Model):

@@ -14,7 +14,8 @@ import yaml
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.load import Study, validated
-from pounding_cli.study.source import Mark, Node, parse
+from pounding_cli.study.source import Mark, Node
+from pounding_cli.study.yaml_file import parse
 
 
 def study_of(data: Mapping[str, Any]) -> Study:
@@ -33,7 +34,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     text = _yaml(plain)
     root = parse(text, path)
     with at_keys(root, path):
-        return validated(path, text, root)
+        return dataclasses.replace(validated(path, text, root), from_data=True)
 
 
 def tree_of(data: Mapping[str, Any], path: Path) -> Node:

@@ -5,13 +5,22 @@ from __future__ import annotations
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.source import Node
 
+MOST_LIKES = 50
+"""Buildings that one may inherit from, one through the other."""
+
+CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
+"""Keys of a yield that speak of a code."""
+
 ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
     "building": (
         (frozenset({"stiffness"}), frozenset({"period", "taper"})),
         (frozenset({"yield_shear"}), frozenset({"yield"})),
         (frozenset({"rayleigh"}), frozenset({"damping"})),
     ),
-    "yield": ((frozenset({"K"}), frozenset({"Rw"})),),
+    "yield": (
+        (frozenset({"K"}), frozenset({"Rw"})),
+        (frozenset({"base_shear", "distribution"}), CODE),
+    ),
     "link": ((frozenset({"damping_ratio"}), frozenset({"restitution"})),),
 }
 """Keys of which one mapping may give one side only; an inherited one gives way to the other side."""
@@ -38,36 +47,59 @@ def inherited(buildings: Node, faults: Faults) -> Node:
     """The buildings with every `like:` carried out; unknown names and circles are noted and left out."""
     if not buildings.is_mapping:
         return buildings
+    own = {name: _own(node, faults) for name, node in buildings.value.items()}
     done: dict[str, Node] = {}
-    circles: set[frozenset[str]] = set()
-    for name, node in buildings.value.items():
-        refuse_alternatives(node, "building", faults)
-        below = node.get("yield")
-        if below is not None:
-            refuse_alternatives(below, "yield", faults)
-        done[name] = _follow(name, buildings, faults, (), circles)
-    return Node(done, buildings.mark, keys=buildings.keys)
+    for name in own:
+        chain = _chain(name, own, done, faults)
+        for each in reversed(chain):
+            like = _like(own[each]) or ""
+            parent = done.get(like, own.get(like))  # as it is written only where that is told as a fault
+            done[each] = own[each] if parent is None else merged(parent, own[each], "building")
+    return Node({name: done[name] for name in own}, buildings.mark, keys=buildings.keys)
 
 
-def _follow(name: str, buildings: Node, faults: Faults, seen: tuple[str, ...], circles: set[frozenset[str]]) -> Node:
-    node: Node = buildings.value[name]
+def _own(node: Node, faults: Faults) -> Node:
+    """A building as it is written, of keys that say the same in two ways the first."""
+    refuse_alternatives(node, "building", faults)
+    below = node.get("yield")
+    if below is None:
+        return node
+    refuse_alternatives(below, "yield", faults)
+    if not (below.is_mapping and "base_shear" in below.value):
+        return node
+    kept = {key: value for key, value in below.value.items() if key not in CODE}
+    return node.replaced(("yield",), Node(kept, below.mark, below.text, below.keys))
+
+
+def _like(node: Node) -> str | None:
     like = node.get("like")
-    if like is None or not isinstance(like.value, str):
-        return node
-    if like.value not in buildings.value:
-        faults.add(
-            like.mark,
-            f"like: no building '{like.value}' is defined",
-            nearest(like.value, [other for other in buildings.value if other != name]),
-        )
-        return node
-    if like.value in (*seen, name):
-        if frozenset((*seen, name)) not in circles:
-            circles.add(frozenset((*seen, name)))
-            shown = " -> ".join((*seen, name, like.value))
-            faults.add(like.mark, f"like: goes round in a circle: {shown}", "let one of them stand on its own")
-        return node
-    return merged(_follow(like.value, buildings, faults, (*seen, name), circles), node, "building")
+    return like.value if like is not None and isinstance(like.value, str) else None
+
+
+def _chain(name: str, own: dict[str, Node], done: dict[str, Node], faults: Faults) -> list[str]:
+    """A building, the one it is like, and so on, up to one that stands on its own or is done."""
+    chain: list[str] = []
+    while name not in done:
+        chain.append(name)
+        like = _like(own[name])
+        if like is None:
+            break
+        mark = own[name].value["like"].mark
+        if like not in own:
+            known = [other for other in own if other != name]
+            faults.add(mark, f"like: no building '{like}' is defined", nearest(like, known))
+            break
+        if like in chain:
+            shown = " -> ".join((*chain[:5], *(("...",) if len(chain) > 5 else ()), like))
+            faults.add(mark, f"like: goes round in a circle: {shown}", "let one of them stand on its own")
+            break
+        if len(chain) > MOST_LIKES:
+            faults.add(
+                mark, f"like: leads through more than {MOST_LIKES} buildings", "let one of them stand on its own"
+            )
+            break
+        name = like
+    return chain
 
 
 def merged(parent: Node, child: Node, kind: str = "") -> Node:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.study.source import Node, read_source
+from pounding_cli.study.source import Node
+from pounding_cli.study.yaml_file import read_source
 
 _OWN = ("records", "buildings", "group", "cases")
 _OTHERS = {

@@ -12,7 +12,9 @@ import numpy as np
 
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
+from pounding_cli.reading import shortened
 from pounding_cli.study import buildings as building_room
+from pounding_cli.study.bracket import with_brackets
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.motions import Used
@@ -21,9 +23,10 @@ from pounding_cli.study.plausible import few
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
 from pounding_cli.study.schema import ADAPTIVE, StudyModel
-from pounding_cli.study.source import Node, read_source
+from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis, read_axes
 from pounding_cli.study.written import unit_of
+from pounding_cli.study.yaml_file import read_source
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +41,7 @@ class Study:
     axes : the axes of the sweep
     warnings : what is allowed but should be known
     model, resolver : the study as written, and what answers for every point of the sweep
+    from_data : it is Python data; no file holds it
     """
 
     path: Path
@@ -47,6 +51,7 @@ class Study:
     warnings: tuple[Problem, ...]
     model: StudyModel
     resolver: Resolver
+    from_data: bool = False
 
     def building(self, point: tuple[int, ...], place: int) -> Building:
         """The building at a place of the group, from 0, at a point of the sweep (one index an axis)."""
@@ -117,9 +122,10 @@ def load_study(path: str | Path) -> Study:
 
 def validated(path: Path, text: str, root: Node) -> Study:
     """The study of a tree; `text` is what it says, record files are sought beside `path`. Raises as `load_study`."""
-    file = str(path)
+    file = shortened(path)
     refuse_other_kinds(root, file)
     faults = Faults(file)
+    root = with_brackets(root, faults)
     axes = read_axes(root, faults)
     resolver = Resolver(root, axes, file, path.resolve().parent)
     faults.extend(resolver.problems(resolver.base))
@@ -134,13 +140,16 @@ def validated(path: Path, text: str, root: Node) -> Study:
         check_keep(model, root, axes, resolver.motions(resolver.base), faults)
     faults.refuse()
     assert model is not None
+    said = _said(axes, resolver)
+    _refuse_twins(said, axes, faults)
+    faults.refuse()
     for point in _along_axes(axes):
         resolver.doubt(point)
     return Study(
         path,
         text,
         model.title or path.stem,
-        _said(axes, resolver),
+        said,
         _warnings(model, root, resolver),
         model,
         resolver,
@@ -193,6 +202,23 @@ def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
     return tuple(said)
 
 
+def _refuse_twins(said: tuple[Axis, ...], axes: tuple[SweepAxis, ...], faults: Faults) -> None:
+    """Note points of an axis that are one and the same: 0.5 and 1/2."""
+    for axis, written in zip(said, axes, strict=True):
+        first: dict[tuple[float | str, ...], int] = {}
+        for place, values in enumerate(axis.values):
+            if values in first:
+                texts = [", ".join(map(_text, written.nodes[number])) for number in (first[values], place)]
+                both = texts[0] if texts[0] == texts[1] else f"{texts[0]} and {texts[1]} are the same and"
+                where = ", ".join(axis.names)
+                faults.add(
+                    written.nodes[place][0].mark,
+                    f"{both} {'stands twice' if texts[0] == texts[1] else 'stand'} on the axis '{where}'",
+                    "remove one of the two",
+                )
+            first.setdefault(values, place)
+
+
 def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], node: Node) -> float | str:
     found: Any = resolver.section(point, path[0])
     for step in path[1:]:
@@ -203,6 +229,8 @@ def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], no
         elif found is not None:
             names = {info.alias or name: name for name, info in type(found).model_fields.items()}
             found = getattr(found, names[step])
+    if found == (node.value,):  # one value where a list may stand
+        found = node.value
     if isinstance(found, int | float) and not isinstance(found, bool):
         return float(found)
     return _text(node)

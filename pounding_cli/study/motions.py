@@ -105,9 +105,9 @@ def _seconds(
     path: tuple[str, ...],
     faults: Faults,
 ) -> float | None:
-    if duration == "whole":
+    if duration == "whole" or (duration == "auto" and not known):
         return motion.duration
-    if duration != "table1":
+    if duration not in ("auto", "table1"):
         return float(duration)
     if not known:
         faults.at(

@@ -8,6 +8,7 @@ from itertools import product
 from pydantic import BaseModel
 
 from pounding_cli.study.problems import Faults, keys_at, nearest
+from pounding_cli.study.ranges import axis_values
 from pounding_cli.study.source import Node
 from pounding_cli.study.written import unit_of
 from pounding_cli.words import Unit
@@ -47,18 +48,19 @@ def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple
     axes: list[PointAxis] = []
     names_seen: set[str] = set()
     for holder, names in entries:
-        good = True
+        columns: list[list[Node]] = []
         for name in names:
-            good &= _is_axis(name, holder, root, model, faults)
+            known = _is_axis(name, holder, root, model, faults)
+            values = axis_values(name, holder.value[name], model, faults)
             if name in names_seen:
                 faults.add((holder.keys or {})[name], f"'{name}' is an axis twice", "remove one of the two")
-                good = False
+            elif known and values is not None:
+                columns.append(values)
             names_seen.add(name)
-        if not good:
+        if len(columns) < len(names):
             continue
-        columns = [holder.value[name].value for name in names]
         if len({len(column) for column in columns}) > 1:
-            faults.add(holder.mark, "keys that move together need lists of one length", "give as many values of each")
+            faults.add(holder.mark, "keys that move together need as many values each", "give as many values of each")
             continue
         units = tuple(unit_of(model, name.split("."), column) for name, column in zip(names, columns, strict=True))
         axes.append(PointAxis(names, tuple(zip(*columns, strict=True)), units))
@@ -96,9 +98,5 @@ def _is_axis(name: str, holder: Node, root: Node, model: type[BaseModel], faults
     below = keys_at(model, path, root)
     if len(below) > 0 and set(below) != set(keys_at(model, path[:-1], root)):
         faults.add(mark, f"sweep axis '{name}' is a whole section", f"name one value in it, e.g. `{name}.{below[0]}`")
-        return False
-    values = holder.value[name]
-    if not values.is_list or not values.value:
-        faults.add(values.mark, f"the values of '{name}' are not a list", f"write `{name}: [first, second]`")
         return False
     return True

@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.source import Mark, Node
+from pounding_cli.study.yaml_file import MISSING_BLANK
 
 Path = tuple[str | int, ...]
 
@@ -148,6 +149,8 @@ def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: No
     if kind in ("literal_error", "enum"):
         return f"{_owner(path, root)}{shown} is not known", f"write {context['expected']}", False
     if kind in ("model_type", "model_attributes_type", "dict_type", "dict_attributes_type"):
+        if isinstance(given, str) and (slip := MISSING_BLANK.match(given)):
+            return f"'{given}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`", False
         keys = keys_at(model, path, root)
         hint = f"write {{key: value}} with the keys {', '.join(keys)}" if keys else "write {name: {...}}"
         return f"{_owner(path, root)}{shown} is not a mapping", hint, False

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
 
 from pounding_cli.records.units import UNITS, acceleration_unit
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
-from pounding_cli.study.units import Quantity, limited, refuse
+from pounding_cli.study.units import Quantity, limited, refuse, whole_number
 
 
 def _unit(text: str) -> str:
@@ -21,16 +22,17 @@ def _unit(text: str) -> str:
 Window = Annotated[
     float | str, limited(units.TIME, name="window", example="10 s", words=("duration", "table1", "whole"))
 ]
-Duration = Annotated[float | str, limited(units.TIME, name="duration", example="10 s", words=("table1", "whole"))]
+Duration = Annotated[
+    float | str, limited(units.TIME, name="duration", example="10 s", words=("auto", "table1", "whole"))
+]
 Unit = Annotated[str, AfterValidator(_unit)]
 Acceleration = Annotated[float, units.ACCELERATION]
 Velocity = Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True)]
-SpectrumPeriod = Annotated[
-    float, limited(units.TIME, name="period", example="0.5 s", low=0.01, open_low=False, high=60)
-]
+_PERIOD = limited(units.TIME, name="period", example="0.5 s", low=0.01, open_low=False, high=60)
+SpectrumPeriod = Annotated[float, _PERIOD]
 SpectrumDamping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)]
 Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)]
-Number = Annotated[int, Field(ge=1, le=1000)]
+Number = Annotated[int, Field(ge=1, le=1000), whole_number(1, 1000)]
 
 
 class RecordFile(Model):
@@ -84,6 +86,20 @@ class SaScale(Model):
     damping: SpectrumDamping = optional(0.05, description="and this damping ratio [-]")
 
 
+def _once_each(points: Any) -> Any:
+    """The points of a target, refused where two spellings of a period are one: the later would be lost."""
+    first: dict[float, str] = {}
+    for word in points if isinstance(points, dict) else ():
+        try:
+            period = _PERIOD.read(word)
+        except PydanticCustomError:
+            continue  # said at its place
+        if period in first:
+            raise refuse(f"'{first[period]}' and '{word}' are one period", "remove one of the two")
+        first[period] = word
+    return points
+
+
 class SpectrumScale(Model):
     """The suite is scaled to a target spectrum over a range of periods."""
 
@@ -92,7 +108,8 @@ class SpectrumScale(Model):
         examples=["mean"],
     )
     target: Annotated[
-        Annotated[str, Tag("word")] | Annotated[dict[SpectrumPeriod, Acceleration], Tag("mapping")],
+        Annotated[str, Tag("word")]
+        | Annotated[dict[SpectrumPeriod, Acceleration], BeforeValidator(_once_each), Tag("mapping")],
         Discriminator(word_or_mapping),
     ] = Field(
         description="{period: pseudo-acceleration, ...}, or the record whose spectrum is taken",
@@ -140,7 +157,9 @@ class Records(Model):
         examples=[["elcentro", {"file": "motions/x.AT2"}]],
     )
     duration: Duration = optional(
-        "table1", description="how much of each record is used [s]; `table1`: the paper's durations"
+        "auto",
+        description="how much of each record is used [s]; `table1`: the paper's durations; "
+        "`auto`: those, and `whole` for motions that Table 1 does not hold",
     )
     scale: Scale = optional(
         1.0, description="a factor, `table1`, {arias: RECORD}, {pga: 0.35 g}, {pgv: ...}, {sa: ...} or {spectrum: ...}"

@@ -60,6 +60,7 @@ class Resolver:
         buildings = root.get("buildings")
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self._met: dict[Problem, None] = {}
+        self._asked: set[str] = set()
         self._last: tuple[Point, Street] | None = None
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
@@ -216,7 +217,7 @@ class Resolver:
     def type(self, point: Point, name: str) -> Building | None:
         """One building type."""
         spec: BuildingSpec | None = self.entry(point, "buildings", name)
-        if spec is None:
+        if spec is None or name in self._asked:  # like itself: told where `like:` is carried out
             return None
 
         def work(faults: Faults) -> Building | None:
@@ -224,7 +225,9 @@ class Resolver:
             building = building_room.build(name, spec, root, ("buildings", name), own)
             if own.problems:
                 # What the whole of a building lacks is told of the one it is like, where that lacks it too.
+                self._asked.add(name)
                 inherits = spec.like is not None and self.type(point, spec.like) is None
+                self._asked.discard(name)
                 whole = root.locate(("buildings", name)) if inherits else None
                 faults.extend(p for p in own.problems if (p.line, p.column) != whole)
             return building

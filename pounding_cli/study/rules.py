@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from pounding_cli.study.units import NUMBER, STIFFNESS, TextForm, refuse
+from pounding_cli.study.units import LONGEST, NUMBER, STIFFNESS, TextForm, refuse
 
 _RULE = re.compile(
     rf"\s*(?:(?P<top>{NUMBER})\s*(?:/\s*(?P<bottom>{NUMBER}))?\s*(?P<percent>%)?\s*(?:x|X|×|\*|times)?\s*)?"
@@ -35,9 +35,9 @@ def read_stiffness(value: Any) -> float | StiffnessRule:
     """A stiffness [N/m] or a rule.  Raises PydanticCustomError saying what to write."""
     if not isinstance(value, str) or "stor" not in value:
         return STIFFNESS.read(value)
-    found = _RULE.match(value)
+    found = _RULE.match(value) if len(value) <= LONGEST else None
     if not found:
-        raise refuse(f"'{value}' is not a stiffness", _HINT)
+        raise refuse(f"'{value[:LONGEST]}' is not a stiffness", _HINT)
     factor = float(found["top"] or 1.0)
     if found["bottom"] is not None:
         if float(found["bottom"]) == 0:
@@ -52,7 +52,7 @@ def read_stiffness(value: Any) -> float | StiffnessRule:
 
 STIFFNESS_FORM = TextForm(
     read_stiffness,
-    "stiffness [N/m] or a multiple of a storey's",
+    "N/m, or a multiple of a storey's",
     ("20 x stiffest storey", "1/5 mean storey of stiff", "1e10 N/m"),
     STIFFNESS,
 )

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
+from pydantic_core import PydanticCustomError
 
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
-from pounding_cli.study.units import Quantity, limited
+from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
 
 Method = Literal[
     "auto",
@@ -27,6 +28,7 @@ ADAPTIVE = ("auto", "taylor", "exponential")
 """Methods that take an accuracy; the others take a time step."""
 
 Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
+Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
 LinkKind = Literal["pounding", "infill", "connector", "none"]
 AnalysisKind = Literal["elastic", "inelastic"]
 
@@ -59,6 +61,9 @@ YieldShears = Annotated[
 ]
 
 
+Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
+
+
 class CodeDesign(Model):
     """Yield shears equal to the storey shears of the Uniform Building Code."""
 
@@ -78,6 +83,50 @@ class CodeDesign(Model):
     k: Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)] | None = optional(
         None, alias="K", description="system factor of UBC 1985 [-]; must be given there"
     )
+    overstrength: Overstrength = optional(
+        1.0, description="factor on the yield shears [-]; the separation is unchanged"
+    )
+
+
+_COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0)
+
+
+def _read_base_shear(value: Any) -> float:
+    if isinstance(value, str) and value.strip().endswith("W"):
+        return _COEFFICIENT.read(value.strip()[:-1])
+    try:
+        return _COEFFICIENT.read(value)
+    except PydanticCustomError:
+        if isinstance(value, str) and factor_of(written_unit(value), "N") is not None:
+            raise refuse(
+                f"'{value}' is a force: the base shear is given as a part of the weight W",
+                "write e.g. `base_shear: 0.10 W`; storey by storey in N, `yield_shear: [...]` stands beside `yield`",
+            ) from None
+        raise
+
+
+class BaseShear(Model):
+    """Yield shears from a base-shear coefficient and a distribution of the forces over the height."""
+
+    base_shear: Annotated[float, TextForm(_read_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)] = (
+        Field(description="base shear over weight V/W [-]", examples=["0.10 W"])
+    )
+    distribution: Distribution = optional(
+        "triangular",
+        description="forces over the height: by w h, w, w h^2, w h^k of ASCE 7, or the UBC's with a force at the top",
+    )
+    overstrength: Overstrength = optional(1.0, description="factor on the yield shears [-]")
+
+
+def _yield_kind(value: Any) -> str:
+    # The tags are no keys of the file, so that a problem is not looked for below the key of that name.
+    given = isinstance(value, dict) and not value.keys().isdisjoint(("base_shear", "distribution"))
+    return "by base shear" if given or isinstance(value, BaseShear) else "by code"
+
+
+Yield = Annotated[
+    Annotated[CodeDesign, Tag("by code")] | Annotated[BaseShear, Tag("by base shear")], Discriminator(_yield_kind)
+]
 
 
 class Rayleigh(Model):
@@ -118,7 +167,7 @@ class BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
     like: str | None = optional(None, description="another building whose keys are taken unless given here")
-    storeys: Annotated[int, Field(ge=1, le=100)] | None = optional(
+    storeys: Annotated[int, Field(ge=1, le=100), whole_number(1, 100)] | None = optional(
         None, description="number of storeys; the length of a list unless given", examples=[5]
     )
     period: Period | None = optional(
@@ -133,7 +182,9 @@ class BuildingSpec(Model):
     damping: DampingShare = optional("5 %", description="damping ratio of the first two modes [-]")
     rayleigh: Rayleigh | None = optional(None, description="Rayleigh factors, instead of damping")
     hardening: Hardenings = optional(0.05, description="post-yield over initial stiffness [-], one or a list")
-    yield_: CodeDesign = optional(CodeDesign(), alias="yield", description="code that sets the yield shears")
+    yield_: Yield = optional(
+        CodeDesign(), alias="yield", description="code or base-shear coefficient that sets the yield shears"
+    )
     yield_shear: YieldShears | None = optional(
         None, description="storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
@@ -173,8 +224,21 @@ class LinkSpec(Model):
 LinkOrWord = Annotated[
     Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)
 ]
-Floor = Annotated[int, Field(ge=1, le=100)]
-Floors = Annotated[Annotated[tuple[Floor, ...], _FILLED, Tag("list")] | Annotated[Literal["all"], Tag("one")], _EITHER]
+Floor = Annotated[int, Field(ge=1, le=100), whole_number(1, 100)]
+
+
+def _floors_kind(value: Any) -> str:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return "single"
+    return _list_or_one(value)
+
+
+Floors = Annotated[
+    Annotated[tuple[Floor, ...], _FILLED, Tag("list")]
+    | Annotated[Floor, AfterValidator(lambda floor: (floor,)), Tag("single")]
+    | Annotated[Literal["all"], Tag("one")],
+    Discriminator(_floors_kind),
+]
 
 
 class PairSpec(LinkSpec):
@@ -234,7 +298,19 @@ Keep = Annotated[
     Annotated[Literal["histories"], Tag("word")] | Annotated[KeepSpec, Tag("mapping")], Discriminator(word_or_mapping)
 ]
 
-_AXIS = {"type": "array", "minItems": 1}
+_RANGE = {
+    "type": "object",
+    "properties": {
+        "from": {"type": ["number", "string"]},
+        "to": {"type": ["number", "string"]},
+        "count": {"type": "integer", "minimum": 2},
+        "step": {"type": ["number", "string"]},
+        "spacing": {"enum": ["linear", "log"]},
+    },
+    "required": ["from", "to"],
+    "additionalProperties": False,
+}
+_AXIS = {"anyOf": [{"type": "array", "minItems": 1}, _RANGE]}
 _SWEEP_FORM = {
     "anyOf": [
         {"type": "object", "additionalProperties": _AXIS},
@@ -242,6 +318,14 @@ _SWEEP_FORM = {
     ],
     "title": "Sweep",
     "examples": [{"impact.restitution": [0.4, 0.5, 0.65]}],
+}
+_BRACKET_FORM = {
+    "anyOf": [
+        {"const": "impact.stiffness"},
+        {"type": "object", "additionalProperties": {"type": "array", "minItems": 3}},
+    ],
+    "title": "Bracket",
+    "examples": ["impact.stiffness"],
 }
 
 
@@ -280,6 +364,11 @@ class StudyModel(Model):
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = optional(
         None,
         description="axes: dotted keys with the values they take; the keys of one list entry move together",
+    )
+    bracket: Annotated[Any, WithJsonSchema(_BRACKET_FORM)] = optional(
+        None,
+        description="keys whose values nobody knows, with an odd number of them: the middle one leads in tables and "
+        "figures; `impact.stiffness`: a quarter of, once and five times the study's own",
     )
 
 

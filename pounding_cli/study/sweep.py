@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pounding_cli.study.problems import Faults, keys_at, nearest
+from pounding_cli.study.ranges import axis_values
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
 
@@ -20,6 +21,7 @@ FIXED = (
     "report",
     "keep",
     "sweep",
+    "bracket",
 )
 """Keys that are one for the whole study."""
 
@@ -66,22 +68,23 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
     axes: list[SweepAxis] = []
     seen: dict[str, int] = {}
     for holder, names in zip(holders, groups, strict=True):
-        good = True
+        columns: list[list[Node]] = []
         for name in names:
-            good &= _key(name, holder, root, faults) & _values(name, holder, faults)
+            known = _key(name, holder, root, faults)
+            values = axis_values(name, holder.value[name], StudyModel, faults)
             mark = (holder.keys or {})[name]
             if name in seen:
                 faults.add(mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two")
-                good = False
+            elif known and values is not None:
+                columns.append(values)
             seen.setdefault(name, mark[0])
-        if not good:
+        if len(columns) < len(names):
             continue
-        columns = [holder.value[name].value for name in names]
         if len({len(column) for column in columns}) > 1:
             lengths = ", ".join(f"{name} has {len(column)}" for name, column in zip(names, columns, strict=True))
             faults.add(
                 holder.mark,
-                f"keys that move together need lists of one length: {lengths}",
+                f"keys that move together need as many values each: {lengths}",
                 "give as many values of each",
             )
             continue
@@ -131,21 +134,3 @@ def _key(name: str, holder: Node, root: Node, faults: Faults) -> bool:
 def _first(name: str, root: Node) -> str:
     names = keys_at(StudyModel, tuple(name.split(".")), root)
     return names[-1] if names else "KEY"
-
-
-def _values(name: str, holder: Node, faults: Faults) -> bool:
-    node = holder.value[name]
-    if not node.is_list:
-        faults.add(node.mark, f"the values of '{name}' are not a list", f"write `{name}: [first, second]`")
-        return False
-    if not node.value:
-        faults.add(node.mark, f"the axis '{name}' has no values", "give at least one")
-        return False
-    texts: dict[str, int] = {}
-    for value in node.value:
-        text = value.text or str(value.plain())
-        if text in texts and len(holder.value) == 1:
-            faults.add(value.mark, f"{text} stands twice on the axis '{name}'", "remove one of the two")
-            return False
-        texts[text] = 1
-    return True

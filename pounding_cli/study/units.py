@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 if TYPE_CHECKING:
@@ -18,10 +18,20 @@ if TYPE_CHECKING:
 GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s2]: the `g` of an acceleration."""
 
-NUMBER = r"[-+]?(?:\.\d+|\d+(?:\.\d*)?)(?:[eE][-+]?\d+)?"
-_QUANTITY = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*(?P<unit>[A-Za-zµ°%].*?)?\s*\Z")
+LONGEST = 200
+"""Characters of a quantity."""
+
+LONGEST_UNIT = 40
+"""Characters of a unit."""
+
+NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+_QUANTITY = re.compile(rf"(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*(?P<unit>[A-Za-zµ°%].*)?\Z")
+_DIGITS = re.compile(r"[0-9]{1,9}\Z")
+_DECIMAL_COMMA = re.compile(r"([-+]?[0-9]{1,15}),([0-9]{1,15})((?: ?[A-Za-z%][^,]*)?)\Z")
+_COMMENT = re.compile(r"([^#]*[^#\s])#(.*)\Z")
 _POWER = re.compile(r"(?<=[A-Za-z])([23])(?![0-9])")
-_UNIT = re.compile(r"[A-Za-zµ°%][A-Za-z0-9µ²³·*^/(). -]*\Z")
+_ONE_UNIT = r"\(?[A-Za-zµ°%]+(?:(?:\*\*|\^)?-?[1-9]|[²³])?\)?"
+_UNIT = re.compile(rf"{_ONE_UNIT}(?:(?:\s*[*/·.]\s*|\s+){_ONE_UNIT})*\Z")
 
 # The units of this field and no more: pint's own list is long to load and takes `h` for hour, `a` for year.
 _DEFINITIONS = """
@@ -76,8 +86,8 @@ def _factor(unit: str, si: str) -> float | None:
 
 
 def _converted(unit: str, si: str) -> float | None:
-    """The same by pint."""
-    if not _UNIT.match(unit):
+    """The same by pint, which would compute any power and take any number: only products of units reach it."""
+    if len(unit) > LONGEST_UNIT or not _UNIT.match(unit):
         raise ValueError(unit)
     registry = _registry()
     try:
@@ -93,7 +103,7 @@ def _converted(unit: str, si: str) -> float | None:
 
 def written_unit(text: str) -> str:
     """The unit in a text such as "5 cm"; "" where it names none or is no quantity."""
-    found = _QUANTITY.match(text)
+    found = _QUANTITY.match(text.strip()) if len(text) <= LONGEST else None
     return (found["unit"] or "") if found else ""
 
 
@@ -162,14 +172,21 @@ class Quantity:
         return number
 
     def _number(self, value: Any) -> float:
-        if isinstance(value, bool) or value is None or not isinstance(value, int | float | str):
-            shown = {True: "true", False: "false", None: "nothing"}.get(value, "this") if _plain(value) else "this"
+        if isinstance(value, list | tuple | dict):
+            what = "a mapping" if isinstance(value, dict) else "a list"
+            hint = f"{self.wanted}; several values to run one after the other stand under `sweep:`"
+            raise refuse(f"{what} stands where one {self.name} belongs", hint)
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            shown = {True: "true", False: "false", None: "nothing"}.get(value, "this")
             raise refuse(f"{shown} is not a {self.name}", self.wanted)
         if not isinstance(value, str):
             return float(value)
+        value = value.strip()
+        if len(value) > LONGEST:
+            raise refuse(f"{len(value)} characters are not a {self.name}", self.wanted)
         found = _QUANTITY.match(value)
         if not found:
-            raise refuse(f"'{value}' is not a number with a unit", self.wanted)
+            raise refuse(f"'{value}' is not a number with a unit{_slip(value)}", self.wanted)
         number = float(found["top"])
         if found["bottom"] is not None:
             bottom = float(found["bottom"])
@@ -182,8 +199,11 @@ class Quantity:
         try:
             factor = _factor(unit, self.si)
         except ValueError:
-            raise refuse(f"'{unit}' is not a unit this program knows", self.wanted) from None
+            raise refuse(f"'{unit}' is not a unit this program knows{_slip(value)}", self.wanted) from None
         if factor is None:
+            if self.si == "kg" and (force := factor_of(unit, "N")) is not None:
+                tonnes = f"{number * force / GRAVITY / 1000:.3g} t"
+                raise refuse(f"'{value}' is a force, not a mass: the weight of about {tonnes}", f"write `{tonnes}`")
             expected = f"expected {self.si}" if self.si else "expected a plain number"
             raise refuse(f"'{value}' is no {self.name}: {expected}", self.wanted)
         return number * factor
@@ -205,8 +225,13 @@ class Quantity:
         }
 
 
-def _plain(value: Any) -> bool:
-    return value is None or isinstance(value, bool)
+def _slip(value: str) -> str:
+    """What is probably meant by a text that is no quantity, as the end of a message."""
+    if found := _DECIMAL_COMMA.match(value):
+        return f": it has a decimal comma, write `{found[1]}.{found[2]}{found[3]}`"
+    if found := _COMMENT.match(value):
+        return f": a comment needs a blank before its #, write `{found[1]}  # {found[2].strip()}`"
+    return ""
 
 
 def limited(quantity: Quantity, **changes: Any) -> Quantity:
@@ -232,6 +257,30 @@ class TextForm:
     def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         kinds = [{"type": "number"}, {"type": "string"}]
         return {"anyOf": kinds, "title": self.form, "examples": list(self.examples)}
+
+
+def whole_number(low: int, high: int) -> BeforeValidator:
+    """Digits and nothing else, for `Annotated[int, ...]`: neither true, nor 1_0, nor digits of other scripts."""
+
+    def read(value: Any) -> int:
+        if isinstance(value, str) and _DIGITS.match(value):
+            value = int(value)
+        if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+            value = int(value)
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise refuse(f"{_said(value)} is not a whole number", f"write a whole number from {low} to {high}, e.g. 5")
+        if not low <= value <= high:
+            bound = f"at least {low}" if value < low else f"at most {high}"
+            raise refuse(f"'{value}' is not allowed; it must be {bound}", f"write a number {bound}")
+        return value
+
+    return BeforeValidator(read)
+
+
+def _said(value: Any) -> str:
+    if isinstance(value, list | tuple | dict):
+        return "a mapping" if isinstance(value, dict) else "a list"
+    return {True: "true", False: "false", None: "nothing"}.get(value, f"'{str(value)[:60]}'")
 
 
 LENGTH = Quantity("length", "m", "3 m", 0.0, open_low=True)

@@ -15,12 +15,13 @@ from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.points import PointAxis, points_of, read_point_axes
 from pounding_cli.study.problems import Faults
 from pounding_cli.study.schema import Length, Mass, Model
-from pounding_cli.study.source import Node, read_source
-from pounding_cli.study.units import Quantity, TextForm, limited, refuse
+from pounding_cli.study.source import Node
+from pounding_cli.study.units import Quantity, TextForm, limited, refuse, whole_number
+from pounding_cli.study.yaml_file import read_source
 from pounding_cli.wall import model as wall
 from pounding_cli.words import counted
 
-_PLACE = re.compile(r"\s*(mid-storey|floor)\s+(\d+)\s*\Z")
+_PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
 _HEIGHT = limited(units.LENGTH, name="height", example="13.5 m", low=0.0, open_low=False)
 
 
@@ -58,7 +59,9 @@ class SectionSpec(Model):
 class FrameSpec(Model):
     """The building behind the wall."""
 
-    storeys: int = Field(default=5, ge=1, le=100, description="number of storeys", examples=[5])
+    storeys: Annotated[int, whole_number(1, 100)] = Field(
+        default=5, ge=1, le=100, description="number of storeys", examples=[5]
+    )
     storey_height: Length = Field(default=3.0, description="storey height", examples=["3 m"])
     bays: tuple[Length, ...] = Field(
         default=(5.0, 5.0, 5.0),

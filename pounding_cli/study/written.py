@@ -18,7 +18,7 @@ def unit_of(model: type[BaseModel], path: Sequence[str], values: Sequence[Node])
 
     model : the schema of the study; path : the key, step by step; values : the nodes of the axis
     """
-    found = _quantity(model, path)
+    found = quantity_of(model, path)
     if found is None:
         return Unit()
     for node in values:
@@ -28,7 +28,7 @@ def unit_of(model: type[BaseModel], path: Sequence[str], values: Sequence[Node])
     return Unit(found.si, 1.0, found.si)
 
 
-def _quantity(model: type[BaseModel], path: Sequence[str]) -> Quantity | None:
+def quantity_of(model: type[BaseModel], path: Sequence[str]) -> Quantity | None:
     """The quantity that may stand at a key, or None."""
     level: list[Any] = [model]
     for step in path:

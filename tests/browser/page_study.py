@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import h5py
 import numpy as np
+from sealing import edited
 
 from pounding_cli.batch import run_plan
 from pounding_cli.report.build import write_report
@@ -115,7 +115,7 @@ def report(
     (folder / "study.yaml").write_text(text + extra)
     results = folder / "study.h5"
     run_plan(expand(load_study(folder / "study.yaml")), results, solve=solve, workers=1)
-    with h5py.File(results, "a") as file:
+    with edited(results) as file:
         labels = tuple(file["link"].asstr()[:])
         for case, analysis in kept:
             place = {"case": case, "analysis": analysis, "record": "strong", "scene": f"{case}-{analysis}", "every": DT}

@@ -56,7 +56,8 @@ def test_the_page_begins_with_the_cases_side_by_side(moving):
         f"{CONNECTOR_STRUCK}: elastic, 2 of 2 runs\n{CONNECTOR_STRUCK}: inelastic, 2 of 2 runs",
     ]
     order = moving.eval_on_selector_all("main > header, main > section", "all => all.map(one => one.id)")
-    assert order[:4] == ["overview", "explore", "motion", "claims"]
+    assert order[:3] == ["overview", "explore", "motion"]
+    assert order.index("claims") > 2
     assert moving.locator(".answer").bounding_box()["y"] < 400
 
 

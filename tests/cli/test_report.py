@@ -101,7 +101,7 @@ def test_page_carries_the_numbers_of_the_file(folder, pound):
     page = (folder / "here" / "summary.md").read_text(encoding="utf-8")
     row = "| connected | 1.30 (1) | 1.30 (1) | 13.79 (1) | 1.30 (1) | 1.30 (1) | 13.79 (1) |"
     assert page.count(row) == 2
-    assert "| connector closed beyond its gap | 4 |" in page
+    assert "- connected, elastic, 2 of 2 scenes (all): connector closed beyond its gap\n" in page
     assert "Motions: user: weak, strong." in page
     # 1 - (1.4 / 1.5)^10 = 49.8 %, short of 80 %.
     assert "infill against touching, elastic, mean over the floors: **50 %**" in page
@@ -178,3 +178,49 @@ def test_help_has_an_example_and_loads_nothing_heavy():
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert "pound report results/fig6.h5" in done.stdout
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_a_sweep_is_drawn_as_asked(folder, pound):
+    (folder / "map.yaml").write_text(
+        STUDY + "sweep: {impact.restitution: [0.4, 0.5], cases.gap.gap: [1 cm, 2 cm, 4 cm]}\n"
+    )
+    run_plan(expand(load_study(folder / "map.yaml")), folder / "map.h5", solve=known, workers=1)
+    assert pound("report", "map.h5", "-q", "--format", "svg", "--no-page")[0] == 0
+    names = {path.stem for path in (folder / "map").glob("*.svg")}
+    assert {"stiff-map", "soft-map"} <= names
+    asked = (
+        "--quantity",
+        "mu_ratio",
+        "--case",
+        "gap",
+        "--building",
+        "soft",
+        "--storey",
+        "2",
+        "--at",
+        "restitution=0.5",
+    )
+    assert pound("report", "map.h5", "-q", "--format", "svg", "--no-page", "-o", "asked", *asked)[0] == 0
+    names = {path.stem for path in (folder / "asked").glob("*.svg")}
+    assert "soft-mu_ratio-sweep" in names
+    assert "soft-map" not in names
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message", "hint"),
+    [
+        (["two.h5", "--quantity", "mu_ratio"], "nothing is swept", ""),
+        (["swept.h5", "--quantity", "mu"], "", ""),
+        (["swept.h5", "--quantity", "mue"], "there is no quantity 'mue'", "mu_ratio"),
+        (["swept.h5", "--case", "gip"], "there is no case 'gip'", "touching, gap"),
+        (["swept.h5", "--storey", "8"], "there is no storey 8", "1, 2, 3"),
+        (["swept.h5", "--at", "restitution=0.7"], "does not take this value", "0.4, 0.5, 0.65"),
+    ],
+)
+def test_what_cannot_be_drawn_over_a_sweep_is_refused(folder, pound, arguments, message, hint):
+    code, _, err = pound("report", *arguments, "-q", "--no-page", "--format", "svg")
+    assert code == (2 if message else 0)
+    assert message in err
+    assert hint in err
+    if message:
+        assert not (folder / arguments[0].removesuffix(".h5")).exists()

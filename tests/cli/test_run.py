@@ -138,7 +138,7 @@ def test_a_case_without_meaning_is_marked_in_the_table_and_in_the_last_sentence(
 def test_flagged_scenes_of_a_sweep_are_named_with_their_point(folder, pound):
     (folder / "two.yaml").write_text(STUDY + "sweep: {cases.gap.gap: [1 cm, 0 cm]}\n")
     _, out, _ = pound("run", "two.yaml", solve=strikes)
-    assert "gap, elastic, 1 of 4 scenes (cases.gap.gap = 0.01: strong): connector closes" in out
+    assert "gap, elastic, 1 of 4 scenes (cases.gap.gap = 1 cm: strong): connector closes" in out
     gap = next(at for at, line in enumerate(out.splitlines()) if line.startswith(" gap !"))
     swept = out.splitlines()[gap : gap + 2]
     assert [line.count(" !") for line in swept] == [3, 0]  # beside the case's name, and only at the point concerned
@@ -158,7 +158,7 @@ def test_a_changed_study_solves_only_what_is_new(folder, pound):
     code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
     assert code == 0
     assert "Scenes: 8 solved, 16 reused, 0 failed" in out
-    assert "Line 3, cases.gap.gap = 0.03\nMeans over 2 motions at 3 points of the sweep." in out
+    assert "Line 3, cases.gap.gap = 3 cm\nMeans over 2 motions at 3 points of the sweep." in out
     assert list(open_results("r.h5").storey().columns[:2]) == ["cases.gap.gap", "case"]
 
 

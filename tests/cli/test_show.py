@@ -169,3 +169,59 @@ def test_help_loads_nothing_heavy(folder, pound):  # noqa: F811
     code, out, _ = pound("run", "--help")
     assert code == 0
     assert "pound run configs/fig6.yaml" in out
+
+
+@pytest.fixture
+def swept(folder, pound):  # noqa: F811
+    """`pound show r.h5 ...` after a run over gaps and restitutions."""
+    sweep = "sweep: {cases.gap.gap: [1 cm, 2 cm], impact.restitution: [0.4, 0.6]}\n"
+    (folder / "two.yaml").write_text(STUDY + sweep)
+    pound("run", "two.yaml", "-o", "r.h5", "-q")
+    return lambda *arguments: pound("show", "r.h5", *arguments)
+
+
+def test_points_storeys_floors_and_links_are_chosen(swept):
+    _, out, _ = swept("storey", "--format", "csv", "--at", "cases.gap.gap=2 cm", "--at", "restitution=0.4")
+    assert {(row["cases.gap.gap"], row["impact.restitution"]) for row in rows(out)} == {("0.02", "0.4")}
+    _, out, _ = swept("storey", "--format", "csv", "--at", "gap=20 mm", "--at", "gap=0.01", "--storey", "2")
+    assert {(row["cases.gap.gap"], row["storey"]) for row in rows(out)} == {("0.01", "2"), ("0.02", "2")}
+    _, out, _ = swept("floor", "--format", "csv", "--floor", "1")
+    assert {row["floor"] for row in rows(out)} == {"1"}
+    link = next(csv.DictReader(io.StringIO(swept("link", "--format", "csv")[1])))["link"]
+    _, out, _ = swept("link", "--format", "csv", "--link", link)
+    assert {row["link"] for row in rows(out)} == {link}
+
+
+def test_swept_values_are_shown_in_the_unit_of_the_study(swept):
+    _, out, _ = swept("storey", "--at", "gap=2 cm", "--storey", "1")
+    assert "cases.gap.gap [cm]" in out
+    assert [line.split()[0] for line in out.splitlines()[2:]] == ["2"] * len(out.splitlines()[2:])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message", "hint"),
+    [
+        (["storey", "--at", "gap"], "--at gap: no value", "--at 'cases.gap.gap=5 cm'"),
+        (["storey", "--at", "gab=1 cm"], "gab is no swept key", "cases.gap.gap, impact.restitution"),
+        (["storey", "--at", "gap=3 cm"], "cases.gap.gap does not take this value", "1 cm, 2 cm"),
+        (["storey", "--at", "gap=2 s"], "cases.gap.gap does not take this value", "1 cm, 2 cm"),
+        (["storey", "--storey", "9"], "there is no storey 9", "1, 2, 3"),
+        (["storey", "--floor", "1"], "the table storey has no column floor", "leave the option out"),
+        (["link", "--link", "roof"], "there is no link 'roof'", "stiff|soft floor 1"),
+    ],
+)
+def test_places_that_are_not_there_are_refused_with_those_that_are(swept, arguments, message, hint):
+    code, out, err = swept(*arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert hint in err
+
+
+def test_a_case_without_links_says_so(folder, pound):  # noqa: F811
+    apart = STUDY.replace("cases:\n", "cases:\n  apart: {link: none}\n")
+    (folder / "two.yaml").write_text(apart)
+    pound("run", "two.yaml", "-o", "r.h5", "-q")
+    code, _, err = pound("show", "r.h5", "link", "--case", "apart")
+    assert code == 2
+    assert "apart has no links" in err
+    assert "touching" in err or "gap" in err

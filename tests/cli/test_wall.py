@@ -14,7 +14,7 @@ from pounding_cli.cli.wall import command
 from pounding_cli.errors import InputError
 from pounding_cli.report.wall_claims import wall_claims
 from pounding_cli.report.wall_figures import accuracy_figure
-from pounding_cli.store.swept import open_swept
+from pounding_cli.store.files import opened_kind
 from pounding_cli.study.wall_study import load_wall_study
 from pounding_cli.wall.analysis import strike
 
@@ -118,7 +118,7 @@ def test_accuracy_figure_shows_errors_that_fall(tmp_path):
         "sweep: {mesh.element: [linear, quadratic], mesh.size: [1 m, 0.5 m, 0.25 m]}\n"
     )
     run(study, "-o", tmp_path / "a.h5", "--no-figures")
-    with open_swept(tmp_path / "a.h5", "wall") as file:
+    with opened_kind(tmp_path / "a.h5", "wall") as file:
         lines = accuracy_figure(file).axes[0].get_lines()
     assert [len(line.get_ydata()) for line in lines] == [3, 2]
     for line in lines:

@@ -67,7 +67,11 @@ def fault_of(response: Response) -> str:
 
 
 def _grouped(accuracy: float) -> GroupSolver:
-    return GroupSolver(lambda scene, watch: solve(scene, accuracy, bounds=BOUNDS, watch=watch), accuracy)
+    return GroupSolver(
+        lambda scene, watch: solve(scene, accuracy, bounds=BOUNDS, watch=watch),
+        lambda scene, finer: solve(scene, finer, bounds=BOUNDS),
+        accuracy,
+    )
 
 
 def unlike_the_whole(scene: Scene, parted: Response) -> str:

@@ -16,7 +16,7 @@ def by_kernel(scene):
 
 
 def by_proof(scene):
-    return GroupSolver(lambda part, watch: solve(part, 1e-9, watch=watch), 1e-9)(scene)
+    return GroupSolver(lambda part, watch: solve(part, 1e-9, watch=watch), solve, 1e-9)(scene)
 
 
 @pytest.mark.parametrize("solved", [by_kernel, by_proof])

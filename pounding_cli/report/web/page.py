@@ -12,7 +12,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pounding_cli import __version__
-from pounding_cli.report.evidence import Evidence, Tables, flags, motion_label, motion_sentence
+from pounding_cli.report.evidence import Evidence, Tables, motion_label, motion_sentence
 from pounding_cli.report.figures import plotted_cases
 from pounding_cli.report.sensitivity import Column
 from pounding_cli.report.verdicts import Judgement
@@ -20,9 +20,11 @@ from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer
 from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.data import as_json, chosen_points, point_of, tables
+from pounding_cli.report.web.limits import limits
 from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, pictures
 from pounding_cli.report.web.sweep import sweep_data
+from pounding_cli.store import flag_groups_of
 from pounding_cli.words import counted
 
 PAGE = "report.html"
@@ -97,7 +99,8 @@ def write_page(
         "pictures_left": len(figures) - len(drawn) if len(figures) > MOST_FIGURES else 0,
         "cases": story.cases(shown),
         "effects": story.effects(scene),
-        "flags": flags(scene),
+        "flags": flag_groups_of(scene, results.units),
+        "limits": limits(results),
         "failures": story.failures(scene, shown.units),
         "runs": len(scene),
         "scenes": results.attrs.get("scenes"),

@@ -72,8 +72,10 @@ def _words(name: str, evidence: Evidence) -> tuple[str, str]:
     if what == "cases":
         said = "One panel a case with every motion and their mean, storey by storey"
         return f"{building}: every case and motion", f"{said}. {_largest(evidence, building)}"
-    if what == "sweep":
-        return f"{building}: over the sweep", "Largest mean ratios over the swept values, one line a case."
+    if what in ("sweep", "map"):
+        of = building.replace("-", ", ")
+        said = "one line a case" if what == "sweep" else "as maps over two swept keys, one a case"
+        return f"{of}: over the sweep", f"Means over the motions where they are largest, {said}."
     said = "Ratios to the building alone, storey by storey, one line a case"
     return f"{building}: storey shears and ductilities", f"{said}. {_largest(evidence, building)}"
 

@@ -13,7 +13,7 @@ import pandas as pd
 from pounding_cli.report.axes import SweptAxis, swept_axes
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Tables, names
-from pounding_cli.report.quantity import point_numbers
+from pounding_cli.report.quantity import largest, over_motions, point_numbers
 from pounding_cli.report.web.data import numbers
 from pounding_cli.store import flagged_scenes
 
@@ -34,7 +34,7 @@ def sweep_data(results: Tables, cases: Sequence[str]) -> dict[str, Any] | None:
 
     `rows` of a quantity: case, analysis and building or pair as places in `names`, then storey or floor (0: the largest
     over the height); `mean`, `low` and `high` over the motions, row after row. `void`: by case and analysis how many
-    motions have numbers without meaning, at every point. `thinned`: every how many points of the longest axes there are.
+    motions have numbers without meaning, at every point. `thinned`: every how many points of the longest axes.
     """
     axes = swept_axes(results)
     if not axes:
@@ -75,13 +75,11 @@ def _quantity(
 ) -> list[dict[str, Any]]:
     """One quantity for the page; none where it has no number."""
     place = _place(level)
-    found = frame.groupby(["point", *place], sort=False)[key].agg(["mean", "min", "max", "count"]).reset_index()
-    found = found[found["count"] > 0]
+    found = over_motions(frame, key, place)
     if found.empty:
         return []
     if not heights:
-        largest = found["mean"].abs().groupby([found[name] for name in ("point", *place[:3])], sort=False).idxmax()
-        found = found.loc[largest].assign(**{place[3]: 0})
+        found = largest(found, ["point", *place[:3]]).assign(**{place[3]: 0})
     rows = found[place].drop_duplicates()
     row = pd.MultiIndex.from_frame(rows).get_indexer(pd.MultiIndex.from_frame(found[place]))
     look = shown(key)

@@ -10,10 +10,12 @@ import pytest
 from study_plans import known, small_plan
 
 from pounding_cli.batch import histories, run_plan
+from pounding_cli.batch.progress import Quiet
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.solve import solve
 from pounding_cli.solve.histories import history
 from pounding_cli.store import is_current, open_results
+from pounding_cli.store.histories import FIELDS
 
 
 @pytest.fixture
@@ -38,6 +40,16 @@ def made(monkeypatch):
 
     monkeypatch.setattr(histories, "history", counted)
     return digests
+
+
+class Told(Quiet):
+    """Collects what a run says."""
+
+    def __init__(self) -> None:
+        self.said: list[str] = []
+
+    def say(self, text: str) -> None:
+        self.said.append(text)
 
 
 class Peaks:
@@ -90,7 +102,73 @@ def test_histories_that_are_there_are_not_run_again(plan, output, made):
     fewer = replace(plan, kept=plan.kept[:1])
     run(fewer, output)
     assert len(made) == 8
+    assert len(open_results(output).histories()) == 8
+    run(fewer, output, replace=True)
     assert len(open_results(output).histories()) == 1
+
+
+def test_what_a_run_kept_stays_when_another_does_not_ask_for_it(plan, output, made):
+    """The study without `keep`, then without the case, then as it was: nothing is run or solved again."""
+    run(plan, output)
+    before = open_results(output).history("touching", "inelastic", "strong")
+    progress = Told()
+    run(replace(plan, kept=()), output, progress=progress)
+    assert len(open_results(output).histories()) == 4
+    run(replace(small_plan(cases=(("gap", 0.05),)), every=0.01), output, progress=progress)
+    results = open_results(output)
+    assert len(results.histories()) == 0
+    assert set(results.scene()["case"]) == {"gap"}
+    assert "4 scenes no longer in the study stay in the file" in progress.said[-2]
+    assert progress.said[-1].startswith("4 histories of scenes no longer in the study stay in the file; --replace")
+    peaks = Peaks()
+    run(plan, output, solve=peaks)
+    assert (peaks.calls, len(made)) == (0, 4)
+    after = open_results(output).history("touching", "inelastic", "strong")
+    for name in FIELDS:
+        if not name.startswith("energy"):
+            assert np.array_equal(getattr(before, name), getattr(after, name), equal_nan=True), name
+    assert open_results(output).attrs["scenes"] == len(plan.scenes)
+
+
+def test_replace_leaves_out_what_the_study_does_not_have(plan, output):
+    run(plan, output)
+    small = small_plan(cases=(("gap", 0.05),))
+    run(small, output)
+    size = output.stat().st_size
+    peaks = Peaks()
+    run(small, output, replace=True, solve=peaks)
+    assert peaks.calls == 0
+    assert output.stat().st_size < 0.9 * size
+    run(plan, output, solve=peaks)
+    assert peaks.calls == 4
+
+
+def test_histories_of_another_accuracy_are_not_dropped_unasked(plan, output):
+    """They can be neither kept, since their tables are gone, nor made, since the study does not ask for them."""
+    run(plan, output)
+    content = output.read_bytes()
+    finer = replace(plan, accuracy=1e-9, kept=plan.kept[:1])
+    with pytest.raises(InputError, match=r"keeps 3 histories that this run would drop: .* accuracy 1e-06") as refused:
+        run(finer, output)
+    assert "--replace" in refused.value.problems[0].hint
+    assert output.read_bytes() == content
+    run(replace(plan, accuracy=1e-9), output)  # all are made anew
+    run(replace(finer, accuracy=1e-8), output, replace=True)
+    assert len(open_results(output).histories()) == 1
+
+
+def test_damaged_histories_are_run_again(plan, output, made):
+    run(plan, output)
+    with h5py.File(output) as file:
+        at = file["histories/1/shear"].id.get_chunk_info(0).byte_offset
+    content = bytearray(output.read_bytes())
+    content[at + 3] ^= 16
+    output.write_bytes(content)
+    with pytest.raises(InputError, match="is damaged: bytes "):
+        open_results(output).history("touching", "elastic", "weak")
+    run(plan, output)
+    assert 4 < len(made) <= 8  # they are so short that damage to one may reach the next
+    assert len(open_results(output).histories()) == 4
 
 
 @pytest.mark.parametrize("change", [{"every": 0.005}, {"accuracy": 1e-9}])

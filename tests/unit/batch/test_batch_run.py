@@ -245,11 +245,18 @@ def test_a_worker_killed_once_from_outside_costs_nothing(plan, output, tmp_path)
     assert (outcome.done, outcome.failed) == (24, 0)
 
 
+def in_parts(plan, output) -> int:
+    """How many scenes the parts hold."""
+    parts = PartStore(output, solution_key(plan.accuracy, plan.method))
+    assert parts.load() == []
+    return len(parts)
+
+
 def test_stopped_then_run_again_goes_on_where_it_was(plan, output):
     with pytest.raises(KeyboardInterrupt):
         in_process(plan, output, solve=Counting(stop_after=10))
     assert not output.exists()
-    assert PartStore(output, solution_key(plan.accuracy, plan.method)).load(plan.scenes) == 10
+    assert in_parts(plan, output) == 10
     solve = Counting()
     outcome = in_process(plan, output, solve=solve)
     assert (outcome.done, outcome.reused, solve.calls) == (14, 10, 14)
@@ -262,7 +269,7 @@ def test_stopped_with_workers_at_work_ends_them_and_keeps_the_scenes(plan, outpu
     with pytest.raises(KeyboardInterrupt):
         run_plan(plan, output, solve=slow, workers=2, progress=progress)
     assert time.monotonic() - begin < 5
-    kept = PartStore(output, solution_key(plan.accuracy, plan.method)).load(plan.scenes)
+    kept = in_parts(plan, output)
     assert 12 <= kept < 24
     assert progress.said == [f"{kept} of 24 scenes kept in {output}.parts"]
     assert run_plan(plan, output, solve=known).reused == kept
@@ -274,8 +281,8 @@ def test_refused_outputs_are_refused_before_anything_is_solved(plan, tmp_path):
     h5py.File(tmp_path / "other.h5", "w").close()
     for output, message in (
         (tmp_path, "the output is a folder"),
-        (tmp_path / "notes.txt", "not a results file of pound"),
-        (tmp_path / "other.h5", "not a results file of pound"),
+        (tmp_path / "notes.txt", "was not written by this command"),
+        (tmp_path / "other.h5", "was not written by this command"),
         (tmp_path / "notes.txt" / "r.h5", "cannot be written"),
     ):
         with pytest.raises(InputError, match=message) as refused:

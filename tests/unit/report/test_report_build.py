@@ -51,7 +51,8 @@ def test_page_tells_flags_and_failed_runs(tmp_path):
     page = (tmp_path / "summary.md").read_text(encoding="utf-8")
     assert "2 of 40 runs failed" in page
     assert "| touching | elastic | elcentro | event bound reached | loosen the accuracy |" in page
-    assert "| connector closed beyond its gap: stiff\\|soft floor 5 | 40 |" in page
+    assert "- touching, elastic, 5 of 5 runs (all): connector closed beyond its gap" in page.replace("scenes", "runs")
+    assert page.count("(e.g. stiff|soft floor 5)") == 8  # four cases, two analyses
 
 
 def test_sweep_gives_the_verdict_at_every_value(tmp_path):

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from report_fakes import CASES, RECORDS, make
 
-from pounding_cli.report.evidence import flags, motion_label, motion_sentence, points
+from pounding_cli.report.evidence import motion_label, motion_sentence, points
 
 
 def test_mean_over_motions_is_the_mean_of_the_ratios():
@@ -97,11 +97,6 @@ def test_motions_are_labelled_by_where_they_come_from(sources, label, sentence):
     records = make(sources=sources).records()
     assert motion_label(records) == label
     assert motion_sentence(records) == sentence
-
-
-def test_flags_are_counted_over_the_runs():
-    scene = pd.DataFrame({"flags": ["a\nb", "", "b", None, np.nan, '["b", "c"]']})
-    assert flags(scene) == {"b": 3, "a": 1, "c": 1}
 
 
 def test_cases_keep_the_order_of_the_file():

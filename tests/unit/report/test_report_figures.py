@@ -5,52 +5,16 @@ from __future__ import annotations
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.text import Text
 from report_fakes import CASES, make
+from report_figures import assert_no_overlap, panels
 
 from pounding_cli.errors import InputError
 from pounding_cli.report import figures
 from pounding_cli.report.evidence import points
 from pounding_cli.report.style import looks, save
-from pounding_cli.report.sweep import sweep_figures
 
 ALL = tuple(CASES)
 FOUR = {"report": {"plot": ["touching", "gap", "infill", "connected"]}}
-
-
-def panels(figure):
-    """The axes that carry data, in the order they were made."""
-    return [ax for ax in figure.axes if ax.axison]
-
-
-def visible_texts(figure):
-    """Every piece of text that is really drawn, with its box on the canvas."""
-    drawn = {}
-    draw = Text.draw
-
-    def remember(text, renderer, *rest, **keywords):
-        if text.get_visible() and text.get_text().strip():
-            drawn[id(text)] = text
-        return draw(text, renderer, *rest, **keywords)
-
-    canvas = FigureCanvasAgg(figure)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Text, "draw", remember)
-        canvas.draw()
-    return [(text.get_text(), text.get_window_extent(canvas.get_renderer())) for text in drawn.values()]
-
-
-def assert_no_overlap(figure):
-    texts = visible_texts(figure)
-    assert len(texts) > 10
-    width, height = figure.bbox.width, figure.bbox.height
-    for number, (words, box) in enumerate(texts):
-        assert min(box.x0, box.y0, width - box.x1, height - box.y1) >= -1, f"{words!r} is cut"
-        for other, box2 in texts[number + 1 :]:
-            across = min(box.x1, box2.x1) - max(box.x0, box2.x0)
-            along = min(box.y1, box2.y1) - max(box.y0, box2.y0)
-            assert across <= 1 or along <= 1, f"{words!r} stands on {other!r}"
 
 
 def test_response_draws_mean_and_extremes_of_every_case():
@@ -141,35 +105,6 @@ def test_no_text_stands_on_another(results):
     evidence = points(results)[0]
     for figure in figures.draw_all(evidence).values():
         assert_no_overlap(figure)
-
-
-def test_sweep_figure_follows_the_swept_value():
-    evidences = points(make(axis=("impact.restitution", [0.65, 0.4])))
-    figure = sweep_figures(evidences)["stiff-sweep"]
-    line = panels(figure)[0].lines[0]  # touching: top storey 1.4 x 1.04, a tenth more at the second value
-    np.testing.assert_allclose(line.get_xdata(), [0.4, 0.65])
-    np.testing.assert_allclose(line.get_ydata(), [1.4 * 1.04 * 1.1, 1.4 * 1.04], rtol=1e-12)
-    assert_no_overlap(figure)
-
-
-def test_sweep_over_words_stands_on_their_names():
-    editions = ["UBC-1985", "UBC-1988", "UBC-1991"]
-    figure = sweep_figures(points(make(axis=("buildings.stiff.yield.code", editions))))["soft-sweep"]
-    assert [tick.get_text() for tick in panels(figure)[0].get_xticklabels()] == editions
-    assert_no_overlap(figure)
-
-
-def test_sweep_over_long_words_numbers_them_and_gives_the_key():
-    yields = [
-        "{code: UBC-1991, zone: 0.4, soil: 1.2, Rw: 12}",
-        "{code: UBC-1985, zone: 1.0, soil: 1.2, K: 0.67}",
-        "{code: UBC-1985, zone: 1.0, soil: 1.2, K: 1.0}",
-    ]
-    figure = sweep_figures(points(make(axis=("buildings.stiff.yield", yields))))["soft-sweep"]
-    assert [tick.get_text() for tick in panels(figure)[0].get_xticklabels()] == ["1", "2", "3"]
-    key = figure.get_supxlabel().replace("\n", " ")
-    assert f"(1) {yields[0]}; (2) {yields[1]}; (3) {yields[2]}." in key
-    assert_no_overlap(figure)
 
 
 def test_cases_differ_in_colour_marker_and_line_together():

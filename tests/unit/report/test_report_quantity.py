@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import product
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -13,6 +12,7 @@ from report_fakes import MOTIONS, make
 from pounding_cli.errors import InputError
 from pounding_cli.report.axes import swept_axes
 from pounding_cli.report.quantity import Choice, over_sweep, quantities
+from pounding_cli.words import Unit
 
 PERIODS = (0.4, 0.5, 0.6)
 GAPS = (0.0, 0.05)
@@ -37,7 +37,7 @@ def swept():
     frames["storey"].loc[lost, "V_ratio"] = np.nan
     fake = parts[0]
     fake._frames |= frames
-    fake.units = {"gap_axis": SimpleNamespace(name="cm", factor=0.01)}
+    fake.units = {"gap_axis": Unit("cm", 0.01, "m")}
     return fake
 
 
@@ -88,9 +88,11 @@ def test_links_and_units(swept):
 
 
 def test_a_part_of_the_sweep(swept):
-    found = over_sweep(swept, Choice("V_ratio", case="gap")).at([slice(None), 1])
-    assert [axis.keys for axis in found.axes] == [("period",)]
-    assert found.mean.shape == (3,)
+    period, gap = swept_axes(swept)
+    whole = over_sweep(swept, Choice("V_ratio", case="gap")).mean
+    np.testing.assert_array_equal(over_sweep(swept, Choice("V_ratio", case="gap"), [gap, period]).mean, whole.T)
+    part = over_sweep(swept, Choice("V_ratio", case="gap"), [period], {"gap_axis": 0.05})
+    np.testing.assert_array_equal(part.mean, whole[:, 1])
 
 
 def test_every_quantity_named_is_a_column_of_its_table(tmp_path):

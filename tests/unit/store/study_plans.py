@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -23,7 +24,8 @@ class FakeStudy:
 
     text: str = "title: two buildings  # µ as written\n"
     title: str = "two buildings"
-    path: str = "two.yaml"
+    path: Path = Path("two.yaml")
+    from_data: bool = False
     warnings: tuple[Problem, ...] = ()
     group: tuple[Building, ...] = ()
     swept: int = 0

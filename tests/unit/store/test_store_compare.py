@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import h5py
 import numpy as np
 import pytest
+from sealing import edited
 from study_plans import Axis, FakeStudy, known, small_plan
 
 from pounding_cli.store import open_results, write_results
@@ -165,7 +165,7 @@ def test_words_and_versions_make_no_difference_keys_do(made, tmp_path):
     first = made("a", plan=small_plan(study=FakeStudy(text="gap: 5 cm\n", facts=facts(0.05, 1.0))))
     other = small_plan(study=FakeStudy(text="gap: 50 mm\n", facts=facts(0.05, 2.0)))
     made("b", plan=other)
-    with h5py.File(tmp_path / "b.h5", "a") as file:
+    with edited(tmp_path / "b.h5") as file:
         file["software"].attrs["numpy"] = "1.0"
     found = compare(first, open_results(tmp_path / "b.h5"))
     assert found.lines == ("-gap: 5 cm", "+gap: 50 mm")

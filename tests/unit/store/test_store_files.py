@@ -7,12 +7,12 @@ import signal
 import subprocess
 import sys
 
-import h5py
 import pytest
-from study_plans import known, small_plan
+from sealing import edited
+from study_plans import FakeStudy, known, small_plan
 
 from pounding_cli.errors import InputError
-from pounding_cli.store import check_output, former_run, locked, solution_key, write_results
+from pounding_cli.store import check_results, former_run, locked, solution_key, write_results
 from pounding_cli.store.files import refused_write
 from pounding_cli.store.keys import FORMAT_VERSION
 
@@ -26,11 +26,11 @@ def results(tmp_path):
 
 
 def test_results_of_a_newer_program_are_not_overwritten(results):
-    check_output(results)
-    with h5py.File(results, "a") as file:
+    check_results(results, FakeStudy())
+    with edited(results) as file:
         file.attrs["format_version"] = FORMAT_VERSION + 1
     with pytest.raises(InputError, match="newer than this program's") as refused:
-        check_output(results)
+        check_results(results, FakeStudy(), replace=True)
     assert "move it away" in refused.value.problems[0].hint
 
 
@@ -57,7 +57,7 @@ def test_a_second_run_on_one_file_is_refused(tmp_path):
 HOLD = """
 import os, sys, time
 from pathlib import Path
-from pounding_cli.store.files import locked
+from pounding_cli.store.locks import locked
 with locked(Path(sys.argv[1])):
     if os.fork() == 0:  # a worker outlives a parent that is killed
         time.sleep(60)

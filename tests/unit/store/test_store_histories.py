@@ -13,7 +13,7 @@ from study_plans import Axis, known, small_plan
 from pounding_cli.errors import InputError
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.store import open_results, write_results
-from pounding_cli.store.histories import FIELDS
+from pounding_cli.store.histories import FIELDS, Kept
 
 TIMES, STOREYS = 7, 3
 
@@ -42,7 +42,7 @@ def kept(tmp_path):
     plan = replace(plan, kept=tuple(r for r in plan.rows if r.case == "gap" and r.record == "strong"))
     path = tmp_path / "kept.h5"
     responses = {digest: known(scene) for digest, scene in plan.scenes.items()}
-    write_results(path, plan, responses, histories=((row, made_up(row)) for row in plan.kept))
+    write_results(path, plan, responses, histories=(Kept(row, plan.every, made_up(row)) for row in plan.kept))
     return path, plan
 
 
@@ -131,7 +131,7 @@ def test_a_scene_with_fewer_links_or_storeys_is_padded(tmp_path):
         whole = made_up(row, () if row.case == "far" else ("stiff|soft floor 2",))
         return replace(whole, shear=whole.shear[:, :, :2], drift=whole.drift[:, :, :2])
 
-    write_results(path, plan, responses, histories=((row, shorter(row)) for row in plan.kept))
+    write_results(path, plan, responses, histories=(Kept(row, plan.every, shorter(row)) for row in plan.kept))
     results = open_results(path)
     far = results.history(case="far", analysis="elastic", record="weak")
     assert far.link_force.shape == (TIMES, 2)

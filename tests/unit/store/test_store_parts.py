@@ -85,12 +85,14 @@ def test_a_store_gives_back_what_went_in_from_memory_and_from_disk(tmp_path, pla
     assert len(list(store.folder.iterdir())) == -(-len(names) // 5)
     assert all(same(responses[name], store[name]) for name in names)
     found = PartStore(tmp_path / "r.h5", "key")
-    assert found.load(responses) == len(responses)
+    assert found.load() == []
+    assert len(found) == len(responses)
     assert all(same(responses[name], found[name]) for name in names)
     taken = found.take(names[::-1])
     assert all(same(responses[name], decode(*each)) for name, each in zip(names[::-1], taken, strict=True))
     assert found.seconds("odd") == 1 / 3
-    assert found.storeys == 3
+    assert found.storeys(responses) == 3
+    assert found.storeys([name for name in responses if len(responses[name].buildings) == 1][-1:]) == 2
     assert set(found) == set(responses)
 
 
@@ -101,9 +103,13 @@ def test_only_what_is_wanted_and_done_and_of_this_key_is_found(tmp_path, respons
     store.add(Chunk.of({first: responses[first], second: stopped, third: responses[third]}))
     store.flush()
     found = PartStore(tmp_path / "r.h5", "key")
-    assert found.load({first: None, second: None}) == 1
+    assert found.load() == []
+    assert list(found) == [first, third]
+    found.only({first: None, second: None})
     assert list(found) == [first]
-    assert PartStore(tmp_path / "r.h5", "another key").load(responses) == 0
+    another = PartStore(tmp_path / "r.h5", "another key")
+    assert another.load() == []
+    assert len(another) == 0
 
 
 @pytest.mark.parametrize("place", [0, 20, 90, -3])  # magic, digest, words, numbers
@@ -118,7 +124,22 @@ def test_damaged_and_foreign_parts_are_passed_over(tmp_path, responses, place):
     part.write_bytes(content)
     (store.folder / "x.part").write_bytes(b"nothing of ours")
     (store.folder / "empty.part").touch()
-    assert PartStore(tmp_path / "r.h5", "key").load(responses) == len(responses) - 4
+    found = PartStore(tmp_path / "r.h5", "key")
+    assert sorted(found.load()) == sorted([part, store.folder / "x.part", store.folder / "empty.part"])
+    assert len(found) == len(responses) - 4
+
+
+def test_a_part_that_is_damaged_after_it_was_listed_is_not_read(tmp_path, responses):
+    store = PartStore(tmp_path / "r.h5", "key")
+    store.add(Chunk.of(responses))
+    store.flush()
+    (part,) = store.folder.iterdir()
+    content = bytearray(part.read_bytes())
+    content[-3] ^= 1
+    part.write_bytes(content)
+    with pytest.raises(OSError, match="damaged since it was written") as refused:
+        store.take(list(responses))
+    assert refused.value.filename == str(part)
 
 
 def test_a_part_that_cannot_be_written_leaves_nothing_half_written(tmp_path, responses, monkeypatch):
@@ -130,4 +151,6 @@ def test_a_part_that_cannot_be_written_leaves_nothing_half_written(tmp_path, res
             store.flush()
     assert list(store.folder.iterdir()) == []
     store.flush()  # there is space again
-    assert PartStore(tmp_path / "r.h5", "key").load(responses) == len(responses)
+    found = PartStore(tmp_path / "r.h5", "key")
+    assert found.load() == []
+    assert len(found) == len(responses)

@@ -23,6 +23,7 @@ MODELS = {
     "`records.scale`: a target spectrum": record_schema.SpectrumScale,
     "`buildings.NAME`": schema.BuildingSpec,
     "`yield`": schema.CodeDesign,
+    "`yield`: a base-shear coefficient": schema.BaseShear,
     "`rayleigh`": schema.Rayleigh,
     "`foundation`": schema.FoundationSpec,
     "`impact`": schema.Impact,

@@ -352,8 +352,170 @@ CASES = {
         "merge keys (<<) are not used",
         "like: NAME",
     ),
+    "decimal comma": ("0.36 s", "§'0,36 s'", "has a decimal comma, write `0.36 s`", "e.g. 0.36 s"),
+    "decimal comma in brackets": (
+        STIFF,
+        "stiff: {storeys: 3, period: §0,36 s, mass: 200 t}",
+        "'0,36 s' has a decimal comma: inside brackets a comma ends the value",
+        "write `0.36 s`",
+    ),
+    "list for one value": (
+        STIFF,
+        "stiff: {storeys: 3, period: §[0.6, 0.2]}",
+        "a list stands where one period belongs",
+        "under `sweep:`",
+    ),
+    "mapping for one value": (STIFF, "stiff: {storeys: 3, period: §{s: 1}}", "a mapping stands where one", "0.36 s"),
+    "comment that touches its value": (
+        SOFT,
+        "soft:\n    like: stiff\n    period: §0.60 s# secs",
+        "a comment needs a blank before its #, write `0.60 s  # secs`",
+        "0.36 s",
+    ),
+    "comment that hides a bracket": (
+        STIFF,
+        "stiff: {storeys: 3, period: 0.36 s §# three}",
+        "a # inside brackets hides the rest of its line, the closing bracket too",
+        "behind the closing bracket",
+    ),
+    "no blank after a colon in brackets": (
+        STIFF,
+        "stiff: {storeys: 3, §period:0.36 s}",
+        "'period:0.36 s' lacks a blank after its colon",
+        "write `period: 0.36 s`",
+    ),
+    "no blank after a colon": (
+        SOFT,
+        "soft:\n    like: stiff\n    §period:0.60 s",
+        "'period:0.60 s' lacks a blank after its colon",
+        "write `period: 0.60 s`",
+    ),
+    "no blank after the only colon": (
+        SOFT,
+        "soft:\n    §period:0.60 s",
+        "'period:0.60 s' lacks a blank after its colon",
+        "write `period: 0.60 s`",
+    ),
+    "weight for a mass": (
+        "200 t",
+        "§2000 kN",
+        "'2000 kN' is a force, not a mass: the weight of about 204 t",
+        "`204 t`",
+    ),
+    "storeys are true": ("storeys: 3", "storeys: §true", "true is not a whole number", "e.g. 5"),
+    "storeys with an underscore": ("storeys: 3", "storeys: §1_0", "'1_0' is not a whole number", "e.g. 5"),
+    "storeys in fullwidth digits": ("storeys: 3", "storeys: §\uff13", "is not a whole number", "e.g. 5"),
+    "period in fullwidth digits": ("0.36 s", "§\uff11 s", "is not a number with a unit", "0.36 s"),
+    "floor 0": (GAP, "gap: {link: pounding, gap: 5 cm, floors: §0}", "must be at least 1", "at least 1"),
+    "single floor that is not there": (
+        GAP,
+        "gap: {link: pounding, gap: 5 cm, floors: §7}",
+        "no common floor 7",
+        "1, 2, 3",
+    ),
+    "building twice in two spellings": (
+        SOFT,
+        'soft: {like: stiff, period: 0.60 s}\n  §" soft": {like: stiff, period: 1 s}',
+        "'soft' stands twice; first in line 8",
+        "remove one",
+    ),
+    "case twice in two spellings": (
+        GAP,
+        GAP + "\n  §' gap ': {link: none}",
+        "'gap' stands twice; first in line 12",
+        "remove one",
+    ),
+    "floor twice in two spellings": (
+        GAP,
+        "gap: {link: pounding, gap: 5 cm, by_floor: {1: none, §01: pounding}}",
+        "'1' stands twice; first in line 12, column 47",
+        "remove one",
+    ),
+    "target twice in two spellings": (
+        "scale: 1.0",
+        "scale: {spectrum: mean, target: §{0.1 s: 0.8 g, 100 ms: 0.2 g, 2 s: 0.1 g}, from: 0.2 s, to: 1 s}",
+        "'0.1 s' and '100 ms' are one period",
+        "remove one",
+    ),
+    "sweep value twice in two spellings": (
+        "[elastic]",
+        "[elastic]\nsweep:\n  impact.restitution: [0.5, 0.4, §1/2]",
+        "0.5 and 1/2 are the same and stand on the axis",
+        "remove one",
+    ),
+    "base shear as a force": (
+        STIFF,
+        "stiff: {storeys: 3, period: 1 s, yield: {base_shear: §900 kN}}",
+        "'900 kN' is a force: the base shear is given as a part of the weight W",
+        "0.10 W",
+    ),
+    "base shear beside a code": (
+        STIFF,
+        "stiff: {storeys: 3, period: 1 s, yield: {code: UBC-1991, §base_shear: 0.1 W}}",
+        "'base_shear' and 'code' cannot both be given",
+        "remove one",
+    ),
+    "distribution without base shear": (
+        STIFF,
+        "stiff: {storeys: 3, period: 1 s, yield: §{distribution: uniform}}",
+        "'base_shear' is missing",
+        "0.10 W",
+    ),
+    "unknown distribution": (
+        STIFF,
+        "stiff: {storeys: 3, period: 1 s, yield: {base_shear: 0.1, distribution: §linear}}",
+        "'linear' is not known",
+        "'triangular', 'uniform', 'parabolic', 'asce7' or 'ubc'",
+    ),
     "tag": ("0.36 s", "§!!python/name:os.system x", "is not used here", "plain value"),
 }
+
+
+RANGES = {
+    "range of one": ("{from: 0.2 s, to: 1.5 s, count: §1}", "count: 1; a range has 2 to 10000 values", "list of one"),
+    "range of millions": ("{from: 0.2 s, to: 1.5 s, count: §1900000}", "a range has 2 to 10000", "smaller count"),
+    "range of half a value": ("{from: 0.2 s, to: 1.5 s, count: §2.5}", "'2.5' is not a whole number", "e.g. 15"),
+    "range without count": ("§{from: 0.2 s, to: 1.5 s}", "neither 'count' nor 'step'", "one of them"),
+    "range with both": ("§{from: 0.2 s, to: 1.5 s, count: 3, step: 0.1 s}", "both 'count' and 'step'", "one of them"),
+    "range without end": ("§{from: 0.2 s, count: 3}", "lacks 'to'", "{from: 0.2 s, to: 1.5 s, count: 14}"),
+    "range with another key": ("{from: 0.2 s, to: 1 s, §number: 3, count: 3}", "unknown key 'number'", "known: from"),
+    "step that does not fit": ("{from: 0.2 s, to: 1.5 s, step: §0.4 s}", "that is 3.25 steps", "count: 4"),
+    "step of zero": ("{from: 0.2 s, to: 1.5 s, step: §0 s}", "a step of zero leads nowhere", "towards `to:`"),
+    "step backwards": ("{from: 0.2 s, to: 1.5 s, step: §-0.1 s}", "leads away from 'to'", "towards `to:`"),
+    "step too small": ("{from: 0.2 s, to: 1.5 s, step: §1e-9 s}", "make 1.3e+09 values", "larger step"),
+    "step in metres": ("{from: 0.2 s, to: 1.5 s, step: §1 m}", "'1 m' is no step of a period: expected s", "write"),
+    "range in metres": ("{from: 0.2 s, to: §1 m, count: 3}", "'1 m' is no period: expected s", "e.g. 0.36 s"),
+    "range to a bare number": ("{from: 0.2 s, to: §2, count: 3}", "2 has no unit", "without one it is 2 s"),
+    "range of a point": ("{from: 0.2 s, to: §200 ms, count: 3}", "ends where it begins", "apart from"),
+    "range beyond reason": ("{from: 0.2 s, to: §90 s, count: 3}", "the period is 90 s", "at most 60 s"),
+    "log through zero": ("{from: §-1 s, to: 1.5 s, count: 3, spacing: log}", "above 0 s", "above 0 s"),
+    "log with a step": ("{from: 0.2 s, to: 1.5 s, §step: 0.1 s, spacing: log}", "no step", "`count:`"),
+    "unknown spacing": ("{from: 0.2 s, to: 1.5 s, count: 3, spacing: §logarithmic}", "is not known", "linear or log"),
+}
+
+
+@pytest.mark.parametrize("name", RANGES)
+def test_range_refused(name, refused):
+    """On an axis of its own and on one of two keys that move together."""
+    text, message, hint = RANGES[name]
+    refused(
+        ("[elastic]", f"[elastic]\nsweep:\n  buildings.soft.period: {text}"),
+        message=message,
+        hint=hint,
+    )
+    refused(
+        ("[elastic]", f"[elastic]\nsweep:\n  - {{buildings.soft.period: {text}, cases.gap.gap: [1 cm, 2 cm, 3 cm]}}"),
+        message=message,
+        hint=hint,
+    )
+
+
+def test_logarithmic_range_from_zero_is_refused(refused):
+    refused(
+        ("[elastic]", "[elastic]\nsweep:\n  cases.gap.gap: {from: 0 cm, to: 5 cm, count: 3, spacing: §log}"),
+        message="a logarithmic range cannot reach zero",
+        hint="above zero",
+    )
 
 
 @pytest.mark.parametrize("name", CASES)

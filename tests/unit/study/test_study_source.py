@@ -6,7 +6,7 @@ import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.study import load_study
-from pounding_cli.study.source import read_source
+from pounding_cli.study.yaml_file import read_source
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_aliases_stand_for_their_anchor(read):
         ("a: 1\nb: 2\na: 3\n", 3, 1, "'a' stands twice; first in line 1", "remove"),
         ("? [1]\n: 2\n", 1, 3, "a key must be a word", "key: value"),
         ("a: 1e999\n", 1, 4, "too large", "1e308"),
-        ("a: &a [*a]\n", 1, 4, "nested too deeply", "levels"),
+        ("a: &a [*a]\n", 1, 8, "undefined alias", "quotes"),
     ],
 )
 def test_what_is_no_study(read, text, line, column, message, hint):

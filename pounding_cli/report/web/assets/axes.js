@@ -202,7 +202,7 @@ function bindPoints(box, root, points, chart, x, y) {
   box.onblur = hide;
   box.onkeydown = (event) => {
     const back = chart.along === 'y' ? 'ArrowDown' : 'ArrowLeft', on = chart.along === 'y' ? 'ArrowUp' : 'ArrowRight';
-    const before = chart.along === 'y' ? 'ArrowLeft' : 'ArrowUp', after = chart.along === 'y' ? 'ArrowRight' : 'ArrowDown';
+    const [before, after] = chart.along === 'y' ? ['ArrowLeft', 'ArrowRight'] : chart.cells ? ['ArrowDown', 'ArrowUp'] : ['ArrowUp', 'ArrowDown'];
     if (event.key === 'Escape') return hide();
     if (![back, on, before, after].includes(event.key)) return undefined;
     event.preventDefault();
