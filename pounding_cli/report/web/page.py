@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from pounding_cli import __version__
 from pounding_cli.report.evidence import Evidence, Tables, motion_label, motion_sentence
-from pounding_cli.report.figures import plotted_cases
+from pounding_cli.report.figures import drawn_part
 from pounding_cli.report.sensitivity import Column
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
@@ -29,8 +29,6 @@ from pounding_cli.words import counted
 
 PAGE = "report.html"
 """File name of the page."""
-MOST_CASES = 40
-"""Cases the page carries, those the figures draw first; the tables beside it hold all."""
 MOST_VERDICTS = 100
 """Points of a sweep whose verdicts are listed."""
 
@@ -58,12 +56,10 @@ def write_page(
     """
     judgements = next((judged for where, judged in columns if where == shown.label), columns[0][1])
     scene = results.scene()
-    cases_left = len(shown.cases) - MOST_CASES
-    if cases_left > 0:
-        cases = list(dict.fromkeys([*plotted_cases(shown), *shown.cases]))[:MOST_CASES]
-        at = next(number for number, evidence in enumerate(evidences) if evidence is shown)
-        evidences = [evidence.only(cases) for evidence in evidences]
-        shown = evidences[at]
+    everything = shown
+    if (drawn := drawn_part(shown)) is not shown:
+        evidences = [drawn if evidence is shown else evidence.only(drawn.cases) for evidence in evidences]
+        shown = drawn
     chosen = chosen_points(evidences, shown)
     data = {
         "tables": tables(results, chosen),
@@ -77,7 +73,7 @@ def write_page(
         "building": _main(shown),
         "periods": shown.periods,
     }
-    drawn = pictures(figures, shown)
+    images = pictures(figures, shown)
     content = {
         "title": results.title,
         "data": as_json(data),
@@ -90,13 +86,13 @@ def write_page(
         "points": len(evidences),
         "points_carried": len(chosen),
         "answer": answer(shown),
-        "cases_left": cases_left,
+        "cases_left": len(everything.cases) - len(shown.cases),
         "motion_count": len(shown.records),
         "tiles": story.tiles(shown, judgements, scene),
         "judgements": judgements,
         "verdicts": _verdicts(columns) if len(columns) > 1 else None,
-        "pictures": drawn,
-        "pictures_left": len(figures) - len(drawn) if len(figures) > MOST_FIGURES else 0,
+        "pictures": images,
+        "pictures_left": len(figures) - len(images) if len(figures) > MOST_FIGURES else 0,
         "cases": story.cases(shown),
         "effects": story.effects(scene),
         "flags": flag_groups_of(scene, results.units),
