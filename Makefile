@@ -8,7 +8,7 @@ STUDIES := fig6 fig7
 SYSTEMS := fig5 fig8
 PAGES := $(patsubst %,results/%/report.html,$(STUDIES) $(SYSTEMS))
 
-.PHONY: all setup figures studies pages test lint lock docs peers bench mutants kills fuzz clean
+.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench mutants kills fuzz clean
 
 all: figures
 
@@ -42,6 +42,10 @@ results/%/report.html: results/%.h5
 
 test: setup lint
 	$(BIN)/python -m pytest -n auto
+
+# Kernels by numba's own compile pipeline, as with a version of numba that is not known.
+plain-kernels: setup
+	POUND_PLAIN_KERNELS=1 $(BIN)/python -m pytest tests/unit/kernels/test_simd.py tests/unit/kernels/test_polynomial.py tests/unit/kernels/test_pieces.py tests/verification/test_impact.py tests/verification/test_hysteresis.py tests/verification/test_infill.py tests/verification/test_islands.py tests/verification/test_foundation.py
 
 lint: setup
 	$(BIN)/ruff check .

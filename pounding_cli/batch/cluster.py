@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Generator, Mapping
+import logging
+import threading
+import time
+from collections.abc import Generator, Iterator, Mapping
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import Queue, solve_bundle
 from pounding_cli.batch.engines import Finished
+from pounding_cli.batch.local_cluster import local_cluster
 from pounding_cli.batch.processes import ADVICE, DIED
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.scene import Scene
@@ -21,8 +27,17 @@ if TYPE_CHECKING:
 WORK = 2.0
 """Work in one bundle [s]: a network is slower than a pipe."""
 
-PATIENCE = 30.0
-"""Time a scheduler has to answer, and to find a worker [s]."""
+PATIENCE = 20.0
+"""Time a scheduler has to answer, and may be without a worker [s]."""
+
+POLL = 1.0
+"""How often the scheduler is asked whether it still has workers while none finishes [s]."""
+
+GOODBYE = 5.0
+"""Time the connection has to close [s]."""
+
+SCHEMES = ("tcp", "tls", "ucx", "ucxx", "ws", "wss")
+"""How addresses of schedulers begin."""
 
 
 class Cluster:
@@ -36,6 +51,8 @@ class Cluster:
     def __init__(self, workers: int, scheduler: str | None) -> None:
         self.workers = workers
         self.scheduler = scheduler
+        if scheduler is not None:
+            _check_address(scheduler)
         try:
             import distributed  # noqa: F401
         except ImportError:
@@ -47,38 +64,133 @@ class Cluster:
         from distributed import wait
         from distributed.comm.core import CommClosedError
 
-        client = self._client()
+        where = self.scheduler or "on this machine"
         running: dict[Future, list[str]] = {}
         suspects: list[str] = []
-        try:
-            while queue or suspects or running:
-                self.workers = max(1, sum(client.nthreads().values()))  # workers come and go
-                while (queue or suspects) and len(running) < self.workers:
-                    bundle = [suspects.pop()] if suspects else queue.take(WORK)
-                    running[_sent(client, bundle, scenes, task, key)] = bundle
-                with client.as_current():
-                    ready, _ = wait(list(running), return_when="FIRST_COMPLETED")
-                for future in ready:
-                    bundle = running.pop(future)
-                    yield from _received(future, bundle, scenes, task, key, queue, suspects)
-        except (CommClosedError, OSError, TimeoutError) as error:
-            raise _lost(self.scheduler, error) from None
-        finally:
-            client.close()
+        with ExitStack() as ends:
+            ends.enter_context(_quiet())
+            address = self.scheduler or ends.enter_context(local_cluster(self.workers))
+            client = _connected(address, where)
+            ends.callback(_closed, client)
+            seen, known = time.monotonic(), set[str]()
+            try:
+                while queue or suspects or running:
+                    threads = _threads(client)
+                    _check_workers(client, set(threads) - known)
+                    known |= set(threads)
+                    count = sum(threads.values())
+                    seen = time.monotonic() if count else seen
+                    if time.monotonic() - seen > PATIENCE:
+                        hint = f"start workers: dask worker {address} --nthreads 1; {_AGAIN}"
+                        told = f"the Dask scheduler {where} has had no worker for {PATIENCE:.0f} s"
+                        raise InputError(Problem(told, hint))
+                    self.workers = max(1, count)  # workers come and go
+                    while (queue or suspects) and len(running) < self.workers:
+                        bundle = [suspects.pop()] if suspects else queue.take(WORK)
+                        running[_sent(client, bundle, scenes, task, key)] = bundle
+                    try:
+                        with client.as_current():
+                            ready, _ = wait(list(running), timeout=POLL, return_when="FIRST_COMPLETED")
+                    except TimeoutError:
+                        continue
+                    for future in ready:
+                        bundle = running.pop(future)
+                        yield from _received(future, bundle, scenes, task, key, queue, suspects)
+            except (CancelledError, CommClosedError, OSError, TimeoutError) as error:
+                raise _lost(where, error) from None
 
-    def _client(self) -> Client:
-        from distributed import Client
 
+_SAME = "install this very version of pounding-cli where the scheduler and the workers run"
+_AGAIN = "then run the same command again: what is solved is kept"
+
+
+def _check_address(scheduler: str) -> None:
+    scheme, colons, rest = scheduler.rpartition("://")
+    if colons and scheme not in SCHEMES:
+        hint = "write tcp://HOST:8786, as the scheduler prints it; tls:// where it asks for certificates"
+        raise InputError(Problem(f"the Dask scheduler {scheduler}: no scheduler is reached by {scheme}://", hint))
+    if not rest.rpartition(":")[2].strip("/").isdigit():
+        raise InputError(Problem(f"the Dask scheduler {scheduler}: no port", "write e.g. tcp://HOST:8786"))
+
+
+def _connected(address: str, where: str) -> Client:
+    """A client of the scheduler.
+
+    It connects in a thread of its own: what does not speak Dask's language, such as a web server, can hold it longer
+    than any of its timeouts.
+    """
+    from distributed import Client
+
+    found: list[Client] = []
+    errors: list[Exception] = []
+
+    def connect() -> None:
         try:
-            if self.scheduler is None:
-                return Client(
-                    n_workers=self.workers, threads_per_worker=1, dashboard_address=None, set_as_default=False
-                )
-            client = Client(self.scheduler, timeout=PATIENCE, set_as_default=False)
-            client.wait_for_workers(1, timeout=PATIENCE)
-            return client
-        except (OSError, TimeoutError, ValueError) as error:
-            raise _lost(self.scheduler, error) from None
+            found.append(Client(address, timeout=PATIENCE, set_as_default=False))
+        except Exception as error:  # what a stranger answers is not foreseen; told below
+            errors.append(error)
+
+    trying = threading.Thread(target=connect, daemon=True)
+    trying.start()
+    trying.join(PATIENCE + POLL)
+    if found:
+        return found[0]
+    error = errors[0] if errors else TimeoutError()
+    if isinstance(error, ValueError | TypeError | RuntimeError) and address.startswith("tls"):
+        hint = "set DASK_DISTRIBUTED__COMM__TLS__CA_FILE, __CLIENT__CERT and __CLIENT__KEY (docs/cluster.md)"
+        raise InputError(Problem(f"the Dask scheduler {where}: no certificates to reach it with", hint))
+    raise _lost(where, error)
+
+
+def _threads(client: Client) -> dict[str, int]:
+    """Threads of every worker by its address; unlike `Client.nthreads`, it does not wait for ever."""
+    scheduler: Any = client.scheduler
+    return client.sync(scheduler.ncores, callback_timeout=PATIENCE)
+
+
+def _check_workers(client: Client, new: set[str]) -> None:
+    """Raise InputError if a new worker lacks this package: a scene that it cannot unpack would end it, not its task."""
+
+    from distributed import KilledWorker
+
+    def lacks() -> bool:  # a function within a function is sent as it is, not by the name of its module
+        from importlib.util import find_spec
+
+        return find_spec("pounding_cli") is None
+
+    asked = {
+        worker: client.submit(lacks, workers=[worker], key=f"pound-check-{next(_numbers)}", priority=1, pure=False)
+        for worker in new
+    }
+    for worker, future in asked.items():
+        lacking = False
+        with suppress(TimeoutError, KilledWorker):  # it is gone again, or cannot be asked
+            lacking = future.result(timeout=PATIENCE)
+        if lacking:
+            raise InputError(Problem(f"the workers cannot solve this study: {worker} has no pounding_cli", _SAME))
+
+
+def _closed(client: Client) -> None:
+    """Close the connection, and do not wait for ever: a scheduler that is lost does not say goodbye."""
+    closing = threading.Thread(target=client.close, args=(GOODBYE,), daemon=True)
+    closing.start()
+    closing.join(GOODBYE)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what Dask would log: each fault is told in one sentence."""
+    import distributed  # noqa: F401  # makes its loggers
+
+    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] in ("distributed", "tornado")]
+    talking = [log for log in map(logging.getLogger, ("asyncio", *names)) if not log.disabled]
+    for log in talking:
+        log.disabled = True
+    try:
+        yield
+    finally:
+        for log in talking:
+            log.disabled = False
 
 
 def _sent(client: Client, bundle: list[str], scenes: Mapping[str, Scene], task: Task, key: str) -> Future:
@@ -101,7 +213,7 @@ def _received(
     from distributed import KilledWorker
 
     try:
-        content, seconds = future.result()
+        content, seconds = future.result(timeout=PATIENCE)
     except KilledWorker:
         if len(bundle) > 1:
             suspects.extend(reversed(bundle))
@@ -109,8 +221,10 @@ def _received(
             yield Finished(Chunk.of({bundle[0]: task.without(scenes[bundle[0]], DIED, ADVICE)}))
         return
     except (ImportError, AttributeError, WrongSolver) as error:
-        hint = "install this very version of pounding-cli where the workers run"
-        raise InputError(Problem(f"the workers cannot solve this study: {error}", hint)) from None
+        raise InputError(Problem(f"the workers cannot solve this study: {error}", _SAME)) from None
+    except RuntimeError as error:  # Dask's word for scenes that its scheduler could not unpack
+        said = str(error.__cause__ or error).partition("\n")[0]
+        raise InputError(Problem(f"the scheduler cannot pass on this study: {said}", _SAME)) from None
     chunk = Chunk.from_bytes(content, key)
     assert chunk is not None
     queue.give_back(bundle[len(chunk) :])
@@ -134,7 +248,7 @@ def solve_there(bundle: list[tuple[str, Scene]], task: Task, key: str, version: 
     return chunk.to_bytes(key), seconds
 
 
-def _lost(scheduler: str | None, error: Exception) -> InputError:
-    where = scheduler or "on this machine"
-    hint = "see that it runs and has workers, then run the same command again: what is solved is kept"
-    return InputError(Problem(f"the Dask scheduler {where} does not answer ({str(error) or 'time is up'})", hint))
+def _lost(where: str, error: BaseException) -> InputError:
+    said = str(error).partition("\n")[0] or "time is up"
+    hint = f"see that it runs, and that the port is its own (8786) and not its dashboard's (8787), {_AGAIN}"
+    return InputError(Problem(f"the Dask scheduler {where} does not answer ({said})", hint))

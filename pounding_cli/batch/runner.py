@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -163,6 +164,8 @@ def _solve_missing(
         for digests in order.samples.values():
             here(digests[0])
     progress.compiled()
+    for note in _notes_of_kernels():
+        progress.say(note)
     work = sum(here(digests[1]) * (order.counts[sort] - 2) for sort, digests in order.samples.items() if digests[1:])
     sampled = set(itertools.chain.from_iterable(order.samples.values()))
     rest = [digest for digest in order.digests if digest not in sampled]
@@ -200,6 +203,13 @@ def _compile_notice(progress: Progress, solve: Solve | None) -> Iterator[None]:
     finally:
         notice.cancel()
         notice.join()
+
+
+def _notes_of_kernels() -> Iterator[str]:
+    """What became of the compiled kernels on disk, each once; nothing where no kernel was needed."""
+    kept = sys.modules.get("pounding_cli.kernels.kept")
+    while kept is not None and kept.notes:
+        yield kept.notes.pop(0)
 
 
 def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:

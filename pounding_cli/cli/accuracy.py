@@ -29,7 +29,9 @@ BUDGET = "60 s"
 @click.option(
     "--records", metavar="NAME,...", default="", help="Motions to use, separated by commas; all unless given."
 )
-@click.option("--budget", default=BUDGET, show_default=True, metavar="TIME", help="Time for the runs, such as 90 s.")
+@click.option(
+    "--budget", default=BUDGET, show_default=True, metavar="TIME", help="Time for the runs, without compiling."
+)
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="results/STUDY-accuracy unless given."
 )
@@ -131,7 +133,13 @@ def _print(found: WorkPrecision) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from pounding_cli.report.accuracy_page import aborted_in_words, lines_frame, reference_in_words
+    from pounding_cli.report.accuracy_page import (
+        aborted_in_words,
+        left_out_in_words,
+        lines_frame,
+        reference_in_words,
+        without_reference_in_words,
+    )
 
     frame = lines_frame(found)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
@@ -149,8 +157,9 @@ def _print(found: WorkPrecision) -> None:
     click.echo(reference_in_words(found))
     for text in aborted_in_words(found):
         click.echo(f"Did not end, {text}")
-    for text in found.left_out:
-        click.echo(f"Left out: {text}")
+    for text in (*without_reference_in_words(found), *left_out_in_words(found)):
+        click.echo(text)
+    click.echo(f"Runs took {found.spent:.2g} s, compiling before them {found.compiling:.2g} s.")
 
 
 def _cell(value: object) -> str:

@@ -8,8 +8,7 @@ cost more than the arithmetic. Field f of the eight slots from b on begins at `a
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
-from numba.core import types
+from numba import njit, types
 
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
 from pounding_cli.kernels.layout import CALLED, NO_LINK, PART

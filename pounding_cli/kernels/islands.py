@@ -6,8 +6,7 @@ to the segment's start and solved as one."""
 
 from __future__ import annotations
 
-from numba import njit
-from numba.core import types
+from numba import njit, types
 
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, at_link, at_tie, focus, parts_of

@@ -13,15 +13,16 @@ from typing import Any
 
 from numba import njit
 
-from pounding_cli.kernels.pieces import KernelCompiler, PieceCompiler
+from pounding_cli.kernels.kept import FOLDER
+from pounding_cli.kernels.pipelines import KERNEL, PIECE
 from pounding_cli.kernels.simd import pointer
 
 OPTIONS: dict[str, Any] = {
-    "cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract"}, "pipeline_class": KernelCompiler,
+    "cache": FOLDER is not None, "error_model": "numpy", "nogil": True, "fastmath": {"contract"}, **KERNEL,
 }  # fmt: skip
 """How every kernel is compiled; only fused multiply-add is allowed beyond IEEE arithmetic."""
 
-INLINE: dict[str, Any] = {**OPTIONS, "cache": False, "forceinline": True, "pipeline_class": PieceCompiler}
+INLINE: dict[str, Any] = {**OPTIONS, "cache": False, "forceinline": True, **PIECE}
 """The same for a piece of a kernel that stands in a file of its own; it is kept as part of the kernel, not by
 itself."""
 
@@ -29,10 +30,10 @@ PLAIN: dict[str, Any] = {**OPTIONS, "fastmath": False, "forceinline": False}
 """Without even that: the Taylor kernel fuses where it says so (`simd.fused`), so that one text gives the same bits
 wherever it is used. Written out, since what is not said is inherited from whoever calls first."""
 
-PART: dict[str, Any] = {**PLAIN, "cache": False, "forceinline": True, "pipeline_class": PieceCompiler}
+PART: dict[str, Any] = {**PLAIN, "cache": False, "forceinline": True, **PIECE}
 """A piece of such a kernel that stands in a file of its own."""
 
-CALLED: dict[str, Any] = {**PLAIN, "cache": False, "pipeline_class": PieceCompiler}
+CALLED: dict[str, Any] = {**PLAIN, "cache": False, **PIECE}
 """A piece that is called, not copied: large, and rarely needed (with `simd.stand_alone`)."""
 
 OPEN, LINEAR, CUBIC = 0, 1, 2

@@ -40,12 +40,18 @@ _REFUSAL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).valu
 class _Unfinished(JITCodeLibrary):
     """Code that has not met the optimiser."""
 
+    inlined = False
+    """Whether the piece is copied to where it is called."""
+
     def add_llvm_module(self, ll_module: Any) -> None:
         """Take the module as it is."""
         self._final_module.link_in(ll_module)
 
     def finalize(self) -> None:
         """Take in what the piece calls; whoever links the piece links that with it, each function once."""
+        for function in self._final_module.functions:
+            if self.inlined and not function.is_declaration:
+                function.add_function_attribute("alwaysinline")
         for library in dict.fromkeys(self._linking_libraries):
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         for function in self._final_module.functions:
@@ -91,6 +97,8 @@ class PieceCompiler(Compiler):
         flags.no_cpython_wrapper = True
         flags.no_cfunc_wrapper = True
         flags.nrt = False  # no counting of references
+        # Numba compiles an attribute of a frame once for each set of flags that its readers have: so they have one.
+        self._inlined, flags.forceinline = flags.forceinline, False
         super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
 
     def define_pipelines(self) -> list[PassManager]:
@@ -105,6 +113,7 @@ class PieceCompiler(Compiler):
         """Compile a function as far as it goes without its kernel."""
         context = self.state.targetctx
         self.state.library = _Unfinished(context.codegen(), func.__qualname__)
+        self.state.library.inlined = self._inlined
         found = super().compile_extra(func)
         # Numba knows a compiled function by the object that Python would call.
         entry = _dynfunc.make_function(

@@ -9,13 +9,13 @@ arithmetic of a small scene. Whoever calls a kernel keeps the arrays alive."""
 
 from __future__ import annotations
 
+import functools
+import inspect
 import operator
-from typing import ClassVar
 
 from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.typing.templates import AbstractTemplate, infer_global
-from numba.extending import lower_builtin, models, register_model
+from numba import types
+from numba.extending import lower_builtin, models, register_model, type_callable
 
 LANES = 8
 _DOUBLE = ir.DoubleType()
@@ -26,16 +26,17 @@ def instruction(definition):
     """As numba's `intrinsic`: `definition(typingctx, *types)` gives (signature, code generator), or None for types that
     are not its own.
 
-    Numba's own looks through all its registries again at every call of one; a kernel has a thousand such calls."""
+    `intrinsic` registers a lowering for each set of argument types, and numba reads all its registries again each time;
+    this registers one for all."""
 
-    class Rule(AbstractTemplate):
-        key = definition
-
-        def generic(self, args, kws):
-            found = definition(self.context, *args)
+    @type_callable(definition)
+    def typing(context):
+        def signature(*args):
+            found = definition(context, *args)
             return found and found[0]
 
-    infer_global(definition, types.Function(Rule))
+        signature.__signature__ = inspect.signature(functools.partial(definition, context))
+        return signature
 
     @lower_builtin(definition, types.VarArg(types.Any))
     def lower(context, builder, signature, args):
@@ -43,6 +44,17 @@ def instruction(definition):
         return codegen(context, builder, signature, args)
 
     return definition
+
+
+def _llvm(builder, name, values):
+    """Call LLVM's own function `name` of vectors or doubles; returns what its arguments are."""
+    kind = values[0].type
+    suffix = f"v{LANES}f64" if kind == _VECTOR else "f64"
+    full = f"llvm.{name}.{suffix}"
+    function = builder.module.globals.get(full)
+    if function is None:
+        function = ir.Function(builder.module, ir.FunctionType(kind, [kind] * len(values)), full)
+    return builder.call(function, values)
 
 
 class _VecType(types.Type):
@@ -167,9 +179,7 @@ def _unary(name, doc):
             return None
 
         def codegen(context, builder, signature, args):
-            kind = ir.FunctionType(_VECTOR, [_VECTOR])
-            function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{LANES}f64")
-            return builder.call(function, args)
+            return _llvm(builder, name, args)
 
         return vec(vec), codegen
 
@@ -237,9 +247,7 @@ def fused(typingctx, first, second, third):
             values = [_widen(context, builder, v, t) for v, t in zip(args, signature.args, strict=True)]
         else:
             values = [context.cast(builder, v, t, types.float64) for v, t in zip(args, signature.args, strict=True)]
-        sort, name = (_VECTOR, f"v{LANES}f64") if wide else (_DOUBLE, "f64")
-        kind = ir.FunctionType(sort, [sort] * 3)
-        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.{name}"), values)
+        return _llvm(builder, "fma", values)
 
     return (vec if wide else types.float64)(first, second, third), codegen
 
@@ -290,14 +298,15 @@ def stand_alone(typingctx):
 def _binary(operation, emit):
     """Teach numba `operation` for vectors: a type rule and one instruction, with no function behind it to compile."""
 
-    @infer_global(operation)
-    class Rule(AbstractTemplate):
-        metadata: ClassVar = {"target": "cpu"}  # asked first: a dozen rules for other types stand before it
-
-        def generic(self, args, kws):
+    @type_callable(operation)
+    def typing(context):
+        def result(first, second):
+            args = first, second
             if vec in args and all(kind == vec or isinstance(kind, types.Float | types.Integer) for kind in args):
-                return vec(*args)
+                return vec
             return None
+
+        return result
 
     def lower(context, builder, signature, args):
         a, b = (_widen(context, builder, v, t) for v, t in zip(args, signature.args, strict=True))

@@ -15,8 +15,7 @@ from __future__ import annotations
 import functools
 
 import numpy as np
-from numba import njit
-from numba.core import types
+from numba import njit, types
 
 from pounding_cli.kernels.branching import link_event, settle, storey_events, unsnap
 from pounding_cli.kernels.cells import (

@@ -11,10 +11,14 @@ from typing import Any, Protocol
 
 import pandas as pd
 
+from pounding_cli.store.flagged import FlagGroup, flag_groups_of
 from pounding_cli.words import Unit
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
 """The tables of a results file, named as its methods and as the CSV files."""
+
+MARK = "†"
+"""Stands behind the name of a case whose numbers mean nothing for some motions."""
 
 ROLES = ("touching", "gap", "infill", "connected")
 """The four cases of Figs 6 and 7."""
@@ -158,6 +162,21 @@ class Evidence:
 
         storey, floor, link, scene = map(cut, (self.storey, self.floor, self.link, self.scene))
         return replace(self, storey=storey, floor=floor, link=link, scene=scene)
+
+    @cached_property
+    def meaningless(self) -> dict[tuple[str, str], FlagGroup]:
+        """By case and analysis the flag that takes the meaning from the numbers of some of its scenes."""
+        groups = flag_groups_of(self.scene, self.units)
+        return {(group.case, group.analysis): group for group in groups if group.meaningless}
+
+    @property
+    def footnote(self) -> str:
+        """Which cases carry MARK and why, in sentences; "" where none does."""
+        return " ".join(f"{MARK} {group}; these numbers mean nothing." for group in self.meaningless.values())
+
+    def marked(self, case: str) -> str:
+        """The name of a case, with MARK where the numbers of some of its scenes mean nothing."""
+        return f"{case} {MARK}" if case in {named for named, _ in self.meaningless} else case
 
     @property
     def failed(self) -> pd.DataFrame:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.inset import draw_group
-from pounding_cli.report.style import Look, caption, legend, looks, new_figure, styled
+from pounding_cli.report.style import VOID, Look, caption, legend, looks, new_figure, styled
 from pounding_cli.words import counted
 
 SPREAD = "mean over the {motions}; whiskers: smallest to largest"
@@ -63,7 +63,7 @@ def response(evidence: Evidence, building: str) -> Figure:
     figure, axes = framed(evidence, [building], 1, max(len(panels), 1), headline(evidence, building))
     for ax, (analysis, column, label) in zip(axes[0], panels, strict=False):
         rows = _rows(evidence.storey, analysis, building)
-        _profiles(ax, rows, "storey", column, plotted_cases(evidence))
+        _profiles(ax, rows, "storey", column, plotted_cases(evidence), _void(evidence, analysis))
         what = "storey shear" if column == "V_ratio" else "ductility"
         _finish(ax, f"{analysis.capitalize()}: {what}", label, "storey", rows["storey"], reference=True)
     caption(figure, _caption(evidence, f"Ratios to {building} alone under the same motion"))
@@ -80,14 +80,14 @@ def accelerations(evidence: Evidence, building: str) -> Figure:
     for column, analysis in enumerate(analyses):
         rows = _rows(evidence.floor, analysis, building)
         ax = axes[0][column]
-        _profiles(ax, rows, "floor", "acceleration_ratio", plotted_cases(evidence))
+        _profiles(ax, rows, "floor", "acceleration_ratio", plotted_cases(evidence), _void(evidence, analysis))
         label = "floor acceleration over that alone"
         _finish(ax, analysis.capitalize(), label, "floor", rows["floor"], reference=True)
         if touching:
             relative = _over_case(rows, touching)
             ax = axes[1][column]
             cases = [case for case in plotted_cases(evidence) if case != touching]
-            _profiles(ax, relative, "floor", "relative", cases)
+            _profiles(ax, relative, "floor", "relative", cases, _void(evidence, analysis))
             label = f"floor acceleration over that {touching}"
             _finish(ax, analysis.capitalize(), label, "floor", rows["floor"], reference=True)
     caption(figure, _caption(evidence, f"Largest total accelerations of the floors of {building}"))
@@ -106,7 +106,7 @@ def link_forces(evidence: Evidence) -> Figure:
             here = (links["left"] == left) & (links["right"] == right) & (links["analysis"] == analysis)
             rows = links[here]
             ax = axes[row][column]
-            _profiles(ax, rows, "floor", "force", plotted_cases(evidence))
+            _profiles(ax, rows, "floor", "force", plotted_cases(evidence), _void(evidence, analysis))
             title = f"{analysis.capitalize()}: {left} | {right}"
             _finish(ax, title, "largest force [MN]", "floor", rows["floor"], reference=False)
     caption(figure, _caption(evidence, "Largest force in each link"))
@@ -138,11 +138,20 @@ def small_multiples(evidence: Evidence, building: str) -> Figure:
             line_of_axes = axes[number * len(panels) + offset]
             for ax, case in zip(line_of_axes, block, strict=False):
                 mine = rows[rows["case"] == case]
+                void = case in _void(evidence, analysis)
+                shade = VOID if void else look[case].color
                 for _, motion in mine.groupby("record", sort=False):
                     ax.plot(motion[column], motion["storey"], color="0.65", lw=0.7)
                 mean = mine.groupby("storey")[column].mean()
-                ax.plot(mean, mean.index, color=look[case].color, marker=look[case].marker, ms=4, lw=1.8)
-                _finish(ax, case, f"{label}, {analysis}", "storey", rows["storey"], reference=True)
+                ax.plot(mean, mean.index, ":" if void else "-", color=shade, marker=look[case].marker, ms=4, lw=1.8)
+                _finish(
+                    ax,
+                    evidence.marked(case) if void else case,
+                    f"{label}, {analysis}",
+                    "storey",
+                    rows["storey"],
+                    reference=True,
+                )
             for ax in line_of_axes[1 : len(block)]:
                 ax.set_ylabel("")
             for ax in line_of_axes[len(block) :]:
@@ -153,7 +162,7 @@ def small_multiples(evidence: Evidence, building: str) -> Figure:
     caption(
         figure,
         f"Ratios to {building} alone; grey: the {motions}; bold: their mean{where}. "
-        f"{motion_sentence(evidence.records)}",
+        f"{motion_sentence(evidence.records)} {evidence.footnote}".rstrip(),
     )
     return figure
 
@@ -177,7 +186,7 @@ def headline(evidence: Evidence, building: str) -> str:
 def _caption(evidence: Evidence, what: str) -> str:
     spread = SPREAD.format(motions=counted(evidence.storey["record"].nunique(), "motion"))
     where = f" Point of the sweep: {evidence.label}." if evidence.label else ""
-    return f"{what}: {spread}. {motion_sentence(evidence.records)}{where}"
+    return f"{what}: {spread}. {motion_sentence(evidence.records)}{where} {evidence.footnote}".rstrip()
 
 
 def framed(
@@ -211,7 +220,7 @@ def framed(
         lines = 2 if len(cases) <= 4 else 3
         legend(
             side,
-            cases,
+            {case: evidence.marked(case) for case in cases},
             loc="lower left",
             ncols=-(-len(cases) // lines),
             columnspacing=1.5,
@@ -221,8 +230,15 @@ def framed(
     return figure, [list(row) for row in grid[1].subgridspec(rows, columns).subplots(squeeze=False)]
 
 
-def _profiles(ax: Axes, rows: pd.DataFrame, level: str, column: str, cases: Sequence[str]) -> None:
-    """One line a case: mean over the motions, whiskers from the smallest to the largest."""
+def _void(evidence: Evidence, analysis: str) -> set[str]:
+    """The cases whose numbers mean nothing for some motions."""
+    return {case for case, kind in evidence.meaningless if kind == analysis}
+
+
+def _profiles(
+    ax: Axes, rows: pd.DataFrame, level: str, column: str, cases: Sequence[str], void: Collection[str]
+) -> None:
+    """One line a case: mean over the motions, whiskers from the smallest to the largest; `void` ones in grey."""
     drawn = [case for case in cases if rows[rows["case"] == case][column].notna().any()]
     # Whiskers of neighbouring cases would hide each other on one height.
     dodge = dict(
@@ -231,7 +247,7 @@ def _profiles(ax: Axes, rows: pd.DataFrame, level: str, column: str, cases: Sequ
     look = looks(cases)
     for case in drawn:
         spread = rows[rows["case"] == case].groupby(level)[column].agg(["mean", "min", "max"]).dropna()
-        _profile(ax, spread, dodge[case], look[case], case)
+        _profile(ax, spread, dodge[case], look[case], case, case in void)
     low, high = _span(rows[rows["case"].isin(drawn)], column)
     if low > 0 and high / low > 8:
         ax.set_xscale("log")
@@ -240,7 +256,7 @@ def _profiles(ax: Axes, rows: pd.DataFrame, level: str, column: str, cases: Sequ
         ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _profile(ax: Axes, spread: pd.DataFrame, dodge: float, look: Look, case: str) -> None:
+def _profile(ax: Axes, spread: pd.DataFrame, dodge: float, look: Look, case: str, void: bool) -> None:
     heights = spread.index.to_numpy(float)
     mean = spread["mean"].to_numpy()
     whiskers = np.vstack([mean - spread["min"], spread["max"] - mean]).clip(min=0)
@@ -250,10 +266,11 @@ def _profile(ax: Axes, spread: pd.DataFrame, dodge: float, look: Look, case: str
         mean,
         heights + dodge,
         xerr=whiskers,
-        color=look.color,
-        linestyle=look.line if joined else "none",
+        color=VOID if void else look.color,
+        linestyle="none" if not joined else ":" if void else look.line,
         marker=look.marker,
         markersize=5,
+        markerfacecolor="white" if void else None,
         linewidth=1.6,
         elinewidth=0.8,
         capsize=2,

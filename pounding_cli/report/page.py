@@ -79,7 +79,7 @@ def key_numbers(evidence: Evidence) -> list[str]:
             header += [f"V/V0, {analysis}", f"μ/μ0, {analysis}", f"acceleration, {analysis}"]
         rows = []
         for case in evidence.cases:
-            cells = [case]
+            cells = [evidence.marked(case)]
             for analysis in evidence.analyses:
                 for ratio in ("V_ratio", "mu_ratio", "acceleration_ratio"):
                     cells.append(_largest(evidence.means(case, analysis, building, ratio)))
@@ -87,6 +87,8 @@ def key_numbers(evidence: Evidence) -> list[str]:
         lines += [f"### {building} (T = {evidence.periods[building]:.2f} s)", "", *markdown(header, rows)]
     if evidence.link["peak_force"].notna().any():
         lines += ["### Links", "", *_links(evidence)]
+    if evidence.footnote:
+        lines += [evidence.footnote, ""]
     return lines
 
 
@@ -97,7 +99,7 @@ def _largest(means: pd.Series) -> str:
 def _links(evidence: Evidence) -> list[str]:
     rows = []
     for case in names(evidence.link["case"]):
-        cells = [case]
+        cells = [evidence.marked(case)]
         for analysis in evidence.analyses:
             here = evidence.link[(evidence.link["case"] == case) & (evidence.link["analysis"] == analysis)]
             by_motion = here.groupby("record").agg({"peak_force": "max", "impacts": "sum", "max_closing": "max"})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -63,6 +63,10 @@ _REST = (
 )
 
 
+VOID = "0.6"
+"""Grey of what is drawn though it means nothing."""
+
+
 def looks(cases: Sequence[str]) -> dict[str, Look]:
     """A look for every case: the paper's four keep theirs, others take the rest in turn."""
     others = [case for case in cases if case not in _NAMED]
@@ -101,11 +105,11 @@ def drawn_on(figure: Figure) -> Iterator[None]:
         _given.reset(token)
 
 
-def legend(ax: Axes, cases: Iterable[str], **keywords: Any) -> None:
-    """A legend of cases alone, with their line and marker."""
+def legend(ax: Axes, cases: Mapping[str, str], **keywords: Any) -> None:
+    """A legend of cases alone, with their line and marker; `cases`: what each is called."""
     chosen = list(cases)
     handles = [
-        Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, ms=5, lw=1.6, label=case)
+        Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, ms=5, lw=1.6, label=cases[case])
         for case, look in looks(chosen).items()
     ]
     ax.legend(handles=handles, handlelength=3.2, **keywords)

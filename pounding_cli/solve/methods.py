@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.kernels import layout
+from pounding_cli.kernels import kept, layout
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
@@ -198,10 +198,14 @@ def _compile(chosen: Method, scene: Scene, setting: float) -> None:
     arrays = pack(silent)
     bounds = MOST_STEPS, MOST_EVENTS
     step = scene.motion.dt if chosen.takes_step else setting
+
+    def once() -> None:
+        chosen.integrate(silent, arrays, at_rest(arrays), no_peaks(arrays), empty_ledger(arrays), step, bounds)
+
     collecting = gc.isenabled()
     gc.disable()  # a compiler makes a million objects that all stay: looking through them takes a sixth of its time
     try:
-        chosen.integrate(silent, arrays, at_rest(arrays), no_peaks(arrays), empty_ledger(arrays), step, bounds)
+        kept.loaded(once)
     finally:
         if collecting:
             gc.enable()

@@ -21,8 +21,11 @@ from pounding_cli.study.source import Mark, Node
 MOST_BYTES = 4_000_000
 """Size of a study file [bytes]."""
 
-MOST_VALUES = 200_000
+MOST_VALUES = 100_000
 """Values of a study file, those that aliases repeat included."""
+
+MOST_TOLD = 200
+"""Problems after which the rest is not read."""
 
 DEEPEST = 30
 """Levels of a study file."""
@@ -147,6 +150,8 @@ class _Reader:
 
     def refuse(self, mark: Mark, message: str, hint: str) -> None:
         self.problems.append(Problem(message, hint, shortened(self.path), *mark))
+        if len(self.problems) >= MOST_TOLD:
+            raise InputError(self.problems)
 
     def stop(self, mark: Mark, message: str, hint: str) -> InputError:
         """The problem that ends the reading."""

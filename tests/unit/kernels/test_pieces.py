@@ -8,7 +8,10 @@ from numba import njit
 
 from pounding_cli.kernels import central_difference, exponential, generalized_alpha, runge_kutta, taylor
 from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.pipelines import QUICK
 from pounding_cli.kernels.simd import pointer, stand_alone
+
+by_our_pipeline = pytest.mark.skipif(not QUICK, reason="numba's own pipeline compiles every piece by itself")
 
 
 @njit(**CALLED)
@@ -47,6 +50,7 @@ def test_a_kernel_is_made_of_its_pieces():
     assert not any("weighted" in line or "shifted" in line for line in defined)
 
 
+@by_our_pipeline
 def test_a_piece_is_not_compiled_by_itself():
     """Fails if numba makes machine code of it: that is most of what a first run would wait for."""
     kernel(np.ones(2))
@@ -55,6 +59,7 @@ def test_a_piece_is_not_compiled_by_itself():
             assert not compiled.library.codegen._engine.is_symbol_defined(compiled.fndesc.llvm_func_name)
 
 
+@by_our_pipeline
 @pytest.mark.parametrize("number", [1, 2.0])
 def test_a_piece_called_from_python_is_refused(number):
     """Whether a kernel has it already (integers) or not. Fails, by a crash, if there is no entry at all."""

@@ -144,3 +144,25 @@ def test_figures_of_an_analysis_of_which_no_run_ended_have_an_empty_panel():
     assert lost.containers == []
     assert len(drawn.containers) == len(ALL)
     assert set(figures.draw_all(points(results)[0])) >= {"stiff-response", "stiff-accelerations", "stiff-cases"}
+
+
+def test_a_case_whose_numbers_mean_nothing_is_grey_and_explained():
+    results = make(cases=ALL)
+    scene = results.scene()
+    here = (scene["case"] == "connected") & (scene["analysis"] == "elastic") & (scene["record"] == "taft")
+    scene.loc[here, "flags"] = (
+        "connector closes more than the gap, so the floors would have struck: stiff | soft, floor 5, by 3 mm"
+    )
+    evidence = points(results)[0]
+    for name, figure in figures.draw_all(evidence).items():
+        words = figure.get_supxlabel().replace("\n", " ")
+        assert "† connected, elastic, 1 of 5 scenes (taft): connector closes more than the gap" in words, name
+        assert_no_overlap(figure)
+    response = figures.response(evidence, "stiff")
+    legend = [text.get_text() for ax in response.axes if ax.get_legend() for text in ax.get_legend().get_texts()]
+    assert "connected †" in legend
+    assert "gap" in legend
+    elastic, inelastic = ({c.get_label(): c.lines[0].get_color() for c in ax.containers} for ax in panels(response))
+    assert elastic["connected"] == "0.6"
+    assert elastic["gap"] == inelastic["gap"] != "0.6"
+    assert inelastic["connected"] != "0.6"

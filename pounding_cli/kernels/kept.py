@@ -1,0 +1,140 @@
+"""Compiled kernels on disk (numba's cache): verified before they are used, deleted where they are damaged, and done
+without where they cannot be kept.
+
+Numba trusts its files: a truncated one is an exception in every call, a flipped bit is machine code that was never
+compiled. So each file gets a checksum beside it when it is written."""
+
+from __future__ import annotations
+
+import os
+import stat
+import zlib
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from numba import njit
+
+SUM = ".crc32"
+"""End of the file that holds a file's checksum."""
+
+_TRIES = 3
+"""A damaged cache costs one try, one that cannot be written a second."""
+
+notes: list[str] = []
+"""What a user should know of it, once; whoever shows it takes it away."""
+
+
+def _probe(function: Callable[[], None]) -> Path | None:
+    """Where numba keeps the kernels of this folder; None where it finds no place that can be written."""
+    try:
+        return Path(njit(cache=True)(function).stats.cache_path)
+    except RuntimeError:
+        notes.append("there is no folder to keep compiled kernels in: every run compiles them (set NUMBA_CACHE_DIR)")
+        return None
+
+
+def _nothing() -> None: ...
+
+
+FOLDER = _probe(_nothing)
+"""Where compiled kernels are kept."""
+
+_seen: dict[Path, int] = {}
+"""Files that were verified or written by this process, with the time of their last change [ns]."""
+
+
+def loaded(call: Callable[[], Any]) -> Any:
+    """`call()`, which may compile kernels or load compiled ones; a cache that is damaged or full does not stop it."""
+    _verify()
+    for left in reversed(range(_TRIES)):
+        try:
+            found = call()
+        except Exception as error:
+            if not left or not _is_of_cache(error):
+                raise
+            _learn(error)
+        else:
+            _seal()
+            return found
+
+
+def _is_of_cache(error: BaseException) -> bool:
+    """Whether an exception came out of numba's reading or writing of its cache."""
+    trace = error.__traceback__
+    while trace is not None:
+        if Path(trace.tb_frame.f_code.co_filename).parts[-3:] == ("numba", "core", "caching.py"):
+            return True
+        trace = trace.tb_next
+    return False
+
+
+def _learn(error: Exception) -> None:
+    """Delete what cannot be loaded. What cannot be written is compiled by now, and needed no more in this process."""
+    if isinstance(error, OSError) and error.errno is not None:
+        notes.append(f"compiled kernels cannot be kept in {FOLDER} ({error.strerror}): every run compiles them")
+    else:
+        _delete(_files())
+
+
+def _files() -> list[Path]:
+    """What numba has written."""
+    try:
+        return [path for path in sorted(FOLDER.iterdir()) if path.suffix in (".nbi", ".nbc")] if FOLDER else []
+    except OSError:
+        return []
+
+
+def _verify() -> None:
+    """Delete all files if one is not what was written. A file is looked at once, and again when it has changed."""
+    files = _files()
+    if files and not _seen and FOLDER is not None and FOLDER.stat().st_mode & stat.S_IWOTH:
+        notes.append(f"everyone can write to {FOLDER}, and so run code as you: chmod -R o-w, or set NUMBA_CACHE_DIR")
+    if not any(_sum(path).exists() for path in files):
+        return  # kept before there were checksums: they get theirs if they load
+    new = [path for path in files if _seen.get(path) != _changed(path)]
+    if not all(_is_whole(path) for path in new):
+        _delete(files)
+        return
+    for path in new:
+        _seen[path] = _changed(path)
+
+
+def _sum(path: Path) -> Path:
+    return path.with_name(path.name + SUM)
+
+
+def _is_whole(path: Path) -> bool:
+    try:
+        return int(_sum(path).read_text(), 16) == zlib.crc32(path.read_bytes())
+    except (OSError, ValueError):
+        return False
+
+
+def _delete(files: list[Path]) -> None:
+    if files:
+        notes.append(f"compiled kernels in {FOLDER} were damaged: they are deleted and compiled anew")
+    for path in files:
+        for each in (path, _sum(path)):
+            with suppress(OSError):
+                each.unlink()
+
+
+def _seal() -> None:
+    """Write the checksum of every file that this process has added or changed."""
+    for path in _files():
+        changed = _changed(path)
+        if _seen.get(path) != changed:
+            with suppress(OSError):
+                aside = path.with_name(f"{path.name}.{os.getpid()}{SUM}")
+                aside.write_text(f"{zlib.crc32(path.read_bytes()):08x}\n")
+                aside.replace(_sum(path))
+            _seen[path] = changed
+
+
+def _changed(path: Path) -> int:
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return 0

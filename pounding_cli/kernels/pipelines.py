@@ -1,0 +1,30 @@
+"""Which compile pipelines the kernels go through: numba's own, or where its version is known to work with them the
+quicker ones of `pieces`, which reach into the compiler's inside. Both give the same kernels; ours halve the wait of a
+first run."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numba
+
+KNOWN = ("0.68.",)
+"""How the versions of numba begin with which `pieces` was tested."""
+
+PLAIN_KERNELS = "POUND_PLAIN_KERNELS"
+"""Environment variable: anything but empty or 0 compiles with numba's own pipeline, whatever its version."""
+
+QUICK = numba.__version__.startswith(KNOWN) and os.environ.get(PLAIN_KERNELS, "") in ("", "0")
+"""Whether kernels are compiled by the pipelines of `pieces`."""
+
+KERNEL: dict[str, Any] = {}
+"""Option of `numba.njit` for what is called from Python."""
+
+PIECE: dict[str, Any] = {}
+"""Option of `numba.njit` for what is called from kernels only."""
+
+if QUICK:
+    from pounding_cli.kernels.pieces import KernelCompiler, PieceCompiler
+
+    KERNEL, PIECE = {"pipeline_class": KernelCompiler}, {"pipeline_class": PieceCompiler}

@@ -1,0 +1,206 @@
+"""What can go wrong with a cluster: told in a sentence, with what to do, in time, and nobody is left behind."""
+
+from __future__ import annotations
+
+import http.server
+import os
+import signal
+import socket
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import pytest
+from conftest import IMPORTED, AfterSome
+from slow_solver import solve_slowly
+
+from pounding_cli.batch import run_plan
+from pounding_cli.errors import InputError
+
+
+@pytest.fixture
+def refused(plan, tmp_path, monkeypatch, capfd):
+    """Runs the plan on a scheduler that fails it; returns the one problem told, and nothing else may be said."""
+    monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", 8.0)
+
+    def run(address: str, progress=None):
+        begin = time.monotonic()
+        with pytest.raises(InputError) as refusal:
+            run_plan(
+                plan,
+                tmp_path / "d.h5",
+                engine_name="dask",
+                scheduler=address,
+                solve=solve_slowly,
+                progress=progress,
+            )
+        assert time.monotonic() - begin < 25
+        time.sleep(0.3)  # what is said late is said too
+        assert capfd.readouterr() == ("", "")
+        (problem,) = refusal.value.problems
+        assert "\n" not in problem.message
+        return problem
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("address", "told"),
+    [
+        ("http://127.0.0.1:8786", "no scheduler is reached by http://"),
+        ("foo://127.0.0.1:8786", "no scheduler is reached by foo://"),
+        ("tcp://127.0.0.1", "no port"),
+        ("127.0.0.1:dask", "no port"),
+    ],
+)
+def test_an_address_that_can_be_none(refused, address, told):
+    problem = refused(address)
+    assert told in problem.message
+    assert "tcp://HOST:8786" in problem.hint
+
+
+def test_a_scheduler_that_is_not_there(refused, tmp_path):
+    problem = refused("tcp://127.0.0.1:9")
+    assert "tcp://127.0.0.1:9 does not answer" in problem.message
+    assert "run the same command again" in problem.hint
+    assert [path.name for path in tmp_path.glob("d.h5*")] == ["d.h5.parts"]
+
+
+@pytest.mark.parametrize("kind", ["a web page", "nothing at all"])
+def test_a_port_that_is_not_a_schedulers(refused, kind):
+    """Such as the dashboard's. Fails if the time that connecting takes is left to Dask."""
+    if kind == "a web page":
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), http.server.SimpleHTTPRequestHandler)
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        port, close = server.server_address[1], server.shutdown
+    else:
+        listening = socket.create_server(("127.0.0.1", 0))
+        port, close = listening.getsockname()[1], listening.close
+    try:
+        problem = refused(f"tcp://127.0.0.1:{port}")
+    finally:
+        close()
+    assert "does not answer" in problem.message
+    assert "dashboard's (8787)" in problem.hint
+
+
+def test_a_scheduler_that_is_killed(refused, machines):
+    """Fails if the futures it cancels end in a traceback."""
+    address, scheduler = machines.scheduler()
+    machines.worker(address)
+    machines.wait(address, 1)
+    problem = refused(address, AfterSome(scheduler.kill))
+    assert f"{address} does not answer" in problem.message
+    assert "what is solved is kept" in problem.hint
+
+
+def test_workers_that_are_all_killed(refused, machines):
+    """Fails if the scenes they were at are waited for."""
+    address, _ = machines.scheduler()
+    workers = [machines.worker(address) for _ in range(2)]
+    machines.wait(address, 2)
+    problem = refused(address, AfterSome(lambda: [worker.kill() for worker in workers]))
+    assert "has had no worker for 8 s" in problem.message
+    assert f"dask worker {address}" in problem.hint
+
+
+@pytest.mark.parametrize("where", ["scheduler", "workers"])
+def test_the_package_is_missing(refused, machines, where):
+    address, _ = machines.scheduler(without=where == "scheduler")
+    machines.worker(address, without=where == "workers")
+    machines.wait(address, 1)
+    problem = refused(address)
+    assert f"the {where} cannot" in problem.message
+    assert "pounding_cli" in problem.message
+    assert "install this very version of pounding-cli" in problem.hint
+
+
+PROGRAM = """
+    import pathlib, subprocess, sys
+    sys.path[:0] = {imported!r}
+    import pounding_cli.batch.runner
+    from slow_solver import solve_slowly
+    from study_plans import small_plan
+
+    class Telling(subprocess.Popen):
+        def __init__(self, *arguments, **options):
+            super().__init__(*arguments, **options)
+            print(self.pid, flush=True)
+
+    subprocess.Popen = Telling
+    pounding_cli.batch.runner.WORTH_WORKERS = 0.0
+    plan = small_plan(records=tuple((f"r{{n}}", float(n)) for n in range(1, 60)))
+    try:
+        pounding_cli.batch.run_plan(plan, pathlib.Path({output!r}), engine_name="dask", workers=2, solve=solve_slowly)
+    except KeyboardInterrupt:
+        sys.exit(130)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="process groups")
+@pytest.mark.parametrize(("after", "number"), [(0.5, signal.SIGINT), (4.0, signal.SIGINT), (2.0, signal.SIGKILL)])
+def test_a_cluster_on_this_machine_ends_with_the_run(tmp_path, after, number):
+    """Ctrl-C while its workers start and while they work, and the program killed. Fails if the cluster gets the Ctrl-C
+    itself, or is not told that the program is gone."""
+    program = textwrap.dedent(PROGRAM.format(imported=IMPORTED, output=str(tmp_path / "d.h5")))
+    pipe = subprocess.PIPE
+    run = subprocess.Popen([sys.executable, "-c", program], stdout=pipe, stderr=pipe, text=True, start_new_session=True)
+    session = run.stdout.readline()
+    assert session, run.communicate()[1]
+    time.sleep(after)
+    os.killpg(run.pid, number)
+    _, said = run.communicate(timeout=30)
+    assert run.returncode == (130 if number == signal.SIGINT else -number)
+    assert said == ""
+    deadline = time.monotonic() + 30
+    while alive(int(session)) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert not alive(int(session))
+
+
+def alive(session: int) -> bool:
+    try:
+        os.killpg(session, 0)
+    except OSError:
+        return False
+    return True
+
+
+@pytest.fixture
+def certificates(tmp_path, monkeypatch):
+    """An authority, and a key and certificate signed by it, for all three of Dask's roles."""
+    key, cert = str(tmp_path / "key.pem"), str(tmp_path / "cert.pem")
+    try:
+        subprocess.run(
+            ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=pound",
+             "-keyout", key, "-out", cert],
+            check=True, capture_output=True,
+        )  # fmt: skip
+    except FileNotFoundError:
+        pytest.skip("openssl is not installed")
+    options = ("--tls-ca-file", cert, "--tls-cert", cert, "--tls-key", key)
+    env = {"CA_FILE": cert, "CLIENT__CERT": cert, "CLIENT__KEY": key}
+    return options, {f"DASK_DISTRIBUTED__COMM__TLS__{name}": value for name, value in env.items()}
+
+
+def test_a_scheduler_behind_tls(plan, refused, machines, certificates, tmp_path, monkeypatch):
+    """With certificates from Dask's configuration; without them in a sentence."""
+    import dask.config
+
+    options, environment = certificates
+    address, _ = machines.scheduler("--protocol", "tls", *options)
+    machines.worker(address, *options)
+    assert address.startswith("tls://")
+    assert "no certificates" in refused(address).message
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    dask.config.refresh()
+    monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", 20.0)
+    try:
+        outcome = run_plan(plan, tmp_path / "d.h5", engine_name="dask", scheduler=address, solve=solve_slowly)
+    finally:
+        monkeypatch.undo()
+        dask.config.refresh()
+    assert (outcome.done, outcome.engine) == (len(plan.scenes) - outcome.reused, "dask")
