@@ -74,5 +74,5 @@ def test_report_of_a_wall_without_figures(tmp_path):
 
 def test_another_file_is_refused(tmp_path):
     (tmp_path / "x.h5").write_text("no")
-    with pytest.raises(InputError, match="not a results file"):
+    with pytest.raises(InputError, match="cannot be read as HDF5"):
         write_system_report(tmp_path / "x.h5", tmp_path / "report")
