@@ -87,7 +87,7 @@ def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFra
     return found
 
 
-def _placed(row: Mapping[str, Any], scene: pd.DataFrame, units: Mapping[str, Unit]) -> list[str]:
+def _placed(row: Any, scene: pd.DataFrame, units: Mapping[str, Unit]) -> list[str]:
     """The point, case, analysis and motion of a scene in words, in the units of the study."""
     keys = [str(key) for key in scene.columns[: list(scene.columns).index("status")]]
     return [f"{key} = {units[key].text(row[key])}" if key in units else str(row[key]) for key in keys]
