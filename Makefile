@@ -87,6 +87,7 @@ kills: setup
 SCENES ?= 100000
 fuzz: setup
 	nice -n 5 $(BIN)/python -m tests.hard.fuzz --scenes $(SCENES)
+	nice -n 5 $(BIN)/python -m tests.hard.damage --tries 1000
 
 clean:
 	rm -rf results site .venv

@@ -17,6 +17,7 @@ from pounding_cli.report.wall_figures import draw_wall
 from pounding_cli.report.web import write_system_page
 from pounding_cli.store.files import kind_of, opened_kind
 from pounding_cli.store.swept import axes_of, coordinate
+from pounding_cli.texts import cells, write_markdown
 
 _ANCHOR = {"connector": "peak1", "wall": "peak_force"}
 """A variable that lies over the swept dimensions alone."""
@@ -53,16 +54,16 @@ def write_system_report(
     claims = connector_claims(path) if kind == "connector" else wall_claims(path)
     lines = [f"# {title}", "", "| point | the paper says | found | holds |", "|---|---|---|---|"]
     for claim in claims:
-        cells = [str(claim[key]).replace("|", "\\|") for key in ("point", "paper", "found")]
-        lines.append(f"| {' | '.join(cells)} | {'yes' if claim['holds'] else 'no'} |")
+        words = [str(claim[key]).replace("|", "\\|") for key in ("point", "paper", "found")]
+        lines.append(f"| {' | '.join(words)} | {'yes' if claim['holds'] else 'no'} |")
     for figure in written:
         if figure.suffix == ".png":
             lines += ["", f"![{figure.stem}]({figure.name})"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         found = numbers(path)
-        found.to_csv(folder / "numbers.csv", index=False)
-        (folder / "summary.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        cells(found).to_csv(folder / "numbers.csv", index=False)
+        write_markdown(folder / "summary.md", lines)
         written += [folder / "numbers.csv", folder / "summary.md"]
         if with_page:
             convergence = mesh_convergence(path) if kind == "wall" else []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -114,13 +116,23 @@ def write_page(
 
 def render(path: Path, template: str, content: Mapping[str, Any]) -> Path:
     """Fill a template with content, style and scripts, and write it."""
+    style, theme, scripts = asset("style.css"), asset("theme.js"), _scripts()
     text = (
         _environment()
         .get_template(template)
-        .render(**content, version=__version__, style=asset("style.css"), scripts=_scripts(), tone=story.verdict_tone)
-    )
+        .render(
+            **content, version=__version__, style=style, theme=theme, scripts=scripts, tone=story.verdict_tone,
+            allowed_style=_allowed(style), allowed_scripts=_allowed(theme, scripts),
+        )
+    )  # fmt: skip
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def _allowed(*sources: str) -> str:
+    """Sources of a content security policy: these texts by their hashes, and no others."""
+    digests = (base64.b64encode(hashlib.sha256(source.encode()).digest()).decode() for source in sources)
+    return " ".join(f"'sha256-{digest}'" for digest in digests)
 
 
 def asset(name: str) -> str:
