@@ -55,7 +55,7 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
                 raise InputError(Problem("the output exists and was not written by this command", hint, name))
         check_folder(path.parent, path)
     except (OSError, ValueError) as error:  # a path that is too long, or holds a NUL
-        raise InputError(Problem(f"cannot be written: {_reason(error)}", elsewhere, name)) from None
+        raise InputError(Problem(f"cannot be written: {_reason(error)}", "name another place with -o", name)) from None
 
 
 def check_folder(folder: Path, output: Path | None = None) -> None:

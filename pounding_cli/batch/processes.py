@@ -34,7 +34,10 @@ ADVICE = "memory may be short: use fewer workers; otherwise report it with the s
 
 
 class Processes:
-    """See `engines.Engine`."""
+    """See `engines.Engine`.
+
+    Workers are forked on Linux and spawned elsewhere, unless `multiprocessing.set_start_method` says otherwise.
+    """
 
     name = "processes"
 
@@ -79,8 +82,9 @@ class _Staff:
 
     def __init__(self, scenes: Mapping[str, Scene], task: Task, key: str) -> None:
         # Forked workers inherit the compiled kernels and the plan; elsewhere forking is not safe: scenes are sent.
-        self._forks = sys.platform == "linux"
-        self._context: Any = multiprocessing.get_context("fork" if self._forks else "spawn")
+        method = multiprocessing.get_start_method(allow_none=True) or ("fork" if sys.platform == "linux" else "spawn")
+        self._forks = method == "fork"
+        self._context: Any = multiprocessing.get_context(method)
         self._scenes, self._task, self._key = scenes, task, key
         self.busy: dict[_Worker, list[str]] = {}
         self.idle: list[_Worker] = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import multiprocessing
 import os
 import signal
 import time
@@ -118,6 +119,34 @@ def test_every_scene_is_solved_once_and_a_second_run_solves_none(plan, output):
     assert (again.done, again.failed, again.reused) == (0, 0, 24)
     assert output.stat().st_mtime_ns == stamp
     assert [path.name for path in output.parent.iterdir()] == ["r.h5"]
+
+
+@pytest.fixture
+def spawned(monkeypatch):
+    """Workers are started as on macOS and Windows: by asking for it. Returns the methods they were started by."""
+    found, context = [], multiprocessing.get_context
+    monkeypatch.setattr(multiprocessing, "get_context", lambda method=None: (found.append(method), context(method))[1])
+    before = multiprocessing.get_start_method(allow_none=True)
+    multiprocessing.set_start_method("spawn", force=True)
+    yield found
+    multiprocessing.set_start_method(before, force=True)
+
+
+def test_spawned_workers_give_the_same_rows(plan, tmp_path, spawned):
+    """They inherit nothing: scenes and solver are sent. Fails if one of them cannot be."""
+    run_plan(plan, tmp_path / "s.h5", solve=known, engine_name="serial")
+    run_plan(plan, tmp_path / "p.h5", solve=known, workers=2, engine_name="processes")
+    assert spawned == ["spawn"]
+    one, other = tables(tmp_path / "s.h5"), tables(tmp_path / "p.h5")
+    for name in one:
+        assert one[name].equals(other[name]), name
+
+
+def test_a_spawned_worker_that_dies_costs_one_scene(plan, output, spawned):
+    outcome = run_plan(plan, output, solve=dies, workers=2)
+    assert (outcome.done, outcome.failed) == (23, 1)
+    assert [failure.status for failure in outcome.failures] == ["the worker died"]
+    assert spawned == ["spawn"]
 
 
 @pytest.mark.parametrize("name", ["processes", "threads"])
