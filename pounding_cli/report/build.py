@@ -9,7 +9,7 @@ from pounding_cli.outputs import check_folder
 from pounding_cli.report import page, sensitivity
 from pounding_cli.report.claims import judge
 from pounding_cli.report.evidence import Evidence, Tables, points
-from pounding_cli.report.figures import draw_all
+from pounding_cli.report.figures import draw_all, drawn_part
 from pounding_cli.report.style import FORMATS, save, unwritable
 from pounding_cli.report.sweep import Asked, sweep_figures
 from pounding_cli.report.tables import write_csv
@@ -38,7 +38,8 @@ def write_report(
     evidences = points(results)
     shown = nominal(evidences)
     swept = len(evidences) > 1
-    figures = sweep_figures(results, shown, asked) | draw_all(shown) if formats else {}
+    part = drawn_part(shown)
+    figures = sweep_figures(results, part, asked) | draw_all(part) if formats else {}
     files = save(figures, folder, formats)
     judgements = judge(shown)
     try:
@@ -50,7 +51,7 @@ def write_report(
             title = f"Claims over the sweep: {results.title}"
             files.append(write_markdown(folder / "claims-sensitivity.md", sensitivity.page(title, columns)))
         drawn = [f"{file_name(name)}.png" for name in figures] if "png" in formats else []
-        lines = page.summary(shown, judgements, drawn, results.scene(), swept)
+        lines = page.summary(part, judgements, drawn, results.scene(), swept)
         files.append(write_markdown(folder / "summary.md", lines))
         if with_page:
             files.append(write_page(results, folder, figures, evidences, shown, columns))

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pounding_cli.report.connector_figures import connector_claims, draw_connector
 from pounding_cli.report.style import FORMATS, unwritable
-from pounding_cli.report.wall_claims import wall_claims
+from pounding_cli.report.wall_claims import mesh_convergence, wall_claims
 from pounding_cli.report.wall_figures import draw_wall
 from pounding_cli.report.web import write_system_page
 from pounding_cli.store.files import kind_of, opened_kind
@@ -66,10 +66,18 @@ def write_system_report(
         write_markdown(folder / "summary.md", lines)
         written += [folder / "numbers.csv", folder / "summary.md"]
         if with_page:
-            written.append(write_system_page(title, study, folder, claims, written, found))
+            convergence = mesh_convergence(path) if kind == "wall" else []
+            figures = sorted(written, key=lambda file: file != _main(written))
+            written.append(write_system_page(title, study, folder, claims, convergence, figures, found))
     except OSError as error:
         raise unwritable(folder, error) from error
     return written
+
+
+def _main(files: Sequence[Path]) -> Path | None:
+    """The figure the page begins with: of a wall the stresses at the last point of the sweep, else the first."""
+    drawn = [file for file in files if file.suffix == ".png"]
+    return next((file for file in reversed(drawn) if "-stress" in file.stem), drawn[0] if drawn else None)
 
 
 def _over_axes(item: Any, axes: tuple[str, ...], shape: tuple[int, ...]) -> bool:

@@ -73,7 +73,7 @@ class GroupSolver:
         groups = _first_groups(scene)
         while len(groups) > 1:
             parts = [self._watched(_cut_out(scene, group)) for group in groups]
-            if any(part.status != "done" for part in parts):
+            if any(part.status != "done" or not part.samples for part in parts):  # without samples nothing is proven
                 return None
             sides = zip(pairwise(groups), pairwise(parts), strict=True)
             meeting = [n for n, (two, (a, b)) in enumerate(sides) if _seen_to_meet(scene, *two, a, b)]

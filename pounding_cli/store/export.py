@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import io
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -174,13 +175,15 @@ def _excel(results: Results, frames: dict[str, pd.DataFrame], path: Path) -> Non
             hint = "export to Parquet or CSV, or name smaller tables"
             raise InputError(Problem(f"the table {name} has {len(frame)} rows, a sheet takes {_MOST_ROWS}", hint))
     study = pd.DataFrame({results.title: results.study_text.splitlines()})
-    with pd.ExcelWriter(path, engine="openpyxl") as book:
+    content = io.BytesIO()  # a zip file that cannot be written to its end is told again and again
+    with pd.ExcelWriter(content, engine="openpyxl") as book:
         for name, frame in {**frames, "columns": dictionary(frames), "study": study}.items():
             frame.to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
             for row in book.sheets[name].iter_rows():
                 for cell in row:
                     if cell.data_type == "f":  # a text that begins with "=" is a text, not a formula
                         cell.data_type = "s"
+    path.write_bytes(content.getvalue())
 
 
 def _netcdf(results: Results, path: Path) -> None:
@@ -192,4 +195,8 @@ def _netcdf(results: Results, path: Path) -> None:
     with content, xarray.open_dataset(content, engine="h5netcdf") as data:
         about = {"study": results.study_text, "resolved": results.resolved_text}
         software = {name: value for name, value in results.attrs.items() if name.startswith("software_")}
-        data.assign_attrs(about | software).to_netcdf(path, engine="h5netcdf")
+        told = data.assign_attrs(about | software)
+        try:  # in memory: the HDF5 library must not see a write that fails
+            path.write_bytes(told.to_netcdf(engine="h5netcdf"))
+        except (ValueError, TypeError):  # an older xarray writes to files alone
+            told.to_netcdf(path, engine="h5netcdf")

@@ -259,6 +259,26 @@ def test_a_worker_that_dies_costs_one_scene(plan, output, monkeypatch, seconds):
     assert "fewer workers" in outcome.failures[0].advice
 
 
+@pytest.mark.skipif(not hasattr(os, "waitid"), reason="a stopped process cannot be told here")
+def test_a_worker_that_is_stopped_is_replaced(plan, output, tmp_path, monkeypatch):
+    """Fails, by waiting for ever, where nobody looks at workers that say nothing."""
+    monkeypatch.setattr("pounding_cli.batch.processes._STOPPED", 0.3)
+    monkeypatch.setattr("pounding_cli.batch.processes._LOOK", 0.05)
+    monkeypatch.setattr("pounding_cli.batch.runner.WORTH_WORKERS", 0.0)
+    parent, mark = os.getpid(), tmp_path / "stopped"
+
+    def stopped(scene, accuracy, method, **_):
+        if os.getpid() != parent and not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGSTOP)
+        return known(scene, accuracy, method)
+
+    outcome = run_plan(plan, output, solve=stopped, workers=2)
+    assert mark.exists()
+    assert outcome.failed == 0
+    assert (open_results(output).scene().status == "done").all()
+
+
 def test_a_worker_killed_once_from_outside_costs_nothing(plan, output, tmp_path):
     """What else is on the machine may take a worker's memory, or its life."""
     once = tmp_path / "once"
@@ -371,10 +391,10 @@ def test_no_room_for_a_part_stops_the_run_and_leaves_no_half_of_it(plan, output,
 def test_a_read_only_folder_is_refused_before_anything_is_solved(plan, output, monkeypatch):
     """Whatever user the tests run as."""
 
-    def refuse(path, **_):
-        raise OSError(errno.EROFS, "Read-only file system", str(path))
+    def refuse(dir):
+        raise OSError(errno.EROFS, "Read-only file system", str(dir))
 
-    monkeypatch.setattr("pathlib.Path.touch", refuse)
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
     solve = Counting()
     with pytest.raises(InputError, match="Read-only file system"):
         in_process(plan, output, solve=solve)
