@@ -136,8 +136,8 @@ def _method(plan: Plan, scene: Scene) -> str:
 
 
 def _prover(plan: Plan, tell: Callable[[Scene, str], None] = lambda scene, what: None) -> GroupSolver | None:
-    """What proves that a row falls apart, as a run does, telling what it solves as PARTS or FREE; None where a run keeps
-    rows whole."""
+    """What proves that a row falls apart, as a run does, telling what it solves as PARTS or FREE; None where a run
+    keeps rows whole."""
     from pounding_cli.solve import solve
 
     task = Task(solve, plan.accuracy, plan.method, all_effects=plan.all_effects)
