@@ -96,8 +96,8 @@ def first_crossing(c, n, end):
 
 @njit(**CALLED)
 def _bracketed(c, first, n, low, high, start, last):
-    """A root between `low`, where the polynomial is `start` > 0, and `high`, where it is `last` and not positive: Newton
-    kept inside a bracket. Of a monotone polynomial it is the only one."""
+    """A root between `low`, where the polynomial is `start` > 0, and `high`, where it is `last` and not positive, by
+    Newton kept inside a bracket. Of a monotone polynomial it is the only one."""
     stand_alone()
     s = low + (high - low) * start / (start - last)
     for _ in range(100):
