@@ -29,7 +29,9 @@ BUDGET = "60 s"
 @click.option(
     "--records", metavar="NAME,...", default="", help="Motions to use, separated by commas; all unless given."
 )
-@click.option("--budget", default=BUDGET, show_default=True, metavar="TIME", help="Time for the runs, such as 90 s.")
+@click.option(
+    "--budget", default=BUDGET, show_default=True, metavar="TIME", help="Time for the runs, without compiling."
+)
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="results/STUDY-accuracy unless given."
 )
@@ -47,19 +49,21 @@ def command(study: Path, methods: str, cases: str, records: str, budget: str, ou
       pound accuracy configs/fig6.yaml --methods taylor,rk4-events,newmark --budget 90s
     """
     from pounding_cli.api import load_study
+    from pounding_cli.outputs import check_folder
     from pounding_cli.report.accuracy_figures import draw_accuracy
     from pounding_cli.report.accuracy_page import in_words, write
     from pounding_cli.solve.work_precision import chosen, measure
 
     allowed = seconds_of(budget)
     names = chosen(_listed(methods))
+    folder = output or Path("results") / f"{study.stem}-accuracy"
+    check_folder(folder)
     loaded = load_study(study)
     subjects = _subjects(loaded, _listed(cases), _listed(records))
     if not quiet:
         click.echo(loaded.title)
     tell = (lambda text: None) if quiet else (lambda text: click.echo(f"  {text}", err=True))
     found = measure(subjects, names, allowed, tell)
-    folder = output or Path("results") / f"{study.stem}-accuracy"
     drawn = draw_accuracy(found, folder)
     files = write(found, loaded.title, drawn, _again(study, methods, cases, records, budget), folder)
     if not quiet:
@@ -131,7 +135,13 @@ def _print(found: WorkPrecision) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from pounding_cli.report.accuracy_page import aborted_in_words, lines_frame, reference_in_words
+    from pounding_cli.report.accuracy_page import (
+        aborted_in_words,
+        left_out_in_words,
+        lines_frame,
+        reference_in_words,
+        without_reference_in_words,
+    )
 
     frame = lines_frame(found)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
@@ -149,8 +159,9 @@ def _print(found: WorkPrecision) -> None:
     click.echo(reference_in_words(found))
     for text in aborted_in_words(found):
         click.echo(f"Did not end, {text}")
-    for text in found.left_out:
-        click.echo(f"Left out: {text}")
+    for text in (*without_reference_in_words(found), *left_out_in_words(found)):
+        click.echo(text)
+    click.echo(f"Runs took {found.spent:.2g} s, compiling before them {found.compiling:.2g} s.")
 
 
 def _cell(value: object) -> str:

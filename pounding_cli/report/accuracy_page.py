@@ -16,6 +16,7 @@ import pandas as pd
 from pounding_cli.report.style import unwritable
 from pounding_cli.solve import METHODS
 from pounding_cli.solve.work_precision import QUANTITIES, REFERENCE, SECOND, Run, WorkPrecision
+from pounding_cli.texts import cells, write_markdown
 from pounding_cli.words import counted
 
 PACKAGES = ("pounding-cli", "numpy", "scipy", "numba")
@@ -194,6 +195,20 @@ def machine() -> str:
     return f"{name}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}; one core was used"
 
 
+def left_out_in_words(found: WorkPrecision) -> list[str]:
+    """What the budget did not allow, in one sentence; nothing where all was run."""
+    if not found.left_out:
+        return []
+    return [f"Left out because the budget ended before them (--budget gives more): {'; '.join(found.left_out)}."]
+
+
+def without_reference_in_words(found: WorkPrecision) -> list[str]:
+    """Scenes without a reference, in one sentence; nothing where each has one."""
+    if not found.without_reference:
+        return []
+    return [f"Left out because the reference did not end: {'; '.join(found.without_reference)}."]
+
+
 def page(found: WorkPrecision, title: str, drawn: Sequence[str], command: str) -> list[str]:
     """`accuracy.md`, line by line."""
     frame = lines_frame(found)
@@ -212,7 +227,7 @@ def page(found: WorkPrecision, title: str, drawn: Sequence[str], command: str) -
         "least of its repeats, without compiling. `miscounted`: scenes with other impacts than the reference.", "",
         "| " + " | ".join(shown.columns) + " |", "|" + "---|" * len(shown.columns), *rows, "",
         *(["Did not end, and are not drawn:", "", *(f"- {text}" for text in aborted), ""] if aborted else []),
-        *(["Left out:", "", *(f"- {text}" for text in found.left_out), ""] if found.left_out else []),
+        *(line for text in (*without_reference_in_words(found), *left_out_in_words(found)) for line in (text, "")),
         "Sources:", "",
         *(f"- {name}: {METHODS[name].source}" for name in dict.fromkeys(run.method for run in found.runs)), "",
         f"Machine: {machine()}. Python {sys.version.split()[0]}, {versions}.", "",
@@ -225,9 +240,9 @@ def write(found: WorkPrecision, title: str, drawn: Sequence[Path], command: str,
     files = [folder / "accuracy.csv", folder / "accuracy.md"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        runs_frame(found).to_csv(files[0], index=False)
+        cells(runs_frame(found)).to_csv(files[0], index=False)
         pictures = [path.name for path in drawn if path.suffix == ".png"]
-        files[1].write_text("\n".join(page(found, title, pictures, command)) + "\n", encoding="utf-8")
+        write_markdown(files[1], page(found, title, pictures, command))
     except OSError as error:
         raise unwritable(folder, error) from error
     return files

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,11 +90,19 @@ class Confirmed:
 
 @dataclass(frozen=True)
 class WorkPrecision:
-    """All runs on all scenes; `left_out` says what the budget did not allow."""
+    """All runs on all scenes.
+
+    left_out : what the budget did not allow, method by method
+    without_reference : scenes that no error could be told of, each with the reason
+    spent, compiling : wall time of the runs, and of compiling before them [s]
+    """
 
     runs: tuple[Run, ...]
     references: tuple[Confirmed, ...]
     left_out: tuple[str, ...]
+    without_reference: tuple[str, ...] = ()
+    spent: float = 0.0
+    compiling: float = 0.0
 
 
 def errors_of(found: Response, reference: Response) -> dict[str, float]:
@@ -140,51 +148,65 @@ def measure(
 ) -> WorkPrecision:
     """Run every method at every setting on as many scenes as the budget [s] allows.
 
-    Every case and analysis gets one motion first, then the next motion. Of each method the settings are tried from
-    coarse to fine as long as its share of the budget lasts; compiling is outside the budget.
+    Every case and analysis gets one motion first, then the next motion; each scene gets an even share of the time left.
+    Of each method the settings are tried from coarse to fine as long as its share lasts. The budget is wall time, in
+    which compiling does not count; the first scene gets its reference and one run of every method whatever they take.
     """
     runs: list[Run] = []
     references: list[Confirmed] = []
-    left_out: list[str] = []
-    rounds = _rounds(subjects)
-    share = budget / max(1, len(rounds[0]) if rounds else 1)
-    spent = 0.0
+    without: list[str] = []
     dropped: dict[tuple[str, float], int] = {}
-    for number, together in enumerate(rounds):
-        if number and spent * (number + 1) / number > budget:
-            left = sum(len(rest) for rest in rounds[number:])
-            left_out.append(f"{left} of {len(subjects)} scenes: the budget allows {number} of {len(rounds)} motions")
+    order = [subject for together in _rounds(subjects) for subject in together]
+    round_of = [number for number, together in enumerate(_rounds(subjects)) for _ in together]
+    begin, compiling, dearest, measured = time.perf_counter(), 0.0, 0.0, 0
+    for place, subject in enumerate(order):
+        left = budget - (time.perf_counter() - begin - compiling)
+        if place and left <= dearest:
             break
-        for subject in together:
-            tell(subject.place)
-            _warm_up(subject.scene, {*methods, REFERENCE[0], SECOND[0]})
-            begin = time.perf_counter()
-            reference = solve(subject.scene, REFERENCE[1], REFERENCE[0])
-            second = solve(subject.scene, SECOND[1], SECOND[0])
-            if reference.status != "done" or second.status != "done":
-                left_out.append(f"{subject.place}: no reference, {reference.status} and {second.status}")
+        measured += 1
+        tell(subject.place)
+        started = time.perf_counter()
+        _warm_up(subject.scene, {*methods, REFERENCE[0], SECOND[0]})
+        compiling += time.perf_counter() - started
+        together = round_of[place:].count(round_of[place])
+        started = time.perf_counter()
+        reference = solve(subject.scene, REFERENCE[1], REFERENCE[0])
+        second = solve(subject.scene, SECOND[1], SECOND[0])
+        dearest = max(dearest, time.perf_counter() - started)
+        if reference.status != "done" or second.status != "done":
+            without.append(f"{subject.place}: {reference.status} and {second.status}")
+            continue
+        impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
+        where = (subject.case, subject.analysis, subject.record)
+        references.append(Confirmed(*where, errors_of(second, reference), impacts))
+        share = (left / together - (time.perf_counter() - started)) / len(methods)
+        for name in methods:
+            if METHODS[name].refusal(subject.scene):
                 continue
-            impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
-            place = (subject.case, subject.analysis, subject.record)
-            references.append(Confirmed(*place, errors_of(second, reference), impacts))
-            share_left = (share - (time.perf_counter() - begin)) / len(methods)
-            for name in methods:
-                if METHODS[name].refusal(subject.scene):
-                    continue
-                for setting, run in _settings(subject, name, reference, share_left):
-                    if run is None:
-                        dropped[name, setting] = dropped.get((name, setting), 0) + 1
-                    else:
-                        runs.append(run)
-            spent += time.perf_counter() - begin
-    left_out += [f"{name} at {setting:g} on {counted(count, 'scene')}" for (name, setting), count in dropped.items()]
-    return WorkPrecision(tuple(runs), tuple(references), tuple(left_out))
+            for setting, run in _settings(subject, name, reference, share, at_least_one=place == 0):
+                if run is None:
+                    dropped[name, setting] = dropped.get((name, setting), 0) + 1
+                else:
+                    runs.append(run)
+    spent = time.perf_counter() - begin - compiling
+    left_out = _left_out(len(order), measured, dropped)
+    return WorkPrecision(tuple(runs), tuple(references), tuple(left_out), tuple(without), spent, compiling)
 
 
 def _rounds(subjects: Sequence[Subject]) -> list[list[Subject]]:
     """The scenes motion by motion."""
     records = dict.fromkeys(subject.record for subject in subjects)
     return [[s for s in subjects if s.record == record] for record in records]
+
+
+def _left_out(total: int, measured: int, dropped: Mapping[tuple[str, float], int]) -> list[str]:
+    """What the budget did not allow, one text for the scenes and one a method."""
+    found = [f"{total - measured} of {counted(total, 'scene')}"] if measured < total else []
+    for method in dict.fromkeys(name for name, _ in dropped):
+        settings = {setting: count for (name, setting), count in dropped.items() if name == method}
+        listed = ", ".join(f"{setting:g}" for setting in settings)
+        found.append(f"{method} at {listed} on {counted(max(settings.values()), 'scene')}")
+    return found
 
 
 def _warm_up(scene: Scene, methods: set[str]) -> None:
@@ -194,21 +216,24 @@ def _warm_up(scene: Scene, methods: set[str]) -> None:
             solve(short, 1e-4, name)
 
 
-def _settings(subject: Subject, name: str, reference: Response, allowed: float) -> Iterator[tuple[float, Run | None]]:
+def _settings(
+    subject: Subject, name: str, reference: Response, allowed: float, at_least_one: bool
+) -> Iterator[tuple[float, Run | None]]:
     """Runs of one method from coarse to fine; None for settings that the time allowed [s] does not reach."""
     spent, last, scale = 0.0, 0.0, 1.0
     settings = settings_of(name)
     for number, setting in enumerate(settings):
         if number and METHODS[name].takes_step:
             scale = settings[number - 1] / setting
-        if number and spent + last * scale > allowed:
+        if spent + last * scale > allowed and not (number == 0 and at_least_one):
             yield setting, None
             continue
         begin = time.perf_counter()
         response = solve(subject.scene, setting, name)
         last = response.seconds
         seconds = [last]
-        while response.status == "done" and len(seconds) < MOST_REPEATS and sum(seconds) < REPEATED:
+        repeated = min(REPEATED, (allowed - spent) / len(settings))
+        while response.status == "done" and len(seconds) < MOST_REPEATS and sum(seconds) + last < repeated:
             seconds.append(solve(subject.scene, setting, name).seconds)
         spent += time.perf_counter() - begin
         yield setting, _run(subject, response, reference, min(seconds))

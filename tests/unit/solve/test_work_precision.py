@@ -11,7 +11,7 @@ from scenes import motion, pair, pounding
 from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.report.accuracy_page import aborted_in_words, cheapest, in_words, lines_of, reference_in_words
-from pounding_cli.solve import solve
+from pounding_cli.solve import solve, work_precision
 from pounding_cli.solve.work_precision import (
     QUANTITIES,
     Confirmed,
@@ -101,10 +101,33 @@ def test_measure_runs_what_it_claims_and_tells_what_it_left_out():
     assert {run.record for run in found.runs} == {"one"}
     assert len(found.references) == 1
     assert max(found.references[0].differences.values()) < 1e-6
-    assert any(text.startswith("1 of 2 scenes") for text in found.left_out)
+    assert found.left_out[0] == "1 of 2 scenes"
+    methods = [text.split(" at ")[0] for text in found.left_out[1:]]
+    assert methods == ["taylor", "central-difference"]  # each method once, its settings in one text
+    assert "0.0001, 1e-06" in found.left_out[1]
     taylor = [run for run in found.runs if run.method == "taylor"]
     assert taylor[0].errors["V"] < 1e-2
     assert taylor[0].impacts == taylor[0].expected > 0
+
+
+def test_the_budget_is_wall_time_and_compiling_is_told_apart(monkeypatch):
+    """A clock that a run moves by a second each: the budget ends the runs, whatever the first motion has of scenes."""
+    now = [0.0]
+    response = work_precision.solve(Scene(pair(), pounding(pair(), 0.0), motion(0.5), Analysis.ELASTIC), 1e-4, "taylor")
+
+    def solved(scene, setting, name):
+        now[0] += 5.0 if scene.motion.acceleration.size <= work_precision.WARM_UP + 1 else 1.0
+        return dataclasses.replace(response, seconds=1.0, method=name, tolerance=setting)
+
+    monkeypatch.setattr(work_precision.time, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(work_precision, "solve", solved)
+    scene = Scene(pair(), pounding(pair(), 0.0), motion(0.5), Analysis.ELASTIC)
+    subjects = [Subject(f"case {number}", "elastic", "one", scene) for number in range(8)]
+    found = measure(subjects, ("taylor", "newmark"), 20.0)
+    assert found.spent <= 20.0
+    assert 2 <= len(found.references) < 8
+    assert found.left_out[0] == f"{8 - len(found.references)} of 8 scenes"
+    assert found.compiling == pytest.approx(5.0 * 3 * len(found.references))  # rk4-events confirms
 
 
 def test_unknown_methods_are_refused_together():
