@@ -27,8 +27,8 @@ MOST_SCENES = 2000
 
 ALONE, PARTS, GROUP = "of a building alone", "of smaller groups", "of the group"
 APART = "of neighbours kept apart"
-"""What is solved: baselines; several neighbours of a row, to see whether they reach the next one; whole rows; neighbours
-with nothing between them, for the peaks of their closing, which are not assessed."""
+"""What is solved: baselines; several neighbours of a row, to see whether they reach the next one; whole rows;
+neighbours with nothing between them, for the peaks of their closing, which are not assessed."""
 
 
 @dataclass
