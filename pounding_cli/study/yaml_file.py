@@ -17,6 +17,7 @@ import yaml
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.reading import read_bytes, shortened
 from pounding_cli.study.source import Mark, Node
+from pounding_cli.texts import CONTROL, plain
 
 MOST_BYTES = 4_000_000
 """Size of a study file [bytes]."""
@@ -256,6 +257,8 @@ class _Reader:
 
     def scalar(self, event: Any, mark: Mark) -> Any:
         word = event.value
+        if CONTROL.search(word):  # as "\0" or "\e" in quotes
+            self.refuse(mark, f"'{plain(word)[:60]}' holds a control character", "write letters, digits and signs")
         if not _is_plain(event):
             return word
         if word.lower() in _WORDS:

@@ -25,7 +25,7 @@ def guarded(work: Callable[[], object], seconds: int = SECONDS, megabytes: int =
             resource.setrlimit(resource.RLIMIT_AS, (there + megabytes * 1_000_000,) * 2)
             used = int(sum(resource.getrusage(resource.RUSAGE_SELF)[:2]))
             resource.setrlimit(resource.RLIMIT_CPU, (used + seconds + 1,) * 2)
-            signal.alarm(12 * seconds)  # who waits uses no time
+            signal.alarm(24 * seconds)  # who waits uses no time
             os.write(writer, _told(work).encode("utf-8", "replace")[:60_000])
         finally:
             os._exit(0)
