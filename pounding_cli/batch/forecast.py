@@ -25,18 +25,17 @@ if TYPE_CHECKING:
 MOST_SCENES = 2000
 """Scenes that are looked at; of more, as many spread evenly."""
 
-ALONE, PARTS, FREE, GROUP = (
-    "of a building alone", "of smaller groups", "of neighbours with nothing between them", "of the group",
-)  # fmt: skip
-"""What is solved: baselines; several neighbours of a row that meet; neighbours, to see how close they come; whole
-rows."""
+ALONE, PARTS, GROUP = "of a building alone", "of smaller groups", "of the group"
+APART = "of neighbours kept apart"
+"""What is solved: baselines; several neighbours of a row, to see whether they reach the next one; whole rows;
+neighbours with nothing between them, for the peaks of their closing, which are not assessed."""
 
 
 @dataclass
 class Forecast:
     """What will run.
 
-    scenes, seconds : (ALONE, PARTS, FREE or GROUP, method) -> number of scenes and their expected time on one core [s]
+    scenes, seconds : (ALONE, PARTS, GROUP or APART, method) -> number of scenes and their expected time on one core [s]
     spared : case -> scenes of the group that are answered by smaller groups, where that was looked into
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
     looked_at, proven : share of the scenes looked at; whether the buildings alone and the smaller groups were run
@@ -74,13 +73,13 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
     def count(what: str, scene: Scene) -> None:
         method = _method(plan, scene)
         found.scenes[what, method] += every
-        solved = price(scene, method, plan.accuracy) * (1 if what == FREE else runs)
-        found.seconds[what, method] += every * (solved + BESIDE)
+        times = 1 if what == APART else runs
+        found.seconds[what, method] += every * (times * price(scene, method, plan.accuracy) + BESIDE)
 
-    def count_part(scene: Scene, what: str = PARTS) -> None:
+    def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:
             parts.add(scene.digest)
-            count(what, scene)
+            count(PARTS if all(link.can_close for link in scene.links) else APART, scene)
 
     solver = _prover(plan, count_part)
     for digest in digests:
@@ -135,19 +134,18 @@ def _method(plan: Plan, scene: Scene) -> str:
     return TAYLOR.name if plan.all_effects else method_of(scene)
 
 
-def _prover(plan: Plan, tell: Callable[[Scene, str], None] = lambda scene, what: None) -> GroupSolver | None:
-    """What proves that a row falls apart, as a run does, telling what it solves as PARTS or FREE; None where a run
-    keeps rows whole."""
+def _prover(plan: Plan, tell: Callable[[Scene], None] = lambda scene: None) -> GroupSolver | None:
+    """What proves that a row falls apart, as a run does, telling what it solves; None where a run keeps rows whole."""
     from pounding_cli.solve import solve
 
     task = Task(solve, plan.accuracy, plan.method, all_effects=plan.all_effects)
 
     def respond(scene: Scene, watch: bool) -> Response:
-        tell(scene, PARTS)
+        tell(scene)
         return task.respond(scene, watch)
 
     def free(scene: Scene, accuracy: float) -> Response:
-        tell(scene, FREE)
+        tell(scene)
         return task.free(scene, accuracy)
 
     return GroupSolver(respond, free, plan.accuracy) if task.falls_apart() else None

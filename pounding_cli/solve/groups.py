@@ -192,14 +192,10 @@ def _cut_out(scene: Scene, group: range) -> Scene:
 
 def _seen_to_meet(scene: Scene, left: range, right: range, a: Response, b: Response) -> bool:
     """Whether the groups' own displacements at the samples of the motion close a link between them, or one of a law
-    that any movement closes. Where a solver keeps no samples nothing is known: the row is run whole."""
-    if not (a.samples and b.samples):
-        return True
+    that any movement closes."""
     for link in _between(scene, left[-1]):
         if _rests(scene, left, right, link):
             continue
-        if not (a.samples and b.samples):  # a solver that shows no samples leaves the row whole
-            return True
         closing = a.samples[-1][:, link.left_floor - 1] - b.samples[0][:, link.right_floor - 1]
         if link.kind is not Kind.POUNDING or closing.max(initial=0.0) >= link.gap:
             return True
