@@ -14,6 +14,7 @@ from pounding_cli.records.intensity import (
     spectrum,
 )
 from pounding_cli.records.libraries import LIBRARIES, held, library_of, matching, read_held
+from pounding_cli.records.matching import SpectrumMatch, spectrum_match
 from pounding_cli.records.motion import GRAVITY, Motion
 from pounding_cli.records.readers import FORMATS, Reading, read_file, read_motion
 from pounding_cli.records.scaling import (
@@ -34,6 +35,7 @@ __all__ = [
     "Entry",
     "Motion",
     "Reading",
+    "SpectrumMatch",
     "TargetSpectrum",
     "acceleration_unit",
     "arias",
@@ -59,4 +61,5 @@ __all__ = [
     "significant_duration",
     "spectrum",
     "spectrum_factors",
+    "spectrum_match",
 ]

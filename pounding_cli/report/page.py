@@ -20,18 +20,22 @@ def summary(
     figures: Sequence[str],
     scene: pd.DataFrame,
     swept: bool,
+    scaled: str = "",
 ) -> list[str]:
     """Markdown lines of the page.
 
     evidence : the point of the sweep that is drawn
     figures : file names of the PNG figures, as they stand beside the page
     scene : the scenes of all points
+    scaled : how the motions meet their target spectrum, in words; "" where there is none
     """
     lines = [f"# {evidence.title}", ""]
     if swept:
         everywhere = "the claims at every point stand in [claims-sensitivity.md](claims-sensitivity.md)"
         lines += [f"Figures and numbers on this page are those at {evidence.label}; {everywhere}.", ""]
     lines += motions(evidence)
+    if scaled:
+        lines += [scaled, ""]
     lines += key_numbers(evidence)
     lines += claims(judgements)
     lines += flagged(scene, evidence.units)
