@@ -14,7 +14,6 @@ from pounding_cli.records.intensity import (
     spectrum,
 )
 from pounding_cli.records.libraries import LIBRARIES, held, library_of, matching, read_held
-from pounding_cli.records.matching import SpectrumMatch, spectrum_match
 from pounding_cli.records.motion import GRAVITY, Motion
 from pounding_cli.records.readers import FORMATS, Reading, read_file, read_motion
 from pounding_cli.records.scaling import (
@@ -25,6 +24,7 @@ from pounding_cli.records.scaling import (
     sa_factor,
     spectrum_factors,
 )
+from pounding_cli.records.suite import SpectrumMatch, spectrum_match
 from pounding_cli.records.units import UNITS, acceleration_unit
 
 __all__ = [

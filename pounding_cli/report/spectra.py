@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from pounding_cli.records.matching import SpectrumMatch
 from pounding_cli.records.scaling import TargetSpectrum
+from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.report.style import caption, new_figure, styled
 
 GRAVITY = 9.80665

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import Problem
-from pounding_cli.records.matching import SpectrumMatch
+from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes

@@ -192,7 +192,7 @@ def test_a_sweep_is_drawn_as_asked(folder, pound):
         "--quantity",
         "mu_ratio",
         "--case",
-        "gap",
+        "touching",
         "--building",
         "soft",
         "--storey",
