@@ -87,6 +87,8 @@ kills: setup
 SCENES ?= 100000
 fuzz: setup
 	nice -n 5 $(BIN)/python -m tests.hard.fuzz --scenes $(SCENES)
+	nice -n 5 $(BIN)/python -m tests.hard.damage --tries 1000
+	nice -n 5 $(BIN)/python -m tests.hard.mutate_input --tries 1000
 
 clean:
 	rm -rf results site .venv

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -54,7 +55,7 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
                 raise InputError(Problem("the output exists and was not written by this command", hint, name))
         check_folder(path.parent, path)
     except (OSError, ValueError) as error:  # a path that is too long, or holds a NUL
-        raise InputError(Problem(f"cannot be written: {_reason(error)}", elsewhere, name)) from None
+        raise InputError(Problem(f"cannot be written: {_reason(error)}", "name another place with -o", name)) from None
 
 
 def check_folder(folder: Path, output: Path | None = None) -> None:
@@ -69,11 +70,10 @@ def check_folder(folder: Path, output: Path | None = None) -> None:
     ------
     InputError : it is a file, or cannot be made or written
     """
-    probe = folder / f".{output.name if output else 'pound'}.probe"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        probe.touch()
-        probe.unlink()
+        with tempfile.TemporaryFile(dir=folder):  # a name of its own: two commands may start at once
+            pass
     except (OSError, ValueError) as error:
         what = f"the output folder {folder} cannot be written ({_reason(error)})"
         raise InputError(Problem(what, "choose another place with -o", str(output or folder))) from None

@@ -53,7 +53,8 @@ API = {
 def commands_page() -> str:
     """Every command: its help, its arguments and options, and its subcommands."""
     parts = ["# Commands", "What `pound COMMAND --help` says. Exit codes: 0 done; 1 some scenes failed, or two files "
-             "differ; 2 the input was refused; 130 stopped.", _help("pound", cli)]  # fmt: skip
+             "differ; 2 the input or the output was refused; 70 a fault of the program; 130 stopped; 141 the reader "
+             "of the output has gone.", _help("pound", cli)]  # fmt: skip
     for name in COMMANDS:
         command = cli.get_command(click.Context(cli), name)
         assert command is not None

@@ -10,6 +10,7 @@ from pounding_cli import store
 from pounding_cli.api.histories import History
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.files import opened
+from pounding_cli.store.structure import strings
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ class Results(store.Results):
     @cached_property
     def _names(self) -> dict[str, list[str]]:
         with opened(self.path) as file:
-            return {dim: list(file[dim].asstr()[:]) for dim in _DIMS}
+            return {dim: list(strings(file[dim])) for dim in _DIMS}
 
     def __repr__(self) -> str:
         try:

@@ -15,6 +15,7 @@ from pounding_cli.solve.histories import History, history
 from pounding_cli.solve.response import Response
 from pounding_cli.store.files import opened
 from pounding_cli.store.histories import Kept, kept_places, place_of, read_history, same_value, stored_groups
+from pounding_cli.store.structure import strings
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ class _Former:
     def __init__(self, group: h5py.Group) -> None:
         self.group = group
         self.scene, self.every = str(group.attrs["scene"]), float(group.attrs["every"])
-        self.buildings = tuple(group["building"].asstr()[:])
+        self.buildings = tuple(strings(group["building"]))
 
     def read(self) -> History | None:
         """It, or None where it is damaged."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import multiprocessing
+import os
 import pickle
 import signal
 import sys
@@ -22,12 +23,21 @@ from pounding_cli.store.chunk import Chunk
 _GRACE = 2.0
 """Time a worker has to end after it was told to [s]."""
 
+_STOPPED = 30.0
+"""A worker that was stopped (SIGSTOP) for so long is ended, and its scenes are solved by another [s]."""
+
+_LOOK = 1.0
+"""Time between two looks at workers that say nothing [s]."""
+
 DIED = "the worker died"
 ADVICE = "memory may be short: use fewer workers; otherwise report it with the study file"
 
 
 class Processes:
-    """See `engines.Engine`."""
+    """See `engines.Engine`.
+
+    Workers are forked on Linux and spawned elsewhere, unless `multiprocessing.set_start_method` says otherwise.
+    """
 
     name = "processes"
 
@@ -72,8 +82,9 @@ class _Staff:
 
     def __init__(self, scenes: Mapping[str, Scene], task: Task, key: str) -> None:
         # Forked workers inherit the compiled kernels and the plan; elsewhere forking is not safe: scenes are sent.
-        self._forks = sys.platform == "linux"
-        self._context: Any = multiprocessing.get_context("fork" if self._forks else "spawn")
+        method = multiprocessing.get_start_method(allow_none=True) or ("fork" if sys.platform == "linux" else "spawn")
+        self._forks = method == "fork"
+        self._context: Any = multiprocessing.get_context(method)
         self._scenes, self._task, self._key = scenes, task, key
         self.busy: dict[_Worker, list[str]] = {}
         self.idle: list[_Worker] = []
@@ -91,7 +102,10 @@ class _Staff:
     def ready(self) -> list[_Worker]:
         """Wait for workers that have finished or died."""
         by_line = {worker.line: worker for worker in self.busy}
-        return [by_line[line] for line in wait(list(by_line)) if isinstance(line, Connection)]
+        while not (lines := wait(list(by_line), _LOOK)):
+            for worker in self.busy:
+                worker.end_if_stopped()
+        return [by_line[line] for line in lines if isinstance(line, Connection)]
 
     def end(self) -> None:
         """End all workers: what they are at is lost, what they have sent is not."""
@@ -111,6 +125,7 @@ class _Worker:
     ) -> None:
         self.line, far = context.Pipe()
         self._place = context.RawValue("q", 0)
+        self._runs = time.monotonic()  # when it was last seen not to be stopped
         # A fork holds the parent's ends of all pipes; it closes them, so that workers see when the parent is gone.
         inherited = (self.line, *others) if scenes is not None else ()
         arguments = (far, self._place, scenes, task, key, inherited)
@@ -120,6 +135,7 @@ class _Worker:
 
     def give(self, bundle: Sequence[Any]) -> None:
         self._place.value = 0
+        self._runs = time.monotonic()
         with suppress(OSError):  # it has died: its line says so when it is looked at
             self.line.send(bundle)
 
@@ -133,6 +149,22 @@ class _Worker:
     def place(self) -> int:
         """The place in its bundle of the scene it was last at."""
         return int(self._place.value)
+
+    def end_if_stopped(self) -> None:
+        """End it if it was stopped at every look for _STOPPED seconds; its line then says that it has died."""
+        now = time.monotonic()
+        self._runs = self._runs if self._is_stopped() else now
+        if now - self._runs > _STOPPED:
+            self._process.kill()
+
+    def _is_stopped(self) -> bool:
+        if not hasattr(os, "waitid"):
+            return False
+        try:
+            # Only stops are asked for, and left to be seen again: whether it has ended is multiprocessing's to ask.
+            return os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOHANG | os.WNOWAIT) is not None
+        except ChildProcessError:
+            return False
 
     def tell(self) -> None:
         self.line.close()

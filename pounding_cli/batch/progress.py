@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import sys
@@ -97,6 +98,12 @@ class Quiet:
     def stop(self) -> None: ...
 
 
+def _write(line: str, stream: TextIO) -> None:
+    """Write a line at once. A run goes on when nobody reads what it tells any more: its results are what counts."""
+    with contextlib.suppress(OSError, ValueError):
+        print(line, file=stream, flush=True)
+
+
 class Lines:
     """Plain lines for logs and pipes: at the start, then at most one every `every` seconds, and at the end."""
 
@@ -121,7 +128,7 @@ class Lines:
             self.say(self.counts.words)
 
     def say(self, sentence: str) -> None:
-        print(sentence, file=self.stream, flush=True)
+        _write(sentence, self.stream)
 
     def stop(self) -> None:
         self.say(self.counts.words)
@@ -157,7 +164,7 @@ class JsonLines:
     def tell(self, event: str, **facts: Any) -> None:
         """Any line."""
         line = {"event": event, "time": round(time.time(), 3), **facts}
-        print(json.dumps(line), file=self.stream, flush=True)
+        _write(json.dumps(line), self.stream)
 
     def _progress(self, event: str) -> None:
         self._last = time.monotonic()

@@ -49,19 +49,21 @@ def command(study: Path, methods: str, cases: str, records: str, budget: str, ou
       pound accuracy configs/fig6.yaml --methods taylor,rk4-events,newmark --budget 90s
     """
     from pounding_cli.api import load_study
+    from pounding_cli.outputs import check_folder
     from pounding_cli.report.accuracy_figures import draw_accuracy
     from pounding_cli.report.accuracy_page import in_words, write
     from pounding_cli.solve.work_precision import chosen, measure
 
     allowed = seconds_of(budget)
     names = chosen(_listed(methods))
+    folder = output or Path("results") / f"{study.stem}-accuracy"
+    check_folder(folder)
     loaded = load_study(study)
     subjects = _subjects(loaded, _listed(cases), _listed(records))
     if not quiet:
         click.echo(loaded.title)
     tell = (lambda text: None) if quiet else (lambda text: click.echo(f"  {text}", err=True))
     found = measure(subjects, names, allowed, tell)
-    folder = output or Path("results") / f"{study.stem}-accuracy"
     drawn = draw_accuracy(found, folder)
     files = write(found, loaded.title, drawn, _again(study, methods, cases, records, budget), folder)
     if not quiet:

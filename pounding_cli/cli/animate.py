@@ -66,19 +66,20 @@ def command(
     from pounding_cli.errors import InputError, Problem
     from pounding_cli.report.animation import Film, fitting_scale, frames
     from pounding_cli.report.film import check_film, write_film
+    from pounding_cli.texts import file_name
 
     wanted = {"case": case, "analysis": analysis, "record": record}
     place = {name: value for name, value in wanted.items() if value is not None} | _swept(at)
     if output is not None:
-        check_film(output)
+        check_film(output, [file])
     if not slow > 0:
         raise InputError(
             Problem(f"--slow {slow:g}: it must be above zero", "write e.g. --slow 4; 1 is as fast as life")
         )
     read = _from_study if file.suffix.lower() in (".yaml", ".yml") else _from_results
     history, picture, name = read(file, place)
-    path = output or Path(f"{name}.gif")
-    check_film(path)
+    path = output or Path(f"{file_name(name)}.gif")
+    check_film(path, [file])
     last = float(history.time[-1])
     first, stop = _time("--from", begin, 0.0), _time("--to", end, last)
     if not 0 <= first < stop <= last + 1e-9:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import click
 
 from pounding_cli.words import counted
+
+MOST_ROWS = 50_000
+"""Rows of a study whose combinations of swept values are looked at too."""
 
 
 @click.command("check")
@@ -19,27 +23,31 @@ def command(study: Path) -> None:
 
     Example: pound check configs/fig6.yaml
     """
+    from pounding_cli.reading import shortened
     from pounding_cli.study import expand, load_study
     from pounding_cli.study.kinds import kind_of_file
 
+    name = shortened(study)
     if (kind := kind_of_file(study)) != "run":
-        click.echo(f"OK: {study}: a study of `pound {kind}`, {_points(study, kind)} to compute")
+        click.echo(f"OK: {name}: a study of `pound {kind}`, {_points(study, kind)} to compute")
         return
     read = load_study(study)
-    plan = expand(read)
+    model = read.model
+    points = math.prod(len(axis.values) for axis in read.axes)
+    records = len(read.motions(read.resolver.base))
+    rows = points * len(model.cases) * len(model.analyses) * records
+    scenes = f" from {counted(len(expand(read).scenes), 'scene')}" if rows <= MOST_ROWS else ""
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
-    points = len({row.point for row in plan.rows})
     factors = [
-        counted(len(plan.cases), "case"),
-        counted(len(plan.analyses), "analysis", "analyses"),
-        counted(len(plan.records), "record"),
-        *([counted(points, "sweep point")] if plan.axes else []),
+        counted(len(model.cases), "case"),
+        counted(len(model.analyses), "analysis", "analyses"),
+        counted(records, "record"),
+        *([counted(points, "sweep point")] if read.axes else []),
     ]
-    click.echo(
-        f"OK: {study}: {' x '.join(factors)} = {counted(len(plan.rows), 'row')} "
-        f"from {counted(len(plan.scenes), 'scene')}"
-    )
+    click.echo(f"OK: {name}: {' x '.join(factors)} = {counted(rows, 'row')}{scenes}")
+    if not scenes:
+        click.echo("Each value of the sweep was looked at, not their combinations: `pound plan` does that.")
 
 
 def _points(study: Path, kind: str) -> str:

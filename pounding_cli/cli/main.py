@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import difflib
+import errno
 import importlib
 import re
+import shlex
 import sys
+import traceback
+from typing import Any, NoReturn
 
 import click
 
 from pounding_cli import __version__
+from pounding_cli.cli import streams
 from pounding_cli.errors import InputError
 
 COMMANDS = {
@@ -31,12 +36,33 @@ COMMANDS = {
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
 
+REFUSED, FAULT, STOPPED, NOBODY_READS = 2, 70, 130, 141
+"""Exit codes: refused input; a fault of the program (EX_SOFTWARE); Ctrl-C and SIGPIPE, as shells count them."""
+
 FIRST = ("init", "check", "run", "show", "report")
 """What a newcomer needs, in the order of use."""
 
 
+class NobodyReads(Exception):
+    """The reader of standard output has gone, as `head` does; click would end that with exit code 1."""
+
+
 class LazyGroup(click.Group):
     """A group whose subcommands live in modules of their own, imported on use: `pound --help` stays fast."""
+
+    def make_context(self, *arguments: Any, **more: Any) -> click.Context:
+        """As click's; this prints the help."""
+        try:
+            return super().make_context(*arguments, **more)
+        except BrokenPipeError as error:
+            raise NobodyReads from error
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """As click's."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError as error:
+            raise NobodyReads from error
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -84,7 +110,8 @@ def _meant_choice(error: click.ClickException) -> str:
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="pound")
-def cli() -> None:
+@click.option("--debug", is_flag=True, help="Show the traceback of a fault of the program, for a report.")
+def cli(debug: bool) -> None:
     """Batch studies of earthquake pounding between adjacent buildings.
 
     \b
@@ -92,22 +119,54 @@ def cli() -> None:
       pound init my-study
       pound run my-study.yaml
       pound report results/my-study.h5
+
+    \b
+    Exit codes: 0 done; 1 some scenes failed, or results differ (compare);
+    2 the input or the output was refused; 70 a fault of the program;
+    130 stopped by Ctrl-C; 141 the reader of the output has gone.
     """
 
 
 def main() -> None:
-    """Run `pound`; a refused input ends with its list of problems and exit code 2, never with a traceback."""
+    """Run `pound`; whatever happens ends with a sentence and an exit code, a traceback is shown to who asks for it."""
+    streams.prepare()
     try:
         code = cli(standalone_mode=False)
+        sys.stdout.flush()
     except InputError as refused:
         for problem in refused.problems:
             click.echo(f"error: {problem}", err=True)
-        sys.exit(2)
+        _end(REFUSED)
     except click.ClickException as error:
         error.show()
         click.echo(_meant_choice(error), err=True, nl=False)
-        sys.exit(2)
+        _end(REFUSED)
     except (click.Abort, KeyboardInterrupt):
         click.echo("stopped; run the same command again to go on.", err=True)
-        sys.exit(130)
-    sys.exit(code if isinstance(code, int) else 0)
+        _end(STOPPED)
+    except (NobodyReads, BrokenPipeError):
+        _end(NOBODY_READS)
+    except Exception as error:
+        _end(_unforeseen(error))
+    _end(code if isinstance(code, int) else 0)
+
+
+def _end(code: int) -> NoReturn:
+    streams.silence()
+    sys.exit(code)
+
+
+def _unforeseen(error: Exception) -> int:
+    """Tell what nobody thought of: in one line how to report it, or with its traceback. The exit code."""
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+        click.echo(f"error: there is no space left on the disk ({error.filename or 'while writing'})", err=True)
+        return REFUSED
+    first = (str(error).splitlines() or [""])[0]
+    what = f"error: a fault of the program: {type(error).__name__}: {first[:300]}"
+    if "--debug" in sys.argv[1:2]:
+        traceback.print_exception(error)
+        click.echo(f"{what}\n    please report it with this traceback and the study file", err=True)
+    else:
+        command = shlex.join(["pound", "--debug", *sys.argv[1:]])
+        click.echo(f"{what}\n    please report it with the study file and what this command shows: {command}", err=True)
+    return FAULT

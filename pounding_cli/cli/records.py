@@ -128,6 +128,7 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
       pound records show CE47380.V2 --channel 3
     """
     from pounding_cli.errors import InputError, Problem
+    from pounding_cli.outputs import check_output
     from pounding_cli.records import entry, find, library_of, locate, matching, names, read_file, read_held
 
     read_as = None
@@ -151,6 +152,8 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
         found = found.windowed(window)
         if found.pga == 0.0:
             raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window, or --whole"))
+    if output is not None:
+        check_output(output, [Path(place)])
     _print_measures(found, title, place, read_as)
     if output is not None:
         from pounding_cli.records.drawing import draw
@@ -226,6 +229,7 @@ def synthesize(name: tuple[str, ...], everything: bool, output: Path, seed: int 
     """
     from dataclasses import replace
 
+    from pounding_cli.outputs import check_output
     from pounding_cli.records import GRAVITY, arias, entry, names
     from pounding_cli.records.standins import stand_in, stand_in_text
     from pounding_cli.records.writers import write_text
@@ -238,6 +242,7 @@ def synthesize(name: tuple[str, ...], everything: bool, output: Path, seed: int 
             known = replace(known, seed=seed)
         motion = stand_in(known)
         target = output / f"{known.name}.txt"
+        check_output(target, mine=lambda _, head: head.startswith(b"# stand-in: "))
         write_text(target, stand_in_text(known, motion))
         click.echo(
             f"{target}: seed {known.seed}, "

@@ -175,6 +175,7 @@ def _log(log: JsonLines, outcome: Outcome) -> None:
 
 def _print(found: Overview, outcome: Outcome) -> None:
     """The summary: mean ratios, motions, flags, counts, times."""
+    import io
     import sys
 
     from rich import box
@@ -205,7 +206,9 @@ def _print(found: Overview, outcome: Outcome) -> None:
             marked = f"{case} {MEANINGLESS}" if any(line.meaningless.any() for line in lines) else case
             table.add_row("" if place else marked, building, *cells, end_section=len(found.points) > 1)
     # Away from a terminal nothing is cut or wrapped, whatever the width a pipe claims to have.
-    Console(width=None if sys.stdout.isatty() else 250).print(table)
+    drawn = io.StringIO()
+    Console(file=drawn, width=None if sys.stdout.isatty() else 250).print(table)
+    click.echo(drawn.getvalue(), nl=False)
     count = len(found.points)
     many = f" at {count} points of the sweep" if count > 1 else ""
     for number, point in enumerate(found.points if 1 < count <= FEW_POINTS else (), start=1):

@@ -21,6 +21,7 @@ def command(output: Path | None, keys: bool) -> None:
       pound schema --keys
     """
     from pounding_cli.errors import InputError, Problem
+    from pounding_cli.outputs import check_output
     from pounding_cli.study.template import schema_text
 
     if keys:
@@ -32,6 +33,7 @@ def command(output: Path | None, keys: bool) -> None:
     if output is None:
         click.echo(text, nl=False)
         return
+    check_output(output, mine=lambda _, head: head.startswith(text.encode()[:60]) or head.startswith(b"| "))
     try:
         output.write_text(text, encoding="utf-8")
     except OSError as error:

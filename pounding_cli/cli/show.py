@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pounding_cli.cli.places import at_option, points_at
+from pounding_cli.texts import cells
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def command(
     named |= _points(results, at)
     frame = _filtered(results, frame, {name: values for name, values in named.items() if values}, table)
     if form == "csv":
-        click.echo(_one_line(frame).to_csv(index=False, lineterminator="\n"), nl=False)
+        click.echo(cells(_one_line(frame)).to_csv(index=False, lineterminator="\n"), nl=False)
     elif form == "json":
         click.echo(_json(frame))
     else:

@@ -16,6 +16,7 @@ import pandas as pd
 from pounding_cli.report.style import unwritable
 from pounding_cli.solve import METHODS
 from pounding_cli.solve.work_precision import QUANTITIES, REFERENCE, SECOND, Run, WorkPrecision
+from pounding_cli.texts import cells, write_markdown
 from pounding_cli.words import counted
 
 PACKAGES = ("pounding-cli", "numpy", "scipy", "numba")
@@ -239,9 +240,9 @@ def write(found: WorkPrecision, title: str, drawn: Sequence[Path], command: str,
     files = [folder / "accuracy.csv", folder / "accuracy.md"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        runs_frame(found).to_csv(files[0], index=False)
+        cells(runs_frame(found)).to_csv(files[0], index=False)
         pictures = [path.name for path in drawn if path.suffix == ".png"]
-        files[1].write_text("\n".join(page(found, title, pictures, command)) + "\n", encoding="utf-8")
+        write_markdown(files[1], page(found, title, pictures, command))
     except OSError as error:
         raise unwritable(folder, error) from error
     return files

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pounding_cli.report.picture import Picture
-from pounding_cli.report.style import styled
+from pounding_cli.report.style import literal, styled
 from pounding_cli.solve.histories import History
 
 SIZE, DPI = (8.0, 6.0), 110
@@ -134,6 +134,7 @@ class _Stage:
         for lines in (self.walls, self.slabs, self.bridges):
             self.scene.add_collection(lines)
         self.flashes = self.scene.scatter([], [], animated=True, zorder=5, linewidths=0, clip_on=False)
+        literal(figure)
         return canvas
 
     def frames(self) -> Iterator[np.ndarray]:

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from pounding_cli.outputs import check_folder
 from pounding_cli.report import page, sensitivity
 from pounding_cli.report.claims import judge
 from pounding_cli.report.evidence import Evidence, Tables, points
-from pounding_cli.report.figures import draw_all
+from pounding_cli.report.figures import draw_all, drawn_part
 from pounding_cli.report.spectra import draw_spectra
 from pounding_cli.report.style import FORMATS, save, unwritable
 from pounding_cli.report.sweep import Asked, sweep_figures
 from pounding_cli.report.tables import write_csv
 from pounding_cli.report.web import write_page
+from pounding_cli.texts import cells, file_name, write_markdown
 
 
 def write_report(
@@ -33,10 +35,12 @@ def write_report(
     ------
     InputError : the folder cannot be written to; something asked for is not there
     """
+    check_folder(folder)
     evidences = points(results)
     shown = nominal(evidences)
     swept = len(evidences) > 1
-    figures = sweep_figures(results, shown, asked) | draw_all(shown) if formats else {}
+    part = drawn_part(shown)
+    figures = sweep_figures(results, part, asked) | draw_all(part) if formats else {}
     match = results.spectrum_match
     if match is not None and formats:
         figures["target-spectrum"] = draw_spectra(match, results.title)
@@ -46,13 +50,13 @@ def write_report(
         files += write_csv(results, folder / "tables")
         columns = sensitivity.judge_points(evidences)
         files.append(folder / "tables" / "claims.csv")
-        sensitivity.frame(columns).to_csv(files[-1], index=False)
+        cells(sensitivity.frame(columns)).to_csv(files[-1], index=False)
         if swept:
             title = f"Claims over the sweep: {results.title}"
-            files.append(_write(folder / "claims-sensitivity.md", sensitivity.page(title, columns)))
-        drawn = [f"{name}.png" for name in figures] if "png" in formats else []
-        lines = page.summary(shown, judgements, drawn, results.scene(), swept, match.words if match else "")
-        files.append(_write(folder / "summary.md", lines))
+            files.append(write_markdown(folder / "claims-sensitivity.md", sensitivity.page(title, columns)))
+        drawn = [f"{file_name(name)}.png" for name in figures] if "png" in formats else []
+        lines = page.summary(part, judgements, drawn, results.scene(), swept, match.words if match else "")
+        files.append(write_markdown(folder / "summary.md", lines))
         if with_page:
             files.append(write_page(results, folder, figures, evidences, shown, columns))
     except OSError as error:
@@ -69,8 +73,8 @@ def write_comparison(results: Mapping[str, Tables], folder: Path) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         title = "Claims compared: " + ", ".join(results)
-        text = _write(folder / "comparison.md", sensitivity.page(title, columns))
-        sensitivity.frame(columns).to_csv(folder / "comparison.csv", index=False)
+        text = write_markdown(folder / "comparison.md", sensitivity.page(title, columns))
+        cells(sensitivity.frame(columns)).to_csv(folder / "comparison.csv", index=False)
     except OSError as error:
         raise unwritable(folder, error) from error
     return [text, folder / "comparison.csv"]
@@ -93,8 +97,3 @@ def _at(tree: object, key: str) -> object:
             return None
         tree = tree.get(part)
     return tree
-
-
-def _write(path: Path, lines: Sequence[str]) -> Path:
-    path.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
-    return path

@@ -18,14 +18,23 @@ from pounding_cli.words import counted
 
 SPREAD = "mean over the {motions}; whiskers: smallest to largest"
 PANELS_IN_A_ROW = 6
+MOST_CASES = 40
+"""Cases in the figures and on the page; the tables hold all."""
 RESPONSES = (("elastic", "V_ratio", "$V/V_0$"), ("inelastic", "mu_ratio", "$\\mu/\\mu_0$"))
 """The paper's panels: analysis, column, axis label."""
 
 
 def plotted_cases(evidence: Evidence) -> list[str]:
     """The cases of the main figures: `report: {plot: [..]}` of the study, else all of them."""
-    chosen = (evidence.resolved.get("report") or {}).get("plot") or evidence.cases
+    chosen = set((evidence.resolved.get("report") or {}).get("plot") or evidence.cases)
     return [case for case in evidence.cases if case in chosen]
+
+
+def drawn_part(evidence: Evidence) -> Evidence:
+    """The evidence with as many cases as figures and page have room for, those of `report: {plot: [..]}` first."""
+    if len(evidence.cases) <= MOST_CASES:
+        return evidence
+    return evidence.only(list(dict.fromkeys([*plotted_cases(evidence), *evidence.cases]))[:MOST_CASES])
 
 
 def draw_all(evidence: Evidence) -> dict[str, Figure]:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.outputs import check_output
 
 SUFFIXES = (".gif", ".mp4", ".png")
 """What a film can be written as; a PNG is its first frame."""
@@ -17,18 +18,19 @@ COLORS = 128
 """Colours of one frame of a GIF: lines on white need no more."""
 
 
-def check_film(path: Path) -> None:
+def check_film(path: Path, inputs: Iterable[Path] = ()) -> None:
     """Make sure that a film can be written at `path`, before it is drawn.
 
     Raises
     ------
-    InputError : another kind of file; MP4 without imageio-ffmpeg; the folder is not there
+    InputError : another kind of file; MP4 without imageio-ffmpeg; the folder is not there; `check_output` refuses it
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(Problem(f"{path} is no kind of film", f"name a file that ends in {', '.join(SUFFIXES)}"))
     if not path.parent.is_dir():
         raise InputError(Problem(f"there is no folder {path.parent}", "make it, or name another with -o"))
+    check_output(path, inputs)
     if suffix == ".mp4":
         try:
             import imageio_ffmpeg  # noqa: F401

@@ -33,6 +33,9 @@ def summary(
     if swept:
         everywhere = "the claims at every point stand in [claims-sensitivity.md](claims-sensitivity.md)"
         lines += [f"Figures and numbers on this page are those at {evidence.label}; {everywhere}.", ""]
+    cases = scene["case"].nunique()
+    if len(evidence.cases) < cases:
+        lines += [f"Figures and numbers on this page are those of {len(evidence.cases)} of the {cases} cases.", ""]
     lines += motions(evidence)
     if scaled:
         lines += [scaled, ""]

@@ -135,13 +135,14 @@ def over_sweep(
     rows = _chosen(_cut(getattr(results, choice.table)(), at or {}), choice)
     scenes = ["point", "case", "analysis", "record"]
     level = list(LEVELS[choice.table])
-    numbers = rows[[*level, "record"]].assign(value=rows[choice.quantity].to_numpy(float), point=_points(rows, axes))
+    point = point_numbers(rows, axes)
+    numbers = rows[[*level, "record"]].assign(value=rows[choice.quantity].to_numpy(float), point=point)
     voids = _meaningless(_cut(results.scene(), at or {}), axes)
     numbers["void"] = pd.MultiIndex.from_frame(numbers[scenes]).isin(pd.MultiIndex.from_frame(voids[scenes]))
-    grouped = numbers.groupby(["point", *level], sort=False)
-    found = grouped["value"].agg(["mean", "std", "min", "max", "count"]).assign(void=grouped["void"].sum())
-    found = found[found["count"] > 0].reset_index()
-    worst = found.loc[found["mean"].abs().groupby(found["point"], sort=False).idxmax()] if len(found) else found
+    found = over_motions(numbers, "value", level)
+    void_of = numbers.groupby(["point", *level], sort=False)["void"].sum()
+    found["void"] = void_of.reindex(pd.MultiIndex.from_frame(found[["point", *level]])).to_numpy()
+    worst = largest(found, ["point"])
     look = shown(choice.quantity)
 
     def spread(values: np.ndarray, empty: object, kind: object = float) -> np.ndarray:
@@ -159,6 +160,19 @@ def over_sweep(
     return OverSweep(choice, axes, look.label, look.unit, mean, std, low, high, motions, place, void, tuple(reasons))
 
 
+def over_motions(frame: pd.DataFrame, quantity: str, place: Sequence[str]) -> pd.DataFrame:
+    """Mean, std, min, max and count of a quantity over the motions, by `point` and place; no row where nothing is."""
+    found = frame.groupby(["point", *place], sort=False)[quantity].agg(["mean", "std", "min", "max", "count"])
+    return found[found["count"] > 0].reset_index()
+
+
+def largest(found: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
+    """Of what `over_motions` found the row with the largest mean, positive or negative, in every group."""
+    if found.empty:
+        return found
+    return found.loc[found["mean"].abs().groupby([found[name] for name in by], sort=False).idxmax()]
+
+
 def _cut(frame: pd.DataFrame, at: Mapping[str, Any]) -> pd.DataFrame:
     """The rows at some values of swept keys."""
     for key, value in at.items():
@@ -170,7 +184,7 @@ def _meaningless(scene: pd.DataFrame, axes: Sequence[SweptAxis]) -> pd.DataFrame
     """Flags that take the meaning from a scene's numbers, with its point's number, case, analysis and record."""
     flagged = flagged_scenes(scene[scene["flags"].astype(bool)])
     flagged = flagged[flagged["meaningless"]]
-    return flagged.assign(point=_points(flagged, axes))
+    return flagged.assign(point=point_numbers(flagged, axes))
 
 
 def _chosen(frame: pd.DataFrame, choice: Choice) -> pd.DataFrame:
@@ -195,12 +209,13 @@ def _chosen(frame: pd.DataFrame, choice: Choice) -> pd.DataFrame:
     return frame
 
 
-def _points(rows: pd.DataFrame, axes: Sequence[SweptAxis]) -> np.ndarray:
-    """The number of every row's point, the last axis fastest."""
+def point_numbers(rows: pd.DataFrame, axes: Sequence[SweptAxis]) -> np.ndarray:
+    """The number of every row's point, the last axis fastest; -1 where the axes do not have it."""
     number = np.zeros(len(rows), int)
     for axis in axes:
         places = pd.MultiIndex.from_tuples(axis.points)
-        number = number * len(axis) + places.get_indexer(pd.MultiIndex.from_frame(rows[list(axis.keys)]))
+        place = places.get_indexer(pd.MultiIndex.from_frame(rows[list(axis.keys)]))
+        number = np.where((number < 0) | (place < 0), -1, number * len(axis) + place)
     return number
 
 

@@ -14,8 +14,11 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.mathtext import MathTextParser
+from matplotlib.text import Text
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.texts import file_name
 
 FORMATS = ("png", "svg", "pdf")
 """What a figure can be saved as."""
@@ -127,17 +130,31 @@ def caption(figure: Figure, text: str) -> None:
     )
 
 
+_FORMULAS = MathTextParser("path")
+
+
+def literal(figure: Figure) -> None:
+    """Show a text as it is where its dollar signs enclose what is no formula."""
+    for text in figure.findobj(Text):
+        if isinstance(text, Text) and "$" in text.get_text() and text.get_parse_math():
+            try:
+                _FORMULAS.parse(text.get_text())
+            except ValueError:
+                text.set_parse_math(False)
+
+
 def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
     """Write every figure in every format; returns the files. Raises InputError where the folder refuses."""
     files = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
+            literal(figure)
             with mpl.rc_context(RC):
                 figure.draw_without_rendering()
             figure.set_layout_engine("none")  # laid out once, not once a format
             for suffix in formats:
-                path = folder / f"{name}.{suffix}"
+                path = folder / f"{file_name(name)}.{suffix}"
                 # Without a date in it, a figure that did not change is the same file.
                 dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
                 with mpl.rc_context(RC):

@@ -12,11 +12,12 @@ import pandas as pd
 
 from pounding_cli.report.connector_figures import connector_claims, draw_connector
 from pounding_cli.report.style import FORMATS, unwritable
-from pounding_cli.report.wall_claims import wall_claims
+from pounding_cli.report.wall_claims import mesh_convergence, wall_claims
 from pounding_cli.report.wall_figures import draw_wall
 from pounding_cli.report.web import write_system_page
 from pounding_cli.store.files import kind_of, opened_kind
 from pounding_cli.store.swept import axes_of, coordinate
+from pounding_cli.texts import cells, write_markdown
 
 _ANCHOR = {"connector": "peak1", "wall": "peak_force"}
 """A variable that lies over the swept dimensions alone."""
@@ -53,22 +54,30 @@ def write_system_report(
     claims = connector_claims(path) if kind == "connector" else wall_claims(path)
     lines = [f"# {title}", "", "| point | the paper says | found | holds |", "|---|---|---|---|"]
     for claim in claims:
-        cells = [str(claim[key]).replace("|", "\\|") for key in ("point", "paper", "found")]
-        lines.append(f"| {' | '.join(cells)} | {'yes' if claim['holds'] else 'no'} |")
+        words = [str(claim[key]).replace("|", "\\|") for key in ("point", "paper", "found")]
+        lines.append(f"| {' | '.join(words)} | {'yes' if claim['holds'] else 'no'} |")
     for figure in written:
         if figure.suffix == ".png":
             lines += ["", f"![{figure.stem}]({figure.name})"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         found = numbers(path)
-        found.to_csv(folder / "numbers.csv", index=False)
-        (folder / "summary.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        cells(found).to_csv(folder / "numbers.csv", index=False)
+        write_markdown(folder / "summary.md", lines)
         written += [folder / "numbers.csv", folder / "summary.md"]
         if with_page:
-            written.append(write_system_page(title, study, folder, claims, written, found))
+            convergence = mesh_convergence(path) if kind == "wall" else []
+            figures = sorted(written, key=lambda file: file != _main(written))
+            written.append(write_system_page(title, study, folder, claims, convergence, figures, found))
     except OSError as error:
         raise unwritable(folder, error) from error
     return written
+
+
+def _main(files: Sequence[Path]) -> Path | None:
+    """The figure the page begins with: of a wall the stresses at the last point of the sweep, else the first."""
+    drawn = [file for file in files if file.suffix == ".png"]
+    return next((file for file in reversed(drawn) if "-stress" in file.stem), drawn[0] if drawn else None)
 
 
 def _over_axes(item: Any, axes: tuple[str, ...], shape: tuple[int, ...]) -> bool:

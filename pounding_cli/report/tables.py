@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from pounding_cli.report.evidence import TABLES, Tables
+from pounding_cli.texts import cells
 
 
 def write_csv(results: Tables, folder: Path) -> list[Path]:
@@ -15,7 +16,7 @@ def write_csv(results: Tables, folder: Path) -> list[Path]:
     files = []
     for name, frame in frames.items():
         path = folder / f"{name}.csv"
-        frame.to_csv(path, index=False)
+        cells(frame).to_csv(path, index=False)
         files.append(path)
     return files
 

@@ -6,9 +6,11 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pounding_cli.report.connector_figures import point_label
 from pounding_cli.store.files import opened_kind
-from pounding_cli.store.swept import axes_of
+from pounding_cli.store.swept import axes_of, coordinate
 
 LOW = 0.5
 """A stress is called low, or lower, below this share of the wall's averaged peak."""
@@ -58,3 +60,38 @@ def wall_claims(path: Path) -> list[dict[str, Any]]:
                 }
             )
     return entries
+
+
+SETTLED = 0.1
+"""A number settles where the last refinement of the mesh changes it by less than this share."""
+_REFINED = {
+    "peak_force": ("the contact force", 1e-6, "MN"),
+    "averaged_stress": ("the stress averaged over a length of the wall", 1e-6, "N/mm2"),
+    "wall_stress": ("the stress of the worst element", 1e-6, "N/mm2"),
+}
+
+
+def mesh_convergence(path: Path) -> list[str]:
+    """What settles as the mesh is refined, in sentences; none where the sweep has no meshes."""
+    with opened_kind(path, "wall") as file:
+        axes = axes_of(file, "peak_force")
+        if "mesh.size" not in axes or file["peak_force"].shape[axes.index("mesh.size")] < 2:
+            return []
+        place = axes.index("mesh.size")
+        order = np.argsort(-np.asarray(coordinate(file, "mesh.size"), float))  # coarse to fine
+        sentences = {True: [], False: []}  # type: dict[bool, list[str]]
+        others = [axis for axis in axes if axis != "mesh.size"]
+        for name, (words, factor, unit) in _REFINED.items():
+            values = np.moveaxis(file[name][:], place, -1)[..., order] * factor
+            for point in product(*(range(n) for n in values.shape[:-1])):
+                run = values[point]
+                change = run[-1] / run[-2] - 1
+                where = f" ({point_label(file, tuple(others), point)})" if others else ""
+                numbers = ", ".join(f"{value:.3g}" for value in run)
+                settles = abs(change) < SETTLED
+                verb = "settles" if settles else "does not settle"
+                sentences[settles].append(
+                    f"{words.capitalize()} {verb}{where}: {numbers} {unit} from the coarsest to the finest mesh, "
+                    f"{100 * change:+.0f} % at the last refinement."
+                )
+        return sentences[True] + sentences[False]

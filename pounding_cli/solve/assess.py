@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -52,33 +53,84 @@ def change(first: Response, second: Response) -> float:
     """
     if first.status != "done" or second.status != "done":
         return float("nan")
-    worst = 0.0
+    pairs = zip(first.buildings, second.buildings, strict=True)
+    return _largest([(x, y, x) for a, b in pairs for x, y in ((a.shear, b.shear), (a.drift, b.drift))])
+
+
+def difference(first: Response, second: Response) -> float:
+    """Largest relative difference of any number of two responses of the same scene [-]; nan when either run did not
+    end.
+
+    Shears, drifts (and with them ductilities), accelerations, sways and rockings are relative to themselves,
+    displacements to the floor's largest either way, drifts at the end to the storey's largest, and the forces,
+    closings, impulses and contact times of links to the largest of their kind in the scene. Counts are left out, and
+    so are energies, whose error is the ledger's residual.
+    """
+    if first.status != "done" or second.status != "done":
+        return float("nan")
+    triples = []
     for a, b in zip(first.buildings, second.buildings, strict=True):
-        for x, y in ((a.shear, b.shear), (a.drift, b.drift)):
-            moving = (x != 0) | (y != 0)
-            if moving.any():
-                worst = max(worst, float(np.max(np.abs(x - y)[moving] / np.maximum(x, y)[moving])))
-    return worst
+        reach = np.maximum(a.displacement_max, -a.displacement_min)
+        ground, other = np.array([a.sway, a.rocking]), np.array([b.sway, b.rocking])
+        triples += [
+            (a.shear, b.shear, a.shear),
+            (a.drift, b.drift, a.drift),
+            (a.acceleration, b.acceleration, a.acceleration),
+            (a.displacement_max, b.displacement_max, reach),
+            (a.displacement_min, b.displacement_min, reach),
+            (a.residual_drift, b.residual_drift, a.drift),
+            (ground, other, ground),
+        ]
+    for name in ("peak_force", "max_closing", "impulse", "contact_time"):
+        x, y = getattr(first.links, name), getattr(second.links, name)
+        triples.append((x, y, np.full(x.shape, np.abs(x).max(initial=0.0))))
+    return _largest(triples)
+
+
+def _largest(triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
+    """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are."""
+    x, y, scale = (np.concatenate(each) for each in zip(*triples, strict=True))
+    size = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(scale))
+    return float(np.max(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))
 
 
 def assess(scene: Scene, response: Response, accuracy: float, run: Callable[..., Response] = solve) -> Response:
-    """The same response with its estimated error [-], its sensitivity [-] and, if that is large, a flag that says so.
+    """The response with its estimated error [-], its sensitivity [-] and flags that say so where either is too large.
 
-    error_estimate : change against a run at an accuracy a thousand times finer; of a fixed-step method, against Taylor
+    error_estimate : difference against a run at an accuracy a thousand times finer; of a fixed-step method, against
+        Taylor
     sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene
+
+    A response that misses the accuracy asked by its own estimate gives way to the finer run, which is then judged by a
+    finer one still, until the estimate meets the accuracy or doubles hold no more.
     """
     if response.status != "done":
         return response
     fixed_steps = chosen_method(response.method, accuracy).takes_step
     tight = BESIDE_FIXED_STEPS if fixed_steps else finer(accuracy)
     method = TAYLOR.name if fixed_steps else response.method
+    if response.samples:
+        run = partial(run, watch=True)
     second = run(scene, accuracy=tight, method=method)
     nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method=method)
-    error, sensitivity = change(response, second), change(second, nudged) / NUDGE
+    error, sensitivity = difference(response, second), change(second, nudged) / NUDGE
+    seconds = response.seconds
+    while not fixed_steps and error > accuracy and second.status == "done":
+        response = second
+        seconds += second.seconds
+        if tight <= FINEST:
+            break
+        tight = finer(tight)
+        second = run(scene, accuracy=tight, method=method)
+        error = difference(response, second) if second.status == "done" else error
     flags = response.flags
     if sensitivity > ILL_CONDITIONED:
         flags = (
             *flags,
             f"ill-conditioned: a motion that grows by 1e-6 on its way changes a peak by {sensitivity * NUDGE:.1e}",
         )
-    return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity, flags=flags)
+    if not fixed_steps and error > accuracy:
+        flags = (*flags, f"less accurate than asked: an error of about {error:.1e} is left, {accuracy:.0e} was asked")
+    return dataclasses.replace(
+        response, tolerance=accuracy, seconds=seconds, error_estimate=error, sensitivity=sensitivity, flags=flags
+    )

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.store.files import opened
+from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import coordinate, written
 
 HARDLY = 0.05
@@ -70,7 +71,7 @@ class Spread:
 
 def brackets(file: h5py.File) -> tuple[str, ...]:
     """The keys that the study brackets."""
-    return tuple(json.loads(file["study/resolved"].asstr()[()]).get("bracket") or ())
+    return tuple(json.loads(strings(file["study/resolved"])).get("bracket") or ())
 
 
 def leading(file: h5py.File) -> tuple[int | slice, ...]:
@@ -156,7 +157,7 @@ def _struck(file: h5py.File, axes: int) -> np.ndarray:
     """Whether a pounding link closed under any motion, over the swept axes, case and analysis."""
     if "kind" not in file:  # no case has a link
         return np.zeros(1, bool)
-    pounds = file["kind"].asstr()[()] == "pounding"  # over axes, case, link
+    pounds = strings(file["kind"]) == "pounding"  # over axes, case, link
     closed = np.nan_to_num(file["impacts"][()]).max(axis=axes + 2) > 0  # over axes, case, analysis, link
     return (closed & pounds[..., None, :]).any(axis=-1)
 

@@ -99,6 +99,8 @@ class Chunk:
         if head["key"] != key:
             return None
         lines = head["lines"]
+        if not all(isinstance(digest, str) and len(digest) <= _SHA and digest.isascii() for digest in head["digests"]):
+            raise ValueError("damaged part")
         numbers = np.frombuffer(content, "<f8", offset=end + 1)
         chunk = cls(head["digests"], [lines[place] for place in head["words"]], numbers)
         if len(chunk.digests) != len(chunk.words) or chunk.starts[-1] != numbers.size:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import importlib
+import io
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.outputs import check_output
 from pounding_cli.store.columns import TABLES, meaning
+from pounding_cli.store.files import opened
 from pounding_cli.store.results import Results
+from pounding_cli.store.seal import Sealed, is_sealed
+from pounding_cli.texts import cells
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,20 +66,39 @@ def export(
     if form == "netcdf":
         if tables:
             raise InputError(Problem("netCDF takes the whole file, no single tables", "leave the tables out"))
+        check_output(path, [results.path], _is_netcdf)
         return [_written(path, lambda hidden: _netcdf(results, hidden))]
     chosen = tuple(dict.fromkeys(tables)) or TABLES
     frames = {name: results.table(name) for name in chosen}
     if form == "excel":
+        check_output(path, [results.path])
         return [_written(path, lambda hidden: _excel(results, frames, hidden))]
     write = (_csv if form == "csv" else _parquet)(results, frames)
     if named is not None:
         if len(chosen) > 1:
             hint = f"name the table, e.g. `storey`, or a folder in place of {path.name}"
             raise InputError(Problem(f"{path} takes one table, not {len(chosen)}", hint))
+        check_output(path, [results.path], partial(_is_table, form, frames))
         return [_written(path, partial(write, name=chosen[0]))]
+    for name in (*chosen, "columns"):
+        end = ".csv" if name == "columns" else FORMATS[form]
+        check_output(path / f"{name}{end}", [results.path], partial(_is_table, end[1:], frames))
     files = [_written(path / f"{name}{FORMATS[form]}", partial(write, name=name)) for name in chosen]
     listed = dictionary(frames)
-    return [*files, _written(path / "columns.csv", lambda hidden: listed.to_csv(hidden, index=False))]
+    return [*files, _written(path / "columns.csv", lambda hidden: cells(listed).to_csv(hidden, index=False))]
+
+
+def _is_netcdf(path: Path, head: bytes) -> bool:
+    return head.startswith((b"\x89HDF", b"CDF")) and not is_sealed(path)
+
+
+def _is_table(form: str, frames: dict[str, pd.DataFrame], path: Path, head: bytes) -> bool:
+    """Whether a file is an older export: a table with most columns of one of ours."""
+    if form == "parquet":
+        return head.startswith(b"PAR1")
+    there = set(head.split(b"\n", 1)[0].decode(errors="replace").strip().split(","))
+    wanted = [{"table", "column", "unit", "meaning"}, *(set(map(str, frame.columns)) for frame in frames.values())]
+    return any(2 * len(there & columns) > len(columns) for columns in wanted)
 
 
 def dictionary(frames: dict[str, pd.DataFrame]) -> pd.DataFrame:
@@ -99,10 +123,9 @@ def _require(form: str) -> None:
 
 
 def _written(path: Path, write: Callable[[Path], None]) -> Path:
-    """Write a file beside its place, then put it there; makes the folder."""
+    """Write a file beside its place, then put it there."""
     hidden = path.with_name(f".{path.stem}.part{path.suffix}")
     with _refusing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
         try:
             write(hidden)
             hidden.replace(path)
@@ -122,7 +145,7 @@ def _refusing(path: Path) -> Iterator[None]:
 
 def _csv(results: Results, frames: dict[str, pd.DataFrame]) -> _Writer:
     def write(path: Path, name: str) -> None:
-        frames[name].to_csv(path, index=False, lineterminator="\n")
+        cells(frames[name]).to_csv(path, index=False, lineterminator="\n")
 
     return write
 
@@ -152,19 +175,28 @@ def _excel(results: Results, frames: dict[str, pd.DataFrame], path: Path) -> Non
             hint = "export to Parquet or CSV, or name smaller tables"
             raise InputError(Problem(f"the table {name} has {len(frame)} rows, a sheet takes {_MOST_ROWS}", hint))
     study = pd.DataFrame({results.title: results.study_text.splitlines()})
-    with pd.ExcelWriter(path, engine="openpyxl") as book:
+    content = io.BytesIO()  # a zip file that cannot be written to its end is told again and again
+    with pd.ExcelWriter(content, engine="openpyxl") as book:
         for name, frame in {**frames, "columns": dictionary(frames), "study": study}.items():
             frame.to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
             for row in book.sheets[name].iter_rows():
                 for cell in row:
                     if cell.data_type == "f":  # a text that begins with "=" is a text, not a formula
                         cell.data_type = "s"
+    path.write_bytes(content.getvalue())
 
 
 def _netcdf(results: Results, path: Path) -> None:
     import xarray
 
-    with xarray.open_dataset(results.path, engine="h5netcdf") as data:
+    with opened(results.path):
+        pass  # refuses what leads to other files; every byte is verified with what is read
+    content: Any = Sealed(results.path)
+    with content, xarray.open_dataset(content, engine="h5netcdf") as data:
         about = {"study": results.study_text, "resolved": results.resolved_text}
         software = {name: value for name, value in results.attrs.items() if name.startswith("software_")}
-        data.assign_attrs(about | software).to_netcdf(path, engine="h5netcdf")
+        told = data.assign_attrs(about | software)
+        try:  # in memory: the HDF5 library must not see a write that fails
+            path.write_bytes(told.to_netcdf(engine="h5netcdf"))
+        except (ValueError, TypeError):  # an older xarray writes to files alone
+            told.to_netcdf(path, engine="h5netcdf")

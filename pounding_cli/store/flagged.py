@@ -93,7 +93,7 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
     swept, written = _swept(scene), units or {}
     points = [
         ", ".join(f"{name} = {written.get(name, Unit()).text(row[name])}" for name in swept)
-        for row in scene[swept].to_dict("records")
+        for row in scene[[*swept, "flags"]].to_dict("records")  # of no column pandas 2 makes no rows
     ]
     columns = (scene[name] for name in ("case", "analysis", "record", "flags"))
     return flag_groups(map(SceneFlags._make, zip(points, *columns, strict=True)))

@@ -12,7 +12,8 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.store.layout import COORDINATES, PLACE
-from pounding_cli.store.structure import check_links
+from pounding_cli.store.structure import check_links, strings
+from pounding_cli.texts import plain
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan, Row
@@ -87,7 +88,7 @@ def write_history(file: h5py.File, place: Mapping[str, Any], history: History) -
     place : case, analysis, record, the swept values, scene and every, as attributes
     history : of the scene; links that the file does not know are left out
     """
-    labels = list(file["link"].asstr()[:]) if "link" in file else []
+    labels = list(strings(file["link"])) if "link" in file else []
     known = [number for number, label in enumerate(history.links) if label in labels]
     columns = [labels.index(history.links[number]) for number in known]
     parent = file.require_group(GROUP)
@@ -154,7 +155,7 @@ def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> dict[
 def read_history(group: h5py.Group) -> History:
     """A kept scene; links in the file's order, NaN where the scene has none."""
     check_links(group)
-    texts = {dim: tuple(group[dim].asstr()[:]) if dim in group else () for dim in ("building", "link")}
+    texts = {dim: tuple(strings(group[dim])) if dim in group else () for dim in ("building", "link")}
     time = group["time"][()]
     arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}
     energy = {name: arrays.pop(f"energy_{name}") for name in ENERGIES}
@@ -174,7 +175,8 @@ def same_value(one: Any, other: Any) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    value = value.item() if isinstance(value, np.generic) else value
+    return plain(value) if isinstance(value, str) else value
 
 
 def _values(history: History, name: str) -> np.ndarray:

@@ -52,16 +52,31 @@ def _taken(path: Path, lock: Path) -> int:
         handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o644)
         try:
             _lock(handle)
-            if lock.exists() and os.path.samestat(os.fstat(handle), lock.stat()):
+            if _is_still(lock, handle):
                 os.truncate(handle, 0)
                 os.write(handle, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
                 return handle
         except OSError as error:
             os.close(handle)
             if error.errno in (errno.EACCES, errno.EAGAIN):
-                raise _at_work(path, lock.read_text().strip()) from None
+                raise _at_work(path, _holder(lock)) from None
             raise
         os.close(handle)
+
+
+def _is_still(lock: Path, handle: int) -> bool:
+    """Whether an open file is still the lock file: its former holder may delete it at any moment."""
+    try:
+        return os.path.samestat(os.fstat(handle), lock.stat())
+    except FileNotFoundError:
+        return False
+
+
+def _holder(lock: Path) -> str:
+    try:
+        return lock.read_text().strip() or "just begun"
+    except OSError:
+        return "just ended"
 
 
 def _lock(handle: int) -> None:

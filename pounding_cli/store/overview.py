@@ -13,7 +13,9 @@ import numpy as np
 from pounding_cli.store.bracket import leading, said
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import FlagGroup, SceneFlags, counts_of_flags, flag_groups
+from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import coordinate, written
+from pounding_cli.texts import plain
 
 MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
 """What is shown of each analysis: the paper's Figs 6 and 7 show these two."""
@@ -96,9 +98,9 @@ def overview(path: Path) -> Overview:
     """
     with opened(path) as file:
         cases, analyses, buildings, records = (
-            list(file[name].asstr()[:]) for name in ("case", "analysis", "building", "record")
+            list(strings(file[name])) for name in ("case", "analysis", "building", "record")
         )
-        sources = list(file["record_source"].asstr()[()].reshape(-1, len(records))[0])
+        sources = list(strings(file["record_source"]).reshape(-1, len(records))[0])
         swept, lead = json.loads(file.attrs["swept"]), leading(file)
         axes = [axis for axis, at in zip(swept, lead, strict=True) if isinstance(at, slice)]
         means, errors, sensitivities = (
@@ -109,7 +111,7 @@ def overview(path: Path) -> Overview:
         mass = file["mass"][()]
         there = np.isfinite(mass).any(axis=tuple(range(mass.ndim - 2)))
         everywhere = _points([{name: _shown(file[name]) for name in names} for names in swept])
-        flags = file["flags"].asstr()[()]
+        flags = strings(file["flags"])
         worthless = counts_of_flags(flags)["records_meaningless"]
         marked = worthless[lead].reshape(-1, len(cases), len(analyses)) > 0
         scenes = (
@@ -129,14 +131,14 @@ def overview(path: Path) -> Overview:
                 )
                 lines.append(Line(case, analysis, roof, largest, at, error, sensitivity, marked[:, c, a]))
         return Overview(
-            str(file.attrs["title"]),
+            plain(str(file.attrs["title"])),
             tuple(buildings),
             tuple(lines),
             {analysis: MEASURES[analysis][1] for analysis in analyses},
             {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
             flag_groups(scenes),
             int(worthless.sum()),
-            int(np.sum((file["status"].asstr()[()] == "done") & (file["steps"][()] == 0))),
+            int(np.sum((strings(file["status"]) == "done") & (file["steps"][()] == 0))),
             _points([{name: _shown(file[name]) for name in names} for names in axes]),
             tuple(said(path)),
             len(records),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from pounding_cli.errors import Problem
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
@@ -18,7 +18,9 @@ from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
 from pounding_cli.store.layout import PLACE, SCENES
 from pounding_cli.store.solutions import stored_methods
+from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
+from pounding_cli.texts import plain, plain_tree
 from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
@@ -78,9 +80,9 @@ class Results:
                 name: _plain(value) for name, value in file.attrs.items() if name != "coordinates"
             } | software
             self.title = str(self.attrs["title"])
-            self.study_text: str = file["study/text"].asstr()[()]
-            self.resolved_text: str = file["study/resolved"].asstr()[()]
-            warnings = file["study/warnings"].asstr()[()] if "warnings" in file["study"] else "[]"
+            self.study_text: str = strings(file["study/text"])
+            self.resolved_text: str = strings(file["study/resolved"])
+            warnings = strings(file["study/warnings"]) if "warnings" in file["study"] else "[]"
             self.warnings = tuple(Problem(**each) for each in json.loads(warnings))
             self._swept: list[list[str]] = json.loads(self.attrs["swept"])
             self.axes: dict[str, list[Any]] = {
@@ -91,7 +93,10 @@ class Results:
     @cached_property
     def resolved(self) -> dict[str, Any]:
         """The study with every default filled in, SI."""
-        return json.loads(self.resolved_text)
+        found = plain_tree(json.loads(self.resolved_text))
+        if not isinstance(found, dict):
+            raise InputError(Problem("its study/resolved is no mapping", "run the study again", str(self.path)))
+        return found
 
     def axis_label(self, key: str) -> str:
         """A swept key with the unit the study wrote it in: "cases.gap.gap [cm]"."""
@@ -107,7 +112,12 @@ class Results:
         with opened(self.path) as file:
             if "spectrum" not in file["study"]:
                 return None
-            return SpectrumMatch.of_dict(json.loads(file["study/spectrum"].asstr()[()]))
+            text = strings(file["study/spectrum"])
+        try:
+            return SpectrumMatch.of_dict(json.loads(text))
+        except (ValueError, KeyError, TypeError, AttributeError):
+            problem = Problem("its study/spectrum is no match of spectra", "run the study again", str(self.path))
+            raise InputError(problem) from None
 
     @cached_property
     def methods(self) -> tuple[str, ...]:
@@ -304,7 +314,7 @@ class Results:
 
 
 def _values(dataset: h5py.Dataset) -> np.ndarray:
-    return dataset.asstr()[()] if h5py.check_string_dtype(dataset.dtype) else dataset[()]
+    return strings(dataset) if h5py.check_string_dtype(dataset.dtype) else dataset[()]
 
 
 def _name(dataset: h5py.Dataset) -> str:
@@ -312,7 +322,8 @@ def _name(dataset: h5py.Dataset) -> str:
 
 
 def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    value = value.item() if isinstance(value, np.generic) else value
+    return plain(value) if isinstance(value, str) else value
 
 
 def _frame(columns: dict[str, Any]) -> pd.DataFrame:

@@ -11,6 +11,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.layout import BUILDINGS, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
+from pounding_cli.texts import plain, plain_all
 
 ANALYSES = ("elastic", "inelastic")
 
@@ -102,6 +103,14 @@ def text(attrs: h5py.AttributeManager, name: str) -> str:
     if not isinstance(value, str):
         raise InputError(Problem(f"its {name.replace('_', ' ')} is no text", "give a file that pound run wrote"))
     return value
+
+
+def strings(dataset: h5py.Dataset) -> Any:
+    """The texts of a dataset, an array or one, without control characters (`plain`).  Raises where it is no UTF-8."""
+    values = dataset.asstr()[()]
+    if isinstance(values, str):
+        return plain(values)
+    return np.array(plain_all(values.flat), dtype=object).reshape(values.shape)
 
 
 def texts(attrs: h5py.AttributeManager) -> None:

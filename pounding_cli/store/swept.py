@@ -15,6 +15,7 @@ from pounding_cli import __version__
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.former import written_place
 from pounding_cli.store.sink import writing
+from pounding_cli.store.structure import strings
 from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
@@ -118,4 +119,4 @@ def written(dataset: h5py.Dataset) -> Unit:
 def coordinate(file: h5py.File, name: str) -> list[Any]:
     """The values of a swept key: numbers or texts."""
     data = file[name]
-    return list(data.asstr()[:]) if h5py.check_string_dtype(data.dtype) else [float(v) for v in data[:]]
+    return list(strings(data)) if h5py.check_string_dtype(data.dtype) else [float(v) for v in data[:]]

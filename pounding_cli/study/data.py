@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +15,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.load import Study, validated
 from pounding_cli.study.source import Mark, Node
 from pounding_cli.study.yaml_file import parse
+from pounding_cli.texts import file_name
 
 
 def study_of(data: Mapping[str, Any]) -> Study:
@@ -30,7 +30,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     """
     plain = _plain(data, "")
     title = str(plain.get("title") or "study")
-    path = Path(re.sub(r"[^\w-]+", "-", title).strip("-").lower() or "study").with_suffix(".yaml")
+    path = Path(file_name(title).replace(" ", "-").lower() + ".yaml")
     text = _yaml(plain)
     root = parse(text, path)
     with at_keys(root, path):

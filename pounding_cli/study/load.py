@@ -160,7 +160,7 @@ def validated(path: Path, text: str, root: Node) -> Study:
     return Study(
         path,
         text,
-        model.title or path.stem,
+        model.title or shortened(path.stem),
         said,
         _warnings(model, root, resolver),
         model,

@@ -14,6 +14,7 @@ from pounding_cli.study.written import unit_of
 from pounding_cli.words import Unit
 
 MOST_POINTS = 10_000
+MOST_AXES = 20
 _FIXED = ("title", "sweep")
 
 
@@ -44,6 +45,9 @@ def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple
             "'sweep' is not a mapping of keys to lists",
             "write `sweep: {mesh.size: [0.5 m, 0.25 m]}`",
         )
+        return ()
+    if len(entries) > MOST_AXES:
+        faults.add(sweep.mark, f"the sweep has {len(entries)} axes", f"keep it to {MOST_AXES}")
         return ()
     axes: list[PointAxis] = []
     names_seen: set[str] = set()

@@ -6,6 +6,7 @@ import difflib
 import types
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
+from itertools import islice
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -16,6 +17,12 @@ from pounding_cli.study.source import Mark, Node
 from pounding_cli.study.yaml_file import MISSING_BLANK
 
 Path = tuple[str | int, ...]
+
+MOST_TOLD = 100
+"""Problems of one section that are told one by one."""
+
+MOST_COMPARED = 1000
+"""Names among which the nearest is sought."""
 
 
 class Tree:
@@ -60,10 +67,13 @@ class Faults:
     def validation(self, root: Node | Tree, error: ValidationError, model: type[BaseModel]) -> None:
         """Note every error of a pydantic validation of `root` against `model`."""
         items = error.errors(include_url=False)
-        for item in items:
+        above = {tuple(item["loc"][:end]) for item in items[: 10 * MOST_TOLD] for end in range(len(item["loc"]))}
+        for number, item in enumerate(items):
             path = tuple(item["loc"])
-            below = [other for other in items if len(other["loc"]) > len(path) and other["loc"][: len(path)] == path]
-            if item["type"] == "too_short" and below:
+            if number >= MOST_TOLD:
+                self.at(root, path[:1], f"and {len(items) - number} more problems like these", key=True)
+                break
+            if item["type"] == "too_short" and path in above:
                 continue  # pydantic counts sound entries only: what is wrong with the others is told
             message, hint, key = _in_words(dict(item), path, model, root)
             self.at(root, path, message, hint, key)
@@ -78,13 +88,17 @@ class Faults:
     def refuse(self) -> None:
         """Raise `InputError` with everything noted, in the file's order, if anything was."""
         if self.problems:
-            raise InputError(sorted(self.problems, key=lambda p: (p.file, p.line, p.column)))
+            found = sorted(self.problems, key=lambda p: (p.file, p.line, p.column))
+            if len(found) > 2 * MOST_TOLD:
+                last = Problem(f"and {len(found) - 2 * MOST_TOLD} more problems", "mend these first", self.file)
+                found = [*found[: 2 * MOST_TOLD], last]
+            raise InputError(found)
 
 
 def nearest(word: str, names: Iterable[str]) -> str:
     """A hint naming the nearest of `names`, and all of them."""
-    known = [str(name) for name in names]
-    near = difflib.get_close_matches(str(word), known, 1, 0.5)
+    known = [str(name)[:60] for name in islice(names, MOST_COMPARED)]
+    near = difflib.get_close_matches(str(word)[:60], known, 1, 0.5)
     listed = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
     return (f"did you mean '{near[0]}'? " if near else "") + (f"known: {listed}" if known else "none is defined")
 
@@ -138,7 +152,7 @@ def keys_at(model: type[BaseModel], path: Sequence[str | int], root: Node | Tree
 
 def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: Node | Tree) -> tuple[str, str, bool]:
     kind, context, given = item["type"], item.get("ctx", {}), item.get("input")
-    name = str(path[-1]) if path else "the study"
+    name = str(path[-1])[:60] if path else "the study"
     shown = _shown(given)
     if kind == "refused":
         return f"{_owner(path, root)}{context['message']}", context["hint"], False
@@ -156,7 +170,10 @@ def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: No
         return f"{_owner(path, root)}{shown} is not a mapping", hint, False
     if kind in ("tuple_type", "list_type"):
         return f"{_owner(path, root)}{shown} is not a list", "write [first, second, ...]", False
-    if kind in ("too_short", "too_long"):
+    if kind == "too_long":
+        given, most = len(given) if given else context["actual_length"], context["max_length"]
+        return f"{_owner(path, root) or f'{name}: '}{given} entries", f"write at most {most}", False
+    if kind == "too_short":
         return f"'{name}' is empty", _example(model, path) or "write at least one value", False
     if kind == "string_pattern_mismatch":
         return f"{shown} cannot be a name", "use letters, digits, blanks, _, - and +", True

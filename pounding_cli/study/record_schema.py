@@ -154,6 +154,7 @@ class Records(Model):
     use: tuple[Record, ...] = Field(
         description="catalogue names, motions of installed libraries, files, folders, patterns, {file: PATH, ...}",
         min_length=1,
+        max_length=5000,
         examples=[["elcentro", {"file": "motions/x.AT2"}]],
     )
     duration: Duration = optional(

@@ -60,7 +60,6 @@ class Resolver:
         buildings = root.get("buildings")
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self._met: dict[Problem, None] = {}
-        self._asked: set[str] = set()
         self._last: tuple[Point, Street] | None = None
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
@@ -217,7 +216,7 @@ class Resolver:
     def type(self, point: Point, name: str) -> Building | None:
         """One building type."""
         spec: BuildingSpec | None = self.entry(point, "buildings", name)
-        if spec is None or name in self._asked:  # like itself: told where `like:` is carried out
+        if spec is None:
             return None
 
         def work(faults: Faults) -> Building | None:
@@ -225,14 +224,19 @@ class Resolver:
             building = building_room.build(name, spec, root, ("buildings", name), own)
             if own.problems:
                 # What the whole of a building lacks is told of the one it is like, where that lacks it too.
-                self._asked.add(name)
-                inherits = spec.like is not None and self.type(point, spec.like) is None
-                self._asked.discard(name)
+                inherits = spec.like is not None and not self._stands(point, spec.like, root)
                 whole = root.locate(("buildings", name)) if inherits else None
                 faults.extend(p for p in own.problems if (p.line, p.column) != whole)
             return building
 
         return self._once(("type", name), point, (("buildings", name),), work)
+
+    def _stands(self, point: Point, name: str, root: Tree) -> bool:
+        """Whether a building type is whole."""
+        spec: BuildingSpec | None = self.entry(point, "buildings", name)
+        if spec is None:
+            return False
+        return building_room.build(name, spec, root, ("buildings", name), Faults(self.file)) is not None
 
     def design_displacements(self, point: Point, name: str) -> np.ndarray | None:
         """Displacements a building type is designed for [m], shape (n,), from the ground up; None without a code."""
@@ -391,6 +395,9 @@ def _metres(building: Building) -> str:
 
 def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Tree, faults: Faults) -> bool:
     before = len(faults.problems)
+    if len(names) > MOST:
+        faults.at(root, ("group",), f"the group has {len(names)} buildings", f"name at most {MOST}")
+        return False
     for place, name in enumerate(names):
         if name not in types:
             faults.at(root, ("group", place), f"no building '{name}' is defined", nearest(name, types))
@@ -401,8 +408,6 @@ def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Tree, fa
             f"the group has {counted(len(names), 'building')}: pounding takes two",
             "name at least two, e.g. `group: [stiff, soft]`; each alone is computed as a baseline anyway",
         )
-    if len(names) > MOST:
-        faults.at(root, ("group",), f"the group has {len(names)} buildings", f"name at most {MOST}")
     labels = places(names)
     for place, label in enumerate(labels):
         if labels.index(label) != place:

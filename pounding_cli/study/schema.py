@@ -49,15 +49,16 @@ def _list_or_one(value: Any) -> str:
     return "list" if isinstance(value, list | tuple) else "one"
 
 
-_FILLED = Field(min_length=1)
+_FILLED = Field(min_length=1, max_length=10_000)
+_STOREYS = Field(min_length=1, max_length=100)
 _EITHER = Discriminator(_list_or_one)
-Masses = Annotated[Annotated[tuple[Mass, ...], _FILLED, Tag("list")] | Annotated[Mass, Tag("one")], _EITHER]
-Heights = Annotated[Annotated[tuple[Length, ...], _FILLED, Tag("list")] | Annotated[Length, Tag("one")], _EITHER]
+Masses = Annotated[Annotated[tuple[Mass, ...], _STOREYS, Tag("list")] | Annotated[Mass, Tag("one")], _EITHER]
+Heights = Annotated[Annotated[tuple[Length, ...], _STOREYS, Tag("list")] | Annotated[Length, Tag("one")], _EITHER]
 Hardenings = Annotated[
-    Annotated[tuple[Hardening, ...], _FILLED, Tag("list")] | Annotated[Hardening, Tag("one")], _EITHER
+    Annotated[tuple[Hardening, ...], _STOREYS, Tag("list")] | Annotated[Hardening, Tag("one")], _EITHER
 ]
 YieldShears = Annotated[
-    Annotated[tuple[Force, ...], _FILLED, Tag("list")] | Annotated[Literal["never"], Tag("one")], _EITHER
+    Annotated[tuple[Force, ...], _STOREYS, Tag("list")] | Annotated[Literal["never"], Tag("one")], _EITHER
 ]
 
 
@@ -176,7 +177,7 @@ class BuildingSpec(Model):
     mass: Masses = optional("200 t", description="floor mass [kg], one or a list")
     height: Heights = optional("3 m", description="storey height [m], one or a list")
     taper: Taper = optional("1/3", description="top over bottom storey stiffness [-], linear in between")
-    stiffness: Annotated[tuple[StoreyStiffness, ...], Field(min_length=1)] | None = optional(
+    stiffness: Annotated[tuple[StoreyStiffness, ...], _STOREYS] | None = optional(
         None, description="storey stiffnesses [N/m], instead of period and taper"
     )
     damping: DampingShare = optional("5 %", description="damping ratio of the first two modes [-]")
@@ -234,7 +235,7 @@ def _floors_kind(value: Any) -> str:
 
 
 Floors = Annotated[
-    Annotated[tuple[Floor, ...], _FILLED, Tag("list")]
+    Annotated[tuple[Floor, ...], _STOREYS, Tag("list")]
     | Annotated[Floor, AfterValidator(lambda floor: (floor,)), Tag("single")]
     | Annotated[Literal["all"], Tag("one")],
     Discriminator(_floors_kind),
@@ -257,7 +258,7 @@ PairOrWord = Annotated[
 class CaseSpec(PairSpec):
     """A case: what stands between the buildings of the group."""
 
-    pairs: Annotated[tuple[PairOrWord, ...], Field(min_length=1)] | None = optional(
+    pairs: Annotated[tuple[PairOrWord, ...], Field(min_length=1, max_length=100)] | None = optional(
         None, description="one entry for each pair of neighbours, left to right, where they differ"
     )
 
@@ -336,10 +337,12 @@ class StudyModel(Model):
 
     title: str = optional("", description="shown on every figure and table; the file's name unless given")
     records: Records = Field(description="ground motions")
-    buildings: dict[Name, BuildingSpec] = Field(description="building types by name", min_length=1)
-    group: tuple[str, ...] = Field(description="buildings from left to right", examples=[["stiff", "soft"]])
+    buildings: dict[Name, BuildingSpec] = Field(description="building types by name", min_length=1, max_length=1000)
+    group: tuple[str, ...] = Field(
+        max_length=100, description="buildings from left to right", examples=[["stiff", "soft"]]
+    )
     impact: Impact = optional(Impact(), description="impact element")
-    cases: dict[Name, CaseSpec] = Field(description="cases by name", min_length=1)
+    cases: dict[Name, CaseSpec] = Field(description="cases by name", min_length=1, max_length=20_000)
     analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
         ("elastic", "inelastic"), description="whether storeys may yield"
     )

@@ -11,7 +11,9 @@ from pathlib import Path
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.reading import LONGEST_PATH, shortened
 from pounding_cli.records import Motion
+from pounding_cli.study.patterns import matching_files
 from pounding_cli.study.record_schema import RecordFile
 
 _VERTICAL = re.compile(r"(?:[-_ .](?:up|dwn|down|vert?)|\.ud\d?|dwn)\Z", re.IGNORECASE)
@@ -93,17 +95,21 @@ class Shelf:
         return bool(re.search(r"[/\\*?]", word) or Path(word).suffix or _exists(self.folder / word))
 
     def _files(self, record: RecordFile) -> list[Item]:
+        if len(record.file) > LONGEST_PATH:
+            raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
         path = self.folder / _home(record.file)
-        if _exists(path) and not path.is_dir():
+        if _exists(path) and not _is_folder(path):
             return [_item(record, path, record.name or path.stem)]
-        if path.is_dir():
+        if _is_folder(path):
             found = [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
             nothing = f"no motion files in the folder {path}"
         elif glob.has_magic(record.file):
-            found = [Path(each) for each in sorted(glob.glob(str(path), recursive=True)) if Path(each).is_file()]
+            found = matching_files(path)
             nothing = f"no file matches {path}"
         else:
-            raise InputError(Problem(f"the record file {path} does not exist", "paths are relative to the study file"))
+            raise InputError(
+                Problem(f"the record file {shortened(path)} does not exist", "paths are relative to the study file")
+            )
         if not found:
             raise InputError(Problem(nothing, "paths are relative to the study file"))
         if record.name is not None and len(found) > 1:
@@ -142,6 +148,13 @@ def _exists(path: Path) -> bool:
     try:
         return path.exists()
     except (OSError, ValueError):  # too long a name, a NUL in it
+        return False
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
         return False
 
 

@@ -26,6 +26,7 @@ FIXED = (
 """Keys that are one for the whole study."""
 
 MOST_POINTS = 2_000_000
+MOST_AXES = 20
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,9 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
         groups = [list(holder.value) for holder in holders]
     else:
         faults.add(sweep.mark, "'sweep' is not a mapping", "write `sweep: {impact.restitution: [0.4, 0.5]}`")
+        return ()
+    if len(groups) > MOST_AXES:
+        faults.add(sweep.mark, f"the sweep has {len(groups)} axes", f"keep it to {MOST_AXES}")
         return ()
     axes: list[SweepAxis] = []
     seen: dict[str, int] = {}

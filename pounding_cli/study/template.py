@@ -8,6 +8,7 @@ from importlib import resources
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.outputs import check_output
 
 SCHEMA_FILE = "pound.schema.json"
 """Name of the JSON Schema that a study's first line points its editor to."""
@@ -67,12 +68,15 @@ def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
     schema = path.with_name(SCHEMA_FILE)
     if path.exists():
         raise InputError(Problem("is there already", "choose another name, or move it away", str(path)))
+    check_output(path)
+    text = schema_text() if chosen.command == "run" else ""
+    if text:
+        check_output(schema, mine=lambda _, head: head.startswith(text.encode()[:60]))
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(chosen.written(stem[0].upper() + stem[1:]), encoding="utf-8")
-        if chosen.command != "run":
+        if not text:
             return (path,)
-        schema.write_text(schema_text(), encoding="utf-8")
+        schema.write_text(text, encoding="utf-8")
     except OSError as error:
         hint = "choose a place that can be written"
         raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None

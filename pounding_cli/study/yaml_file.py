@@ -17,12 +17,16 @@ import yaml
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.reading import read_bytes, shortened
 from pounding_cli.study.source import Mark, Node
+from pounding_cli.texts import CONTROL, plain
 
 MOST_BYTES = 4_000_000
 """Size of a study file [bytes]."""
 
-MOST_VALUES = 200_000
+MOST_VALUES = 100_000
 """Values of a study file, those that aliases repeat included."""
+
+MOST_TOLD = 200
+"""Problems after which the rest is not read."""
 
 DEEPEST = 30
 """Levels of a study file."""
@@ -147,6 +151,8 @@ class _Reader:
 
     def refuse(self, mark: Mark, message: str, hint: str) -> None:
         self.problems.append(Problem(message, hint, shortened(self.path), *mark))
+        if len(self.problems) >= MOST_TOLD:
+            raise InputError(self.problems)
 
     def stop(self, mark: Mark, message: str, hint: str) -> InputError:
         """The problem that ends the reading."""
@@ -251,6 +257,8 @@ class _Reader:
 
     def scalar(self, event: Any, mark: Mark) -> Any:
         word = event.value
+        if CONTROL.search(word):  # as "\0" or "\e" in quotes
+            self.refuse(mark, f"'{plain(word)[:60]}' holds a control character", "write letters, digits and signs")
         if not _is_plain(event):
             return word
         if word.lower() in _WORDS:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -114,7 +115,8 @@ def report(
     text = STUDY if claims else STUDY.replace("claims: fig6\n", "")
     (folder / "study.yaml").write_text(text + extra)
     results = folder / "study.h5"
-    run_plan(expand(load_study(folder / "study.yaml")), results, solve=solve, workers=1)
+    plan = replace(expand(load_study(folder / "study.yaml")), all_effects=True)  # `solve` answers whole scenes only
+    run_plan(plan, results, solve=solve, workers=1)
     with edited(results) as file:
         labels = tuple(file["link"].asstr()[:])
         for case, analysis in kept:

@@ -56,7 +56,8 @@ def test_the_page_begins_with_the_cases_side_by_side(moving):
         f"{CONNECTOR_STRUCK}: elastic, 2 of 2 runs\n{CONNECTOR_STRUCK}: inelastic, 2 of 2 runs",
     ]
     order = moving.eval_on_selector_all("main > header, main > section", "all => all.map(one => one.id)")
-    assert order[:4] == ["overview", "explore", "motion", "claims"]
+    assert order[:3] == ["overview", "explore", "motion"]
+    assert order.index("claims") > 2
     assert moving.locator(".answer").bounding_box()["y"] < 400
 
 
@@ -144,7 +145,7 @@ def test_cases_can_be_taken_out_of_the_chart(moving):
     assert moving.eval_on_selector_all("#explore-chart g", names) == list(FACTOR)
     moving.get_by_label("gap", exact=True).uncheck()
     assert moving.eval_on_selector_all("#explore-chart g", names) == ["touching", "infill", "connected"]
-    for case in ("touching", "infill", "connected"):
+    for case in ("touching", "infill", "connected not meaningful"):
         moving.get_by_label(case, exact=True).uncheck()
     assert "Nothing to draw" in moving.locator("#explore-chart").inner_text()
 
@@ -474,21 +475,63 @@ def test_without_scripts_claims_and_figures_are_still_there(study, visit):
     assert page.locator("#tables").is_hidden()
 
 
-def test_sweep_is_drawn_against_either_axis_and_points_can_be_chosen(study, visit):
-    page = visit(study("swept", SWEEP) / "report.html")
-    points = "g => g.querySelectorAll('polygon, circle').length"
-    assert page.eval_on_selector("#sweep-chart g[data-series=gap]", points) == 3
-    choose(page, "Against", "1", "#sweep")
-    assert page.eval_on_selector("#sweep-chart g[data-series=gap]", points) == 2
-    page.locator("#sweep-chart").focus()
-    page.locator("#sweep-chart").press("ArrowRight")
-    said = page.locator("#sweep-chart .tip").inner_text().splitlines()
-    assert said == ["touching, impact.restitution = 0.4", f"largest V/V₀ {FACTOR['touching'] * 2:.3f}"]
-    choose(page, "cases.gap.gap", "2", "#sweep")
-    for key in ("ArrowDown", "ArrowDown", "ArrowRight"):
+def told(page, *keys: str) -> list[str]:
+    """What the sweep's chart tells of the point that the keys reach."""
+    for key in keys:
         page.locator("#sweep-chart").press(key)
-    said = page.locator("#sweep-chart .tip").inner_text().splitlines()
-    assert said == ["gap, impact.restitution = 0.6", f"largest V/V₀ {FACTOR['gap'] * 1.2 * 2:.3f}"]
+    return page.locator("#sweep-chart .tip").inner_text().splitlines()
+
+
+def test_two_swept_numbers_are_a_map(study, visit):
+    page = visit(study("swept", SWEEP) / "report.html")
+    sweep = page.locator("#sweep")
+    assert sweep.locator("svg rect").count() == 6
+    assert sweep.locator("svg .title").all_text_contents() == ["impact.restitution", "cases.gap.gap [cm]"]
+    assert "touching: V/V₀, elastic, mean of 2 motions, largest of all buildings" in sweep.inner_text()
+    choose(page, "Case", "1", "#sweep")
+    shown = sweep.locator("svg .cell").all_text_contents()
+    assert sorted(map(float, shown)) == [
+        pytest.approx(FACTOR["gap"] * 2 * more, abs=0.005) for more in (1, 1, 1.1, 1.1, 1.2, 1.2)
+    ]
+    said = told(page, "ArrowRight", "ArrowUp", "ArrowUp")  # the lowest line first
+    assert said[:2] == ["gap, cases.gap.gap = 3 cm, impact.restitution = 0.4", f"V/V₀ {FACTOR['gap'] * 1.2 * 2:.3f}"]
+    assert said[2] == "stiff, storey 3"
+    choose(page, "Storey", "1", "#sweep")
+    choose(page, "Building", "1", "#sweep")
+    assert told(page, "ArrowRight")[-1] == "soft, storey 1"
+    choose(page, "Quantity", "V", "#sweep")
+    said = told(page, "ArrowRight")
+    assert said[1:3] == [f"V {1e3 * MEAN * FACTOR['gap']:.0f} kN", said[2]]
+    low, high = (1e3 * peak * FACTOR["gap"] for peak in (PEAKS["weak"], PEAKS["strong"]))
+    assert said[2] == f"motions from {low:.0f} to {high:.0f} kN"
+
+
+def test_cells_and_points_without_meaning_are_marked_with_the_reason(study, visit):
+    page = visit(study("swept", SWEEP) / "report.html")
+    assert page.locator("#sweep-chart .void").count() == 0
+    choose(page, "Case", "3", "#sweep")
+    assert page.locator("#sweep-chart path.void").count() == 6
+    assert page.locator("#sweep-void").is_visible()
+    assert told(page, "ArrowRight")[-1] == f"not meaningful (2 motions): {CONNECTOR_STRUCK}"
+    choose(page, "Up", "-1", "#sweep")
+    assert page.locator("#sweep-chart g[data-series=connected] .void").count() == 2
+    assert page.locator("#sweep-chart g[data-series=gap] .void").count() == 0
+    assert page.locator("#explore-chart g[data-series=connected] .void").count() == 3
+    assert page.locator("#explore-chart g[data-series=gap] .void").count() == 0
+    assert page.locator("#explore-legend .badge:visible").count() == 1
+
+
+def test_sweep_is_drawn_as_curves_against_either_axis_and_points_can_be_chosen(study, visit):
+    page = visit(study("swept", SWEEP) / "report.html")
+    choose(page, "Up", "-1", "#sweep")
+    points = "g => g.querySelectorAll('polygon, circle').length"
+    assert page.eval_on_selector("#sweep-chart g[data-series=gap]", points) == 2
+    choose(page, "Across", "0", "#sweep")
+    assert page.eval_on_selector("#sweep-chart g[data-series=gap]", points) == 3
+    choose(page, "impact.restitution", "1", "#sweep")
+    said = told(page, "ArrowRight", "ArrowDown", "ArrowRight")
+    assert said[0] == "gap, cases.gap.gap = 2 cm, impact.restitution = 0.6"
+    assert said[1] == f"V/V₀ {FACTOR['gap'] * 1.1 * 2:.3f}"
     options = page.get_by_label("Point of the sweep", exact=True).evaluate(
         "list => [...list.options].map(one => one.text)"
     )

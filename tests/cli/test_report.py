@@ -165,8 +165,8 @@ def test_a_file_in_place_of_the_folder_is_refused(folder, pound):
     (folder / "taken").write_text("")
     code, _, err = pound("report", "two.h5", "-o", "taken", "--no-figures")
     assert code == 2
-    assert "cannot write the report to taken" in err
-    assert "-o FOLDER" in err
+    assert "the output folder taken cannot be written" in err
+    assert "with -o" in err
 
 
 def test_help_has_an_example_and_loads_nothing_heavy():

@@ -43,5 +43,10 @@ def test_writes_a_file(tmp_path):
     out = tmp_path / "s.json"
     CliRunner().invoke(cli, ["schema", "-o", str(out)], catch_exceptions=False)
     assert json.loads(out.read_text(encoding="utf-8"))["title"] == "pound study"
-    with pytest.raises(InputError, match="cannot write"):
-        CliRunner().invoke(cli, ["schema", "-o", str(tmp_path / "no" / "s.json")], catch_exceptions=False)
+    CliRunner().invoke(cli, ["schema", "-o", str(out)], catch_exceptions=False)  # its own file is replaced
+    out.write_text("mine")
+    with pytest.raises(InputError, match="was not written by this command"):
+        CliRunner().invoke(cli, ["schema", "-o", str(out)], catch_exceptions=False)
+    assert out.read_text() == "mine"
+    with pytest.raises(InputError, match="cannot be written"):
+        CliRunner().invoke(cli, ["schema", "-o", str(out / "s.json")], catch_exceptions=False)

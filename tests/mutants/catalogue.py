@@ -403,9 +403,23 @@ METHODS = [
     Mutant(
         "estimated error of the finer run instead of the response's",
         f"{SOLVE}/assess.py",
-        "change(response, second)",
-        "change(second, second)",
+        "error, sensitivity = difference(response, second)",
+        "error, sensitivity = difference(second, second)",
         f"{UNIT}/solve/test_assess.py::test_the_error_is_that_of_the_response_and_not_of_the_finer_run",
+    ),
+    Mutant(
+        "drifts at the end are outside the estimated error",
+        f"{SOLVE}/assess.py",
+        "            (a.residual_drift, b.residual_drift, a.drift),\n",
+        "",
+        f"{UNIT}/solve/test_assess.py::test_every_column_is_covered",
+    ),
+    Mutant(
+        "a response that misses the accuracy asked is kept",
+        f"{SOLVE}/assess.py",
+        "        response = second\n        seconds",
+        "        seconds",
+        f"{UNIT}/solve/test_assess.py::test_a_response_that_misses_the_accuracy_gives_way_to_the_finer_run",
     ),
 ]
 
@@ -584,13 +598,6 @@ PRUNING = [
         "turns = greater(stray * 4.0, above - below)",
         "turns = greater(stray * 0.5, above - below)",
         f"{VERIFICATION}/test_effects.py::test_exact_steps_find_peaks_between_spikes",
-    ),
-    Mutant(
-        "bounds of displacements without what lies between the ends of a step",
-        f"{KERNELS}/peaks.py",
-        "maximum(load(run.ends, top), maximum(first, last) + stray)",
-        "maximum(load(run.ends, top), maximum(first, last))",
-        f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
         "a gap counts as open if it is nearly as wide as the largest closing",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from itertools import pairwise
 
-from pounding_cli.records.formats.text import Asked, Samples, Text, number, tokens
+from pounding_cli.records.formats.text import Asked, Samples, Text, number, one_blank, tokens
 from pounding_cli.records.formats.times import even_step
 from pounding_cli.records.units import quantity_of
 from pounding_cli.words import counted
@@ -180,7 +180,7 @@ def _unit(text: Text, start: int, width: int, place: int) -> tuple[str | None, i
         if quantity_of(heading) in ("velocity", "displacement", "counts"):
             return _sound(text, heading, above[0][0] + 1), above[0][0] + 1
     for index, words in above:
-        found = _IN_UNITS.search(words)
+        found = _IN_UNITS.search(one_blank(words))
         if found and quantity_of(found[1]):
             return _sound(text, found[1], index + 1), index + 1
     return None, 0

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from pounding_cli.records.formats.text import Asked, Samples, Text, fortran
+from pounding_cli.records.formats.text import Asked, Samples, Text, fortran, one_blank
 
 _FIRST = re.compile(r"\(\s*format\s+v\s*[\d.]+", re.IGNORECASE)
 _TEXT_LINES = re.compile(r"with\s+(\d{1,3})\s+text\s+lines", re.IGNORECASE)
@@ -77,14 +77,14 @@ def _blocks(text: Text) -> list[_Block]:
 def _block(text: Text, start: int) -> tuple[_Block, int]:
     said = _TEXT_LINES.search(text.lines[start])
     index = start + (int(said[1]) if said else 13)
-    label = next((found[1] for line in text.lines[start:index] if (found := _CHANNEL.search(line))), "")
+    label = next((found[1] for line in text.lines[start:index] if (found := _CHANNEL.search(one_blank(line)))), "")
     integers, index = _header(text, index, "integer")
     reals, index = _header(text, index, "real")
     comments = _COMMENTS.match(_line(text, index))
     if comments:
         index += 1 + int(comments[1])
     line = _line(text, index)
-    data, columns = _DATA.match(line), fortran(line[line.lower().find("format") :])
+    data, columns = _DATA.match(one_blank(line)), fortran(line[line.lower().find("format") :])
     if not data or columns is None:
         raise text.refuse(
             "no line that says how many samples follow, in which unit and format",

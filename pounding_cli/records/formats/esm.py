@@ -11,7 +11,7 @@ import re
 from pounding_cli.records.formats.text import Asked, Samples, Text, number
 from pounding_cli.records.units import quantity_of
 
-_KEY = re.compile(r"([A-Z][A-Z0-9_/^]*)\s*:\s?(.*?)\s*\Z")
+_KEY = re.compile(r"([A-Z][A-Z0-9_/^]*)\s*:\s?(.*)\Z")
 _MOST = 120
 _PEAK_AGREES = 0.02
 
@@ -56,7 +56,7 @@ def _keys(text: Text) -> tuple[dict[str, tuple[str, int]], int]:
     keys: dict[str, tuple[str, int]] = {}
     index = text.first()
     while index < len(text.lines):
-        found = _KEY.match(text.lines[index])
+        found = _KEY.match(text.lines[index].rstrip())
         if not found and text.lines[index].strip():
             break
         if found:

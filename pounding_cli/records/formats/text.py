@@ -8,14 +8,20 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.reading import read_bytes
 from pounding_cli.words import counted
 
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
-_HEADER = re.compile(r"^\s*[#%!]\s*([A-Za-z0-9 ]+?)\s*[:=]\s*(.*?)\s*$")
+_HEADER = re.compile(r"([A-Za-z0-9 ]+)[:=](.*)\Z")
+_NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z")
 _NOT_FINITE = re.compile(r"[-+]?(?:nan|inf(?:inity)?|\*+)\Z", re.IGNORECASE)
 _FORTRAN = re.compile(r"\(\s*(\d*)\s*[IFEDG]\s*(\d+)", re.IGNORECASE)
-_CONTROL = frozenset(range(32)) - frozenset(b"\t\n\v\f\r\x1a")
+_CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
+MOST_BYTES = 20_000_000
+"""Size of a motion file [bytes]."""
+LONGEST_LINE = 5000
+"""Characters of a line that holds words: header lines are searched for what they say."""
 SHORTEST, LONGEST = 1e-6, 10.0
 """Time steps [s] outside are no ground motion's."""
 
@@ -215,6 +221,11 @@ def numbers_only(line: str) -> bool:
     return bool(found) and all(number(token) is not None for token in found)
 
 
+def one_blank(line: str) -> str:
+    """A line with one blank between its words: patterns with several optional blanks need time by their power."""
+    return " ".join(line.split())
+
+
 def tokens(line: str) -> list[str]:
     """The words of a line, however they are separated."""
     return line.replace(",", " ").replace(";", " ").split()
@@ -231,18 +242,20 @@ def fortran(written: str) -> tuple[int, int] | None:
 def load(path: Path) -> Text:
     """The file's lines and header.  Raises `InputError` for a file that is missing, empty or not text."""
     try:
-        raw = path.read_bytes()
+        raw = read_bytes(path, MOST_BYTES, "motion file")
     except FileNotFoundError:
         raise InputError(Problem("no such file", "give the path of a motion", str(path))) from None
     except OSError as error:
         raise InputError(
             Problem(f"cannot be read: {error.strerror}", "give a file that can be read", str(path))
         ) from None
+    except InputError:
+        raise
     except ValueError:  # a NUL in the path
         raise InputError(Problem("no such file", "give the path of a motion", repr(str(path)))) from None
     if raw[:4] == b"PK\x03\x04":
         raise InputError(Problem("a zip archive, not a motion", "unpack it, and name the file inside", str(path)))
-    if _CONTROL.intersection(raw):
+    if len(raw.translate(None, _CONTROL)) < len(raw):
         raise InputError(
             Problem("not a text file", "give a text file in one of the formats of docs/records.md", str(path))
         )
@@ -253,12 +266,16 @@ def load(path: Path) -> Text:
     text = Text(path, re.split(r"\r\n|\r|\n", written))
     if not any(line.strip() for line in text.lines):
         raise text.refuse("the file is empty", "give a file that holds a ground motion")
+    for number, line in enumerate(text.lines, 1):
+        if len(line) > LONGEST_LINE and not _NUMERIC.match(line):
+            raise text.refuse(f"a line of {len(line)} characters", "no header of a motion file is that long", number)
     for line in text.lines:
-        found = _HEADER.match(line)
-        if found:
-            text.header[found[1].strip().lower()] = found[2]
-        elif line.strip() and line.lstrip()[0] not in "#%!":
+        words = line.strip()
+        if words and words[0] not in "#%!":
             break
+        found = _HEADER.match(words[1:].strip())
+        if found:
+            text.header[found[1].strip().lower()] = found[2].strip()
     return text
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from pounding_cli.report.columns import shown
+from pounding_cli.report.columns import Shown, shown
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys
+from pounding_cli.store import flagged_scenes
+from pounding_cli.words import Unit
 
 MOST_ROWS = 6000
 """Rows of one table that the page carries; about 0.1 kB each."""
@@ -18,7 +20,20 @@ MOST_POINTS = 400
 """Points of a sweep that the page carries in detail."""
 SIX_DIGITS = 6
 
-AXIS_LIKE = ("case", "analysis", "record", "building", "link", "left", "right", "status", "method", "kind", "source")
+AXIS_LIKE = (
+    "case",
+    "analysis",
+    "record",
+    "building",
+    "link",
+    "left",
+    "right",
+    "status",
+    "method",
+    "kind",
+    "source",
+    "meaningless",
+)
 """Text columns a reader filters by."""
 
 PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link", "left", "right")
@@ -32,6 +47,7 @@ _TITLES = {
     "floor": "Floors",
     "link": "Links",
     "scene": "Runs",
+    "flagged": "Flags",
     "records": "Motions",
     "buildings": "Buildings",
 }
@@ -62,10 +78,20 @@ def tables(results: Tables, chosen: Sequence[Evidence]) -> dict[str, dict[str, A
         "floor": with_trust(results.floor(), scene, keys),
         "link": with_trust(results.link(), scene, keys),
         "scene": scene.drop(columns=["effects", "dropped"], errors="ignore"),
+        "flagged": _flagged(scene),
         "records": results.records(),
         "buildings": results.buildings,
     }
-    return {name: packed(_TITLES[name], _at_points(frame, keys, chosen), len(frame)) for name, frame in frames.items()}
+    return {
+        name: packed(_TITLES[name], _at_points(frame, keys, chosen), len(frame), results.units)
+        for name, frame in frames.items()
+    }
+
+
+def _flagged(scene: pd.DataFrame) -> pd.DataFrame:
+    """The flags of the scenes, `meaningless` in words."""
+    frame = flagged_scenes(scene)
+    return frame.assign(meaningless=frame["meaningless"].map({True: "yes", False: "no"}))
 
 
 def with_trust(frame: pd.DataFrame, scene: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
@@ -103,14 +129,23 @@ def _at_points(frame: pd.DataFrame, keys: Sequence[str], chosen: Sequence[Eviden
     return frame.head(MOST_ROWS)
 
 
-def packed(title: str, frame: pd.DataFrame, total: int) -> dict[str, Any]:
-    """A frame for `data.js`: title, rows, total (rows the file has), columns."""
-    columns = [_column(str(key), frame[key]) for key in frame.columns]
+def packed(title: str, frame: pd.DataFrame, total: int, units: Mapping[str, Unit] | None = None) -> dict[str, Any]:
+    """A frame for `data.js`: title, rows, total (rows the file has), columns; `units`: of swept keys."""
+    columns = [_column(str(key), frame[key], (units or {}).get(str(key))) for key in frame.columns]
     return {"title": title, "rows": len(frame), "total": total, "columns": columns}
 
 
-def _column(key: str, values: pd.Series) -> dict[str, Any]:
-    look = shown(key)
+def point_of(evidence: Evidence) -> dict[str, Any]:
+    """Swept key -> value, as the columns of `tables` hold it."""
+    units = evidence.units
+    return {
+        key: value if isinstance(value, str) else numbers(np.array([value]) / units.get(key, Unit()).factor)[0]
+        for key, value in evidence.point.items()
+    }
+
+
+def _column(key: str, values: pd.Series, unit: Unit | None) -> dict[str, Any]:
+    look = shown(key) if unit is None else Shown(key, unit.name, 1 / unit.factor)
     head = {"key": key, "label": look.label, "unit": look.unit, "text": look.text}
     if pd.api.types.is_numeric_dtype(values):
         whole = pd.api.types.is_integer_dtype(values) or look.unit == ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -13,24 +15,22 @@ from matplotlib.figure import Figure
 
 from pounding_cli import __version__
 from pounding_cli.report.evidence import Evidence, Tables, motion_label, motion_sentence
-from pounding_cli.report.figures import plotted_cases
+from pounding_cli.report.figures import drawn_part
 from pounding_cli.report.sensitivity import Column
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer
 from pounding_cli.report.web.beside import accuracy_beside
-from pounding_cli.report.web.data import as_json, chosen_points, tables
+from pounding_cli.report.web.data import as_json, chosen_points, point_of, tables
 from pounding_cli.report.web.limits import limits
 from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, pictures
-from pounding_cli.report.web.sweep import sweep_chart
+from pounding_cli.report.web.sweep import sweep_data
 from pounding_cli.store import flag_groups_of
 from pounding_cli.words import counted
 
 PAGE = "report.html"
 """File name of the page."""
-MOST_CASES = 40
-"""Cases the page carries, those the figures draw first; the tables beside it hold all."""
 MOST_VERDICTS = 100
 """Points of a sweep whose verdicts are listed."""
 
@@ -58,25 +58,24 @@ def write_page(
     """
     judgements = next((judged for where, judged in columns if where == shown.label), columns[0][1])
     scene = results.scene()
-    cases_left = len(shown.cases) - MOST_CASES
-    if cases_left > 0:
-        cases = list(dict.fromkeys([*plotted_cases(shown), *shown.cases]))[:MOST_CASES]
-        at = next(number for number, evidence in enumerate(evidences) if evidence is shown)
-        evidences = [evidence.only(cases) for evidence in evidences]
-        shown = evidences[at]
+    everything = shown
+    if (drawn := drawn_part(shown)) is not shown:
+        evidences = [drawn if evidence is shown else evidence.only(drawn.cases) for evidence in evidences]
+        shown = drawn
     chosen = chosen_points(evidences, shown)
     data = {
         "tables": tables(results, chosen),
-        "points": [{"label": evidence.label, "point": _named(evidence)} for evidence in chosen],
+        "points": [{"label": evidence.label, "point": point_of(evidence)} for evidence in chosen],
         "shown": shown.label,
-        "sweep": sweep_chart(results),
+        "sweep": sweep_data(results, shown.cases),
         "players": players(results, evidences),
         "cases": shown.cases,
+        "motions": len(shown.records),
         "buildings": shown.group,
         "building": _main(shown),
         "periods": shown.periods,
     }
-    drawn = pictures(figures, shown)
+    images = pictures(figures, shown)
     content = {
         "title": results.title,
         "data": as_json(data),
@@ -89,18 +88,18 @@ def write_page(
         "points": len(evidences),
         "points_carried": len(chosen),
         "answer": answer(shown),
-        "cases_left": cases_left,
+        "cases_left": len(everything.cases) - len(shown.cases),
         "motion_count": len(shown.records),
         "tiles": story.tiles(shown, judgements, scene),
         "judgements": judgements,
         "verdicts": _verdicts(columns) if len(columns) > 1 else None,
-        "pictures": drawn,
-        "pictures_left": len(figures) - len(drawn) if len(figures) > MOST_FIGURES else 0,
+        "pictures": images,
+        "pictures_left": len(figures) - len(images) if len(figures) > MOST_FIGURES else 0,
         "cases": story.cases(shown),
         "effects": story.effects(scene),
         "flags": flag_groups_of(scene, results.units),
         "limits": limits(results),
-        "failures": story.failures(scene),
+        "failures": story.failures(scene, shown.units),
         "runs": len(scene),
         "scenes": results.attrs.get("scenes"),
         "trust": story.trust(shown.scene),
@@ -117,13 +116,23 @@ def write_page(
 
 def render(path: Path, template: str, content: Mapping[str, Any]) -> Path:
     """Fill a template with content, style and scripts, and write it."""
+    style, theme, scripts = asset("style.css"), asset("theme.js"), _scripts()
     text = (
         _environment()
         .get_template(template)
-        .render(**content, version=__version__, style=asset("style.css"), scripts=_scripts(), tone=story.verdict_tone)
-    )
+        .render(
+            **content, version=__version__, style=style, theme=theme, scripts=scripts, tone=story.verdict_tone,
+            allowed_style=_allowed(style), allowed_scripts=_allowed(theme, scripts),
+        )
+    )  # fmt: skip
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def _allowed(*sources: str) -> str:
+    """Sources of a content security policy: these texts by their hashes, and no others."""
+    digests = (base64.b64encode(hashlib.sha256(source.encode()).digest()).decode() for source in sources)
+    return " ".join(f"'sha256-{digest}'" for digest in digests)
 
 
 def asset(name: str) -> str:
@@ -146,10 +155,6 @@ def _environment() -> Any:
 def _scripts() -> str:
     """All scripts as one that leaves nothing behind in the page's global scope."""
     return "(() => {\n'use strict';\n" + "\n".join(asset(name) for name in SCRIPTS) + "\n})();"
-
-
-def _named(evidence: Evidence) -> dict[str, Any]:
-    return {key: value if isinstance(value, str) else float(value) for key, value in evidence.point.items()}
 
 
 def _main(evidence: Evidence) -> str:

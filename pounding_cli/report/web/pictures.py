@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from pounding_cli.report.claims import RESPONSES
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence
-from pounding_cli.report.style import RC
+from pounding_cli.report.style import RC, literal
 
 MOST_FIGURES = 60
 """Figures the page carries; those of further buildings stand beside it."""
@@ -37,6 +37,7 @@ def pictures(figures: Mapping[str, Figure], evidence: Evidence) -> list[Picture]
     found = []
     for name, figure in list(figures.items())[:MOST_FIGURES]:
         held = io.BytesIO()
+        literal(figure)
         with mpl.rc_context(RC):
             figure.savefig(held, format="svg", metadata={"Date": None})
         width, height = (round(96 * inches) for inches in figure.get_size_inches())

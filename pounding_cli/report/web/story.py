@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +13,7 @@ import pandas as pd
 from pounding_cli.records import GRAVITY
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
-from pounding_cli.words import counted
+from pounding_cli.words import Unit, counted
 
 MOST_REASONS = 4
 """Reasons shown for one effect; further ones are counted."""
@@ -73,7 +73,7 @@ def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFra
     sensitivity = scene["sensitivity"].dropna()
     if len(sensitivity):
         row = scene.iloc[int(scene["sensitivity"].argmax())]
-        where = ", ".join(str(row[key]) for key in scene.columns[: list(scene.columns).index("status")])
+        where = ", ".join(_placed(row, scene, evidence.units))
         found.append(Tile("Largest sensitivity", digits(sensitivity.max(), 3), where))
     force = evidence.link["peak_force"].dropna()
     if len(force):
@@ -85,6 +85,12 @@ def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFra
         words = [f"{verdict}: {count[verdict]}" for verdict in Verdict if count[verdict]]
         found.append(Tile("The paper's claims", f"{count[Verdict.HOLDS]} of {len(judgements)} hold", ", ".join(words)))
     return found
+
+
+def _placed(row: Any, scene: pd.DataFrame, units: Mapping[str, Unit]) -> list[str]:
+    """The point, case, analysis and motion of a scene in words, in the units of the study."""
+    keys = [str(key) for key in scene.columns[: list(scene.columns).index("status")]]
+    return [f"{key} = {units[key].text(row[key])}" if key in units else str(row[key]) for key in keys]
 
 
 def cases(evidence: Evidence) -> Grid:
@@ -162,14 +168,16 @@ def trust(scene: pd.DataFrame) -> Grid:
     return Grid(head, rows, range(2, len(head)))
 
 
-def failures(scene: pd.DataFrame) -> Grid:
-    """The runs that did not end, with the advice."""
+def failures(scene: pd.DataFrame, units: Mapping[str, Unit]) -> Grid:
+    """The runs that did not end, with the advice; `units`: of the swept keys."""
     failed = scene[scene["status"] != "done"]
-    columns = [*scene.columns[: list(scene.columns).index("status")], "status", "advice"]
-    rows = [[str(value) for value in row] for row in failed[columns].head(MOST_FAILURES).to_numpy().tolist()]
+    rows = [
+        [", ".join(_placed(row, scene, units)), row["status"], row["advice"]]
+        for row in failed.head(MOST_FAILURES).to_dict("records")
+    ]
     if len(failed) > MOST_FAILURES:
-        rows.append([f"and {len(failed) - MOST_FAILURES} more", *[""] * (len(columns) - 1)])
-    return Grid([str(column) for column in columns], rows)
+        rows.append([f"and {len(failed) - MOST_FAILURES} more", "", ""])
+    return Grid(["run", "status", "advice"], rows)
 
 
 def motions(evidence: Evidence) -> Grid:

@@ -1,69 +1,136 @@
-"""The page's chart of a sweep: the largest mean ratio of every building at every point, by case and analysis."""
+"""What the page draws over a sweep: of every quantity the mean over the motions with its spread, place by place."""
 
 from __future__ import annotations
 
-import json
-from itertools import chain, product
+import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from pounding_cli.report.axes import SweptAxis, swept_axes
 from pounding_cli.report.columns import shown
-from pounding_cli.report.evidence import Tables, axis_keys, names
+from pounding_cli.report.evidence import Tables, names
+from pounding_cli.report.quantity import largest, over_motions, point_numbers
 from pounding_cli.report.web.data import numbers
+from pounding_cli.store import flagged_scenes
 
-RATIOS = ("V_ratio", "mu_ratio", "acceleration_ratio")
-MOST_VALUES = 60_000
-"""Values the chart may carry; a longer sweep is thinned along its longest axis."""
+QUANTITIES = {
+    "storey": ("V_ratio", "mu_ratio", "V", "mu", "drift", "residual_drift"),
+    "floor": ("acceleration_ratio", "acceleration", "displacement"),
+    "link": ("peak_force", "max_closing", "impacts"),
+}
+"""Quantities by the table that holds them."""
+MOST_VALUES = 200_000
+"""Numbers the page carries; of more, only the largest over the height, then only some points of the longest axis."""
 
-Axis = tuple[list[str], list[tuple[Any, ...]]]
-"""Keys that are swept together, and the values they take."""
 
+def sweep_data(results: Tables, cases: Sequence[str]) -> dict[str, Any] | None:
+    """Axes and quantities over the sweep, the last axis fastest; None where nothing is swept.
 
-def sweep_chart(results: Tables) -> dict[str, Any] | None:
-    """Axes, and per ratio, analysis, building and case one value a point, the last axis fastest; None without a sweep.
+    cases : those the page carries
 
-    A value is the largest over the storeys (floors) of the mean over the motions. `thinned`: every how many points of
-    the longest axes are there.
+    `rows` of a quantity: case, analysis and building or pair as places in `names`, then storey or floor (0: the largest
+    over the height); `mean`, `low` and `high` over the motions, row after row. `void`: by case and analysis how many
+    motions have numbers without meaning, at every point. `thinned`: every how many points of the longest axes.
     """
-    frame = results.summary()
-    axes = _axes(frame, results)
+    axes = swept_axes(results)
     if not axes:
         return None
-    ratios = [ratio for ratio in RATIOS if f"{ratio}_mean" in frame.columns]
-    lines = len(ratios) * len(frame[["case", "analysis", "building"]].drop_duplicates())
-    thinned = 1
-    while lines * len(list(product(*(values for _, values in axes)))) > MOST_VALUES:
-        longest = max(axes, key=lambda axis: len(axis[1]))
-        axes[axes.index(longest)] = (longest[0], longest[1][::2])
+    frames = {level: _of_cases(getattr(results, level)(), cases) for level in QUANTITIES}
+    places = {level: frame[_place(level)].drop_duplicates() for level, frame in frames.items()}
+
+    def size(heights: bool, points: int) -> int:
+        rows = {level: len(here if heights else here.iloc[:, :3].drop_duplicates()) for level, here in places.items()}
+        return 3 * points * sum(rows[level] * len(keys) for level, keys in QUANTITIES.items())
+
+    heights = size(True, _count(axes)) <= MOST_VALUES
+    carried, thinned = list(axes), 1
+    while size(heights, _count(carried)) > MOST_VALUES and max(map(len, carried)) > 2:
+        longest = max(range(len(carried)), key=lambda number: len(carried[number]))
+        carried[longest] = replace(carried[longest], points=carried[longest].points[::2])
         thinned *= 2
-    keys = [key for names_of, _ in axes for key in names_of]
-    grid = [tuple(chain(*point)) for point in product(*(values for _, values in axes))]
-    columns = [f"{ratio}_mean" for ratio in ratios]
-    largest = frame.groupby([*keys, "case", "analysis", "building"], sort=False)[columns].max()
-    series = []
-    for case, analysis, building in product(*(names(frame[key]) for key in ("case", "analysis", "building"))):
-        rows = largest.reindex(pd.MultiIndex.from_tuples([(*point, case, analysis, building) for point in grid]))
-        for ratio, column in zip(ratios, columns, strict=True):
-            line = {"ratio": ratio, "case": case, "analysis": analysis, "building": building}
-            series.append({**line, "values": numbers(rows[column].to_numpy(float))})
-    labels = {ratio: shown(ratio).label for ratio in ratios}
-    return {"axes": [_plain(axis) for axis in axes], "ratios": labels, "series": series, "thinned": thinned}
+    known = {"case": list(cases), "analysis": names(results.scene()["analysis"])}
+    known |= {"building": names(frames["storey"]["building"]), "pair": names(_pairs(frames["link"]))}
+    quantities = []
+    for level, keys in QUANTITIES.items():
+        frame = frames[level].assign(point=point_numbers(frames[level], carried))
+        frame = frame[frame["point"] >= 0]
+        for key in keys:
+            quantities += _quantity(frame, level, key, heights, _count(carried), known)
+    return {
+        "axes": [_axis(axis) for axis in carried],
+        "quantities": quantities,
+        "names": known,
+        "void": _void(results, carried, cases),
+        "heights": heights,
+        "thinned": thinned,
+    }
 
 
-def _axes(frame: pd.DataFrame, results: Tables) -> list[Axis]:
-    """The swept axes in the order of the file."""
-    groups = json.loads(results.attrs.get("swept", "null"))
-    groups = groups if groups is not None else [[key] for key in axis_keys(frame)]
-    return [(keys, list(frame[keys].drop_duplicates().itertuples(index=False, name=None))) for keys in groups]
+def _quantity(
+    frame: pd.DataFrame, level: str, key: str, heights: bool, points: int, known: dict[str, list[str]]
+) -> list[dict[str, Any]]:
+    """One quantity for the page; none where it has no number."""
+    place = _place(level)
+    found = over_motions(frame, key, place)
+    if found.empty:
+        return []
+    if not heights:
+        found = largest(found, ["point", *place[:3]]).assign(**{place[3]: 0})
+    rows = found[place].drop_duplicates()
+    row = pd.MultiIndex.from_frame(rows).get_indexer(pd.MultiIndex.from_frame(found[place]))
+    look = shown(key)
+    where = "pair" if level == "link" else "building"
+    codes = [known[name].index for name in ("case", "analysis", where)]
+    packed: dict[str, Any] = {
+        "key": key, "label": look.label, "unit": look.unit, "text": look.text, "level": level, "where": where,
+        "rows": [
+            [*(code(value) for code, value in zip(codes, each[:3], strict=True)), int(each[3])]
+            for each in rows.itertuples(index=False, name=None)
+        ],
+    }  # fmt: skip
+    for name, column in (("mean", "mean"), ("low", "min"), ("high", "max")):
+        values = np.full((len(rows), points), np.nan)
+        values[row, found["point"]] = look.factor * found[column]
+        packed[name] = numbers(values)
+    return [packed]
 
 
-def _plain(axis: Axis) -> dict[str, Any]:
-    keys, values = axis
-    numeric = len(keys) == 1 and not any(isinstance(value, str) for (value,) in values)
-    shown_values = [value[0] if numeric else ", ".join(map(_word, value)) for value in values]
-    return {"label": ", ".join(keys), "numeric": numeric, "values": shown_values}
+def _void(results: Tables, axes: Sequence[SweptAxis], cases: Sequence[str]) -> list[dict[str, Any]]:
+    """By case and analysis: at how many motions of every point the numbers have no meaning, and why."""
+    flagged = flagged_scenes(_of_cases(results.scene(), cases))
+    flagged = flagged[flagged["meaningless"]]
+    flagged = flagged.assign(point=point_numbers(flagged, axes))
+    found = []
+    for (case, analysis), rows in flagged[flagged["point"] >= 0].groupby(["case", "analysis"], sort=False):
+        motions = rows.drop_duplicates(["point", "record"])["point"]
+        count = np.bincount(motions, minlength=_count(axes)).tolist()
+        found.append({"case": case, "analysis": analysis, "count": count, "why": str(rows["flag"].iloc[0])})
+    return found
 
 
-def _word(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value:.4g}"
+def _place(level: str) -> list[str]:
+    """The columns that say where a number stands: case, analysis, building or pair, storey or floor."""
+    return ["case", "analysis", "pair" if level == "link" else "building", "floor" if level == "link" else level]
+
+
+def _of_cases(frame: pd.DataFrame, cases: Sequence[str]) -> pd.DataFrame:
+    frame = frame[frame["case"].isin(cases)]
+    return frame.assign(pair=_pairs(frame)) if "left" in frame.columns else frame
+
+
+def _pairs(link: pd.DataFrame) -> pd.Series:
+    return link["left"].astype(str) + " | " + link["right"].astype(str)
+
+
+def _count(axes: Sequence[SweptAxis]) -> int:
+    return math.prod(len(axis) for axis in axes)
+
+
+def _axis(axis: SweptAxis) -> dict[str, Any]:
+    words = [axis.at(place) for place in range(len(axis))]
+    values = numbers(axis.coordinates)
+    return {"label": axis.label, "numeric": axis.numeric, "values": values, "names": list(axis.names), "words": words}

@@ -1,4 +1,4 @@
-"""The page of `pound connector` and `pound wall` files: claims, figures, numbers, study, versions."""
+"""The page of `pound connector` and `pound wall` files: figure, the paper's statements, numbers, study."""
 
 from __future__ import annotations
 
@@ -12,28 +12,43 @@ from pounding_cli.report.web.data import MOST_ROWS, as_json, packed
 from pounding_cli.report.web.page import PAGE, render
 from pounding_cli.report.web.pictures import from_files
 
+MOST_POINTS = 200
+"""Points of a sweep in the table of statements; numbers.csv has them all."""
+
 
 def write_system_page(
     title: str,
     study: str,
     folder: Path,
     claims: Sequence[Mapping[str, Any]],
+    convergence: Sequence[str],
     figures: Sequence[Path],
     numbers: pd.DataFrame,
 ) -> Path:
     """Write `report.html` of a system without time histories of groups.
 
     claims : dicts with point, paper, found, holds
-    figures : files already drawn; the PNG ones are shown
+    convergence : sentences on what settles as the mesh is refined
+    figures : files already drawn, the main one first; the PNG ones are shown
     numbers : one row a point of the sweep
     """
     table = packed("Numbers", numbers.head(MOST_ROWS), len(numbers))
     drawn = from_files([file for file in figures if file.suffix == ".png"], {}, title)
+    statements = list(dict.fromkeys(str(claim["paper"]) for claim in claims))
+    points: dict[str, dict[str, Mapping[str, Any]]] = {}
+    for claim in claims:
+        points.setdefault(str(claim["point"]), {})[str(claim["paper"])] = claim
+    rows = [(point or "as given", [here.get(one) for one in statements]) for point, here in points.items()]
     content = {
         "title": title,
         "data": as_json({"tables": {"numbers": table}}),
-        "claims": claims,
-        "pictures": drawn,
+        "statements": statements,
+        "claims": rows[:MOST_POINTS],
+        "convergence": convergence,
+        "main": drawn[:1],
+        "pictures": drawn[1:],
+        "carried": len(numbers.head(MOST_ROWS)),
+        "left": max(len(numbers) - MOST_ROWS, 0),
         "study": study,
     }
     return render(folder / PAGE, "system.html.j2", content)

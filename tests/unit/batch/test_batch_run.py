@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import multiprocessing
 import os
 import signal
 import time
@@ -120,6 +121,34 @@ def test_every_scene_is_solved_once_and_a_second_run_solves_none(plan, output):
     assert [path.name for path in output.parent.iterdir()] == ["r.h5"]
 
 
+@pytest.fixture
+def spawned(monkeypatch):
+    """Workers are started as on macOS and Windows: by asking for it. Returns the methods they were started by."""
+    found, context = [], multiprocessing.get_context
+    monkeypatch.setattr(multiprocessing, "get_context", lambda method=None: (found.append(method), context(method))[1])
+    before = multiprocessing.get_start_method(allow_none=True)
+    multiprocessing.set_start_method("spawn", force=True)
+    yield found
+    multiprocessing.set_start_method(before, force=True)
+
+
+def test_spawned_workers_give_the_same_rows(plan, tmp_path, spawned):
+    """They inherit nothing: scenes and solver are sent. Fails if one of them cannot be."""
+    run_plan(plan, tmp_path / "s.h5", solve=known, engine_name="serial")
+    run_plan(plan, tmp_path / "p.h5", solve=known, workers=2, engine_name="processes")
+    assert spawned == ["spawn"]
+    one, other = tables(tmp_path / "s.h5"), tables(tmp_path / "p.h5")
+    for name in one:
+        assert one[name].equals(other[name]), name
+
+
+def test_a_spawned_worker_that_dies_costs_one_scene(plan, output, spawned):
+    outcome = run_plan(plan, output, solve=dies, workers=2)
+    assert (outcome.done, outcome.failed) == (23, 1)
+    assert [failure.status for failure in outcome.failures] == ["the worker died"]
+    assert spawned == ["spawn"]
+
+
 @pytest.mark.parametrize("name", ["processes", "threads"])
 def test_every_engine_gives_the_same_rows_bit_for_bit(plan, tmp_path, name):
     serial = run_plan(plan, tmp_path / "s.h5", solve=known, engine_name="serial")
@@ -228,6 +257,26 @@ def test_a_worker_that_dies_costs_one_scene(plan, output, monkeypatch, seconds):
     assert outcome.failures[0].place == "gap, inelastic, other"
     assert outcome.failures[0].status == "the worker died"
     assert "fewer workers" in outcome.failures[0].advice
+
+
+@pytest.mark.skipif(not hasattr(os, "waitid"), reason="a stopped process cannot be told here")
+def test_a_worker_that_is_stopped_is_replaced(plan, output, tmp_path, monkeypatch):
+    """Fails, by waiting for ever, where nobody looks at workers that say nothing."""
+    monkeypatch.setattr("pounding_cli.batch.processes._STOPPED", 0.3)
+    monkeypatch.setattr("pounding_cli.batch.processes._LOOK", 0.05)
+    monkeypatch.setattr("pounding_cli.batch.runner.WORTH_WORKERS", 0.0)
+    parent, mark = os.getpid(), tmp_path / "stopped"
+
+    def stopped(scene, accuracy, method, **_):
+        if os.getpid() != parent and not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGSTOP)
+        return known(scene, accuracy, method)
+
+    outcome = run_plan(plan, output, solve=stopped, workers=2)
+    assert mark.exists()
+    assert outcome.failed == 0
+    assert (open_results(output).scene().status == "done").all()
 
 
 def test_a_worker_killed_once_from_outside_costs_nothing(plan, output, tmp_path):
@@ -342,10 +391,10 @@ def test_no_room_for_a_part_stops_the_run_and_leaves_no_half_of_it(plan, output,
 def test_a_read_only_folder_is_refused_before_anything_is_solved(plan, output, monkeypatch):
     """Whatever user the tests run as."""
 
-    def refuse(path, **_):
-        raise OSError(errno.EROFS, "Read-only file system", str(path))
+    def refuse(dir):
+        raise OSError(errno.EROFS, "Read-only file system", str(dir))
 
-    monkeypatch.setattr("pathlib.Path.touch", refuse)
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
     solve = Counting()
     with pytest.raises(InputError, match="Read-only file system"):
         in_process(plan, output, solve=solve)

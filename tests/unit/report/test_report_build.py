@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
 from report_fakes import CASES, make
 
 from pounding_cli.errors import InputError
+from pounding_cli.report import figures
 from pounding_cli.report.build import nominal, write_comparison, write_report
 from pounding_cli.report.evidence import points
 
@@ -120,5 +123,22 @@ def test_results_that_name_no_figure_are_told_so(tmp_path):
 
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
     (tmp_path / "taken").write_text("")
-    with pytest.raises(InputError, match="cannot write the report"):
+    with pytest.raises(InputError, match=r"the output folder .* cannot be written"):
         write_report(make(), tmp_path / "taken", ())
+
+
+def test_of_many_cases_figures_and_pages_show_a_part_and_the_tables_all(tmp_path, monkeypatch):
+    monkeypatch.setattr(figures, "MOST_CASES", 2)
+    results = make(cases=("gap", "infill", "connected", "touching"), resolved={"report": {"plot": ["touching"]}})
+    write_report(results, tmp_path, ("svg",))
+    page = (tmp_path / "report.html").read_text()
+    assert "This page shows 2 of the 4 cases." in page
+    data = json.loads(page.split('id="data">')[1].split("</script>")[0])
+    assert data["cases"] == ["touching", "gap"]  # those that the study plots first
+    assert data["tables"]["storey"]["rows"] == 2 * 2 * 5 * 2 * 5
+    assert data["tables"]["storey"]["total"] == 4 * 2 * 5 * 2 * 5
+    assert "those of 2 of the 4 cases" in (tmp_path / "summary.md").read_text()
+    drawn = (tmp_path / "stiff-response.svg").read_text()
+    assert "touching" in drawn
+    assert "infill" not in drawn
+    assert set(pd.read_csv(tmp_path / "tables" / "storey.csv")["case"]) == {"gap", "infill", "connected", "touching"}

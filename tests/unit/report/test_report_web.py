@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from report_fakes import LEVEL, MOTIONS, make
+from report_fakes import LEVEL, MOTIONS, PUSH, make
 
 from pounding_cli.report.build import nominal, write_report
 from pounding_cli.report.columns import shown
@@ -19,7 +19,9 @@ from pounding_cli.report.web import data as packing
 from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.page import write_page
+from pounding_cli.solve.flags import CONNECTOR_STRUCK
 from pounding_cli.solve.histories import ENERGIES, History
+from pounding_cli.words import Unit
 
 
 def page_of(results, folder, figures=None) -> str:
@@ -128,39 +130,76 @@ def test_long_sweeps_are_cut_to_points_with_the_shown_one_and_the_page_says_so(t
     assert data["tables"]["storey"]["total"] == 8 * rows
     assert "This page carries 4 of the 8 points" in text
     # The chart of the sweep has them all.
-    assert data["sweep"]["axes"] == [{"label": "impact.restitution", "numeric": True, "values": values}]
+    assert [axis["values"] for axis in data["sweep"]["axes"]] == [values]
 
 
-def test_sweep_chart_is_the_largest_mean_of_every_point():
-    results = make(cases=("touching", "connected"), axis=("impact.restitution", [0.4, 0.5, 0.65]))
-    frame = results.storey()
-    means = frame.groupby(["impact.restitution", "case", "analysis", "building", "storey"])["V_ratio"].mean()
-    results._frames["summary"] = means.rename("V_ratio_mean").reset_index()
-    found = sweep.sweep_chart(results)
-    wanted = {"case": "connected", "building": "stiff", "analysis": "elastic"}.items()
-    line = next(one for one in found["series"] if wanted <= {key: one[key] for key in dict(wanted)}.items())
-    # Level of the case, mean of the motions 1, top storey 1.04, 10 % more a value.
-    assert line["values"] == pytest.approx([LEVEL["connected"] * np.mean(MOTIONS) * 1.04 * g for g in (1, 1.1, 1.2)])
-    assert sweep.sweep_chart(make()) is None
+def row_of(found: dict, quantity: str, *place) -> dict:
+    """Numbers of one quantity over the points, by case, analysis, building or pair, and level."""
+    one = next(one for one in found["quantities"] if one["key"] == quantity)
+    known = [found["names"][name] for name in ("case", "analysis", one["where"])]
+    codes = [*(names.index(value) for names, value in zip(known, place, strict=False)), place[3]]
+    number, size = one["rows"].index(codes), len(one["mean"]) // len(one["rows"])
+    return {name: one[name][number * size : (number + 1) * size] for name in ("mean", "low", "high")}
 
 
-def test_sweep_axes_keep_keys_that_move_together_and_thin_where_they_are_long(monkeypatch):
-    index = pd.MultiIndex.from_product([[1, 2, 3, 4], ["a", "b"], ["one"], ["elastic"], ["stiff"]])
-    names = ["k.x", "kind", "case", "analysis", "building"]
-    frame = index.to_frame(index=False, name=names)
-    frame.insert(1, "k.y", 10 * frame["k.x"])
-    frame["V_ratio_mean"] = frame["k.x"] + 0.5 * (frame["kind"] == "b")
-    results = make()
-    results._frames["summary"] = frame
-    results.attrs = {"swept": json.dumps([["k.x", "k.y"], ["kind"]])}
-    found = sweep.sweep_chart(results)
-    assert [axis["label"] for axis in found["axes"]] == ["k.x, k.y", "kind"]
-    assert found["axes"][0]["values"] == ["1, 10", "2, 20", "3, 30", "4, 40"]
-    assert found["series"][0]["values"] == [1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5]
-    monkeypatch.setattr(sweep, "MOST_VALUES", 5)
-    thin = sweep.sweep_chart(results)
-    assert thin["thinned"] == 2
-    assert thin["series"][0]["values"] == [1, 1.5, 3, 3.5]
+def test_a_sweep_carries_every_quantity_place_by_place_with_its_spread(monkeypatch):
+    results = make(cases=("touching", "connected", "gap"), axis=("impact.restitution", [0.4, 0.5, 0.65]))
+    scene = results.scene()
+    here = (scene["case"] == "connected") & (scene["analysis"] == "elastic") & (scene["impact.restitution"] == 0.5)
+    scene.loc[here & scene["record"].isin(["taft", "eureka"]), "flags"] = f"{CONNECTOR_STRUCK}: stiff | soft, floor 3"
+    found = sweep.sweep_data(results, ["connected", "touching"])
+    assert [one["key"] for one in found["quantities"]][:2] == ["V_ratio", "mu_ratio"]
+    ratios = row_of(found, "V_ratio", "connected", "elastic", "stiff", 4)
+    for name, factor in (("mean", np.mean(MOTIONS)), ("low", min(MOTIONS)), ("high", max(MOTIONS))):
+        # Level of the case, 2 % more at storey 4, 10 % more a value.
+        assert ratios[name] == pytest.approx([LEVEL["connected"] * factor * 1.02 * g for g in (1, 1.1, 1.2)], rel=1e-5)
+    force = row_of(found, "peak_force", "connected", "inelastic", "stiff | soft", 5)
+    assert force["mean"] == pytest.approx([1e3 * PUSH["connected"] * 5 * 1.2] * 3)  # in kN
+    assert found["names"]["case"] == ["connected", "touching"]
+    assert found["void"] == [
+        {"case": "connected", "analysis": "elastic", "count": [0, 2, 0], "why": CONNECTOR_STRUCK}
+    ]  # fmt: skip
+    assert sweep.sweep_data(make(), ["touching"]) is None
+
+
+def test_a_large_sweep_loses_its_heights_first_and_then_points(monkeypatch):
+    results = make(cases=("touching",), axis=("impact.restitution", [0.1, 0.2, 0.3, 0.4, 0.5]))
+    whole = sweep.sweep_data(results, ["touching"])
+    carried = sum(len(one["mean"]) for one in whole["quantities"])
+    assert (whole["heights"], whole["thinned"]) == (True, 1)
+    monkeypatch.setattr(sweep, "MOST_VALUES", 3 * carried - 1)
+    flat = sweep.sweep_data(results, ["touching"])
+    assert (flat["heights"], flat["thinned"]) == (False, 1)
+    top = row_of(whole, "V_ratio", "touching", "elastic", "stiff", 5)  # ratios grow with the height
+    assert row_of(flat, "V_ratio", "touching", "elastic", "stiff", 0) == top
+    monkeypatch.setattr(sweep, "MOST_VALUES", 3 * sum(len(one["mean"]) for one in flat["quantities"]) - 1)
+    thin = sweep.sweep_data(results, ["touching"])
+    assert (thin["heights"], thin["thinned"]) == (False, 2)
+    assert thin["axes"][0]["values"] == [0.1, 0.3, 0.5]
+    assert row_of(thin, "V_ratio", "touching", "elastic", "stiff", 0)["mean"] == top["mean"][::2]
+
+
+def test_axes_of_a_sweep_keep_keys_that_move_together_and_the_unit_of_the_study():
+    results = make(cases=("touching",), axis=("cases.gap.gap", [0.01, 0.02]))
+    for frame in results._frames.values():
+        if "cases.gap.gap" in frame.columns:
+            frame.insert(1, "k.y", 10 * frame["cases.gap.gap"])
+    results.attrs = {"swept": json.dumps([["cases.gap.gap", "k.y"]])}
+    results.units = {"cases.gap.gap": Unit("cm", 0.01, "m"), "k.y": Unit()}
+    axis = sweep.sweep_data(results, ["touching"])["axes"][0]
+    assert axis["label"] == "cases.gap.gap [cm], k.y"
+    assert axis["words"] == ["cases.gap.gap = 1 cm, k.y = 0.1", "cases.gap.gap = 2 cm, k.y = 0.2"]
+    assert axis["values"] == [1, 2]
+
+
+def test_swept_columns_and_points_are_in_the_unit_of_the_study(tmp_path):
+    results = make(cases=("touching",), axis=("cases.gap.gap", [0.1 / 3, 0.07]))
+    results.units = {"cases.gap.gap": Unit("cm", 0.01, "m")}
+    data = carried(page_of(results, tmp_path))
+    head = data["tables"]["storey"]["columns"][0]
+    assert (head["label"], head["unit"]) == ("cases.gap.gap", "cm")
+    points_there = [point["point"]["cases.gap.gap"] for point in data["points"]]
+    assert points_there == list(dict.fromkeys(head["values"])) == [3.33333, 7]
 
 
 def test_head_of_the_page_tells_the_largest_numbers():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -98,7 +99,7 @@ class Told(Quiet):
 
 def test_a_run_solves_again_what_is_damaged_and_keeps_the_rest(tmp_path):
     """Four thousand scenes; the damage lies in the numbers of some."""
-    plan = small_plan(cases=[(f"gap{i}", 0.001 * i) for i in range(1000)])
+    plan = replace(small_plan(cases=[(f"gap{i}", 0.001 * i) for i in range(1000)]), all_effects=True)
     path = tmp_path / "r.h5"
     write_results(path, plan, {digest: known(scene) for digest, scene in plan.scenes.items()})
     before = open_results(path).storey()

@@ -9,6 +9,7 @@ import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.report.systems import numbers, write_system_report
+from pounding_cli.report.wall_claims import mesh_convergence
 from pounding_cli.store.connector_store import write_connector
 from pounding_cli.store.wall_store import write_wall
 from pounding_cli.study.connector_study import load_connector_study
@@ -30,6 +31,35 @@ def test_report_of_figure_5(tmp_path):
     assert table["peak1"].to_numpy() == pytest.approx([3.98, 2.24], abs=0.01)
 
 
+def test_page_of_figure_5_begins_with_the_figure_and_has_one_table_of_statements(tmp_path):
+    write_connector(load_connector_study(CONFIGS / "fig5.yaml"), tmp_path / "fig5.h5")
+    write_system_report(tmp_path / "fig5.h5", tmp_path / "report", ("png",))
+    page = (tmp_path / "report" / "report.html").read_text()
+    assert page.index("<h1>") < page.index("<img ") < page.index('<section id="claims"')
+    table = page[page.index('<section id="claims"') :].split("</table>")[0]
+    assert table.count("<tr>") == 1 + 2  # head, two dampings
+    assert table.count("does not hold</span>") == 2
+
+
+def test_what_converges_comes_before_what_does_not(tmp_path):
+    study = tmp_path / "w.yaml"
+    sweep = "sweep: {contact.over: [node, patch], mesh.size: [0.25 m, 1 m, 0.5 m]}\n"
+    study.write_text("title: w\ntime: {end: 15 ms}\nmesh: {growth: 0, element: linear}\n" + sweep)
+    write_wall(load_wall_study(study), tmp_path / "w.h5")
+    found = mesh_convergence(tmp_path / "w.h5")
+    assert len(found) == 2 * 3
+    assert [" settles (" in sentence for sentence in found] == sorted([" settles (" in one for one in found])[::-1]
+    table = numbers(tmp_path / "w.h5").set_index(["contact.over", "mesh.size"])
+    stress = table.loc["node", "wall_stress"].loc[[1.0, 0.5, 0.25]].to_numpy() / 1e6
+    told = next(one for one in found if one.startswith("The stress of the worst element") and "node" in one)
+    assert "does not settle (contact.over = node)" in told
+    assert f"{stress[0]:.3g}, {stress[1]:.3g}, {stress[2]:.3g} N/mm2" in told
+    assert f"{100 * (stress[2] / stress[1] - 1):+.0f} % at the last refinement" in told
+    write_system_report(tmp_path / "w.h5", tmp_path / "report", ())
+    page = (tmp_path / "report" / "report.html").read_text()
+    assert page.index("at the last refinement") < page.index("does not hold</span>")
+
+
 def test_report_of_a_wall_without_figures(tmp_path):
     study = tmp_path / "w.yaml"
     study.write_text("title: w\nmesh: {size: 0.5 m}\ntime: {end: 15 ms}\nsweep: {striker.speed: [0.5 m/s, 1 m/s]}\n")
@@ -44,5 +74,5 @@ def test_report_of_a_wall_without_figures(tmp_path):
 
 def test_another_file_is_refused(tmp_path):
     (tmp_path / "x.h5").write_text("no")
-    with pytest.raises(InputError, match="not a results file"):
+    with pytest.raises(InputError, match="cannot be read as HDF5"):
         write_system_report(tmp_path / "x.h5", tmp_path / "report")

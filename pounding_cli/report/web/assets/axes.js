@@ -80,7 +80,8 @@ function drawChart(box, chart) {
       : { x1: margin.left, x2: width - margin.right, y1: y.place(chart.reference), y2: y.place(chart.reference) };
     root.append(s('line', { class: 'reference', ...at }));
   }
-  for (const one of chart.series) drawSeries(root, one, x, y, chart.along);
+  if (chart.cells) drawCells(root, chart, x, y);
+  else for (const one of chart.series) drawSeries(root, one, x, y, chart.along);
   box.append(root);
   bindPoints(box, root, points, chart, x, y);
 }
@@ -96,9 +97,12 @@ function drawAxes(root, x, y, chart, width, margin) {
     last = at + half + 6;
     root.append(s('text', { x: at, y: bottom + 18, 'text-anchor': 'middle' }, text));
   }
+  last = Infinity;
   for (const [value, text] of y.ticks) {
     const at = y.place(value);
     root.append(s('line', { class: 'gridline', x1: margin.left, x2: width - margin.right, y1: at, y2: at }));
+    if (at + 15 > last) continue;
+    last = at;
     root.append(s('text', { x: margin.left - 8, y: at + 4, 'text-anchor': 'end' }, text));
   }
   root.append(s('line', { class: 'axisline', x1: margin.left, x2: width - margin.right, y1: bottom, y2: bottom }));
@@ -106,6 +110,21 @@ function drawAxes(root, x, y, chart, width, margin) {
   root.append(s('text', { class: 'title', x: (margin.left + width - margin.right) / 2, y: chart.height - 7, 'text-anchor': 'middle' }, chart.x.label));
   const middle = (margin.top + bottom) / 2;
   root.append(s('text', { class: 'title', x: 15, y: middle, transform: `rotate(-90 15 ${middle})`, 'text-anchor': 'middle' }, chart.y.label));
+}
+
+/** The cells of a map: a colour, the number where it fits, a cross where it is not meaningful. */
+function drawCells(root, chart, x, y) {
+  const [columns, lines] = chart.cells;
+  const wide = Math.abs(x.place(2) - x.place(1)) || 1, high = Math.abs(y.place(2) - y.place(1)) || 1;
+  for (const point of chart.series.flatMap(({ points }) => points)) {
+    const left = x.place(point.x) - wide / 2, top = y.place(point.y) - high / 2;
+    root.append(s('rect', { x: left, y: top, width: wide + 0.5, height: high + 0.5, style: `fill:${point.fill}` }));
+    const ink = `fill:${point.dark ? '#ffffff' : '#1b1f24'};stroke:${point.dark ? '#ffffff' : '#1b1f24'}`;
+    if (point.void) root.append(s('path', { class: 'void', d: `M${left} ${top}l${wide} ${high}m0 ${-high}l${-wide} ${high}`, style: ink }));
+    else if (wide > 7.5 * point.text.length && high > 16 && columns * lines <= 400) {
+      root.append(s('text', { class: 'cell', x: left + wide / 2, y: top + high / 2 + 4, 'text-anchor': 'middle', style: `${ink};stroke:none` }, point.text));
+    }
+  }
 }
 
 function drawSeries(root, one, x, y, along) {
@@ -122,7 +141,14 @@ function drawSeries(root, one, x, y, along) {
     const path = one.points.map((point) => at(point).map((number) => number.toFixed(1)).join(',')).join(' ');
     group.append(s('polyline', { points: path, fill: 'none', 'stroke-width': 2, 'stroke-dasharray': one.look.dash, style: `stroke:${one.look.color}` }));
   }
-  for (const point of one.points) group.append(marker(one.look.marker, ...at(point), 4.3, one.look.color));
+  for (const point of one.points) {
+    const drawn = marker(one.look.marker, ...at(point), 4.3, one.look.color);
+    if (point.void) {
+      drawn.classList.add('void'); // hollow
+      drawn.style.stroke = one.look.color;
+    }
+    group.append(drawn);
+  }
   root.append(group);
 }
 
@@ -163,7 +189,7 @@ function bindPoints(box, root, points, chart, x, y) {
     const frame = root.getBoundingClientRect();
     const zoom = frame.width / root.viewBox.baseVal.width;
     const px = (event.clientX - frame.left) / zoom, py = (event.clientY - frame.top) / zoom;
-    let nearest = null, least = 40 ** 2;
+    let nearest = null, least = chart.cells ? Infinity : 40 ** 2;
     for (const point of points) {
       const [qx, qy] = place(point);
       const distance = (px - qx) ** 2 + (py - qy) ** 2;
@@ -176,7 +202,7 @@ function bindPoints(box, root, points, chart, x, y) {
   box.onblur = hide;
   box.onkeydown = (event) => {
     const back = chart.along === 'y' ? 'ArrowDown' : 'ArrowLeft', on = chart.along === 'y' ? 'ArrowUp' : 'ArrowRight';
-    const before = chart.along === 'y' ? 'ArrowLeft' : 'ArrowUp', after = chart.along === 'y' ? 'ArrowRight' : 'ArrowDown';
+    const [before, after] = chart.along === 'y' ? ['ArrowLeft', 'ArrowRight'] : chart.cells ? ['ArrowDown', 'ArrowUp'] : ['ArrowUp', 'ArrowDown'];
     if (event.key === 'Escape') return hide();
     if (![back, on, before, after].includes(event.key)) return undefined;
     event.preventDefault();

@@ -60,13 +60,24 @@ function profileView() {
     place.select.replaceChildren(...names.map((name) => h('option', { value: name, selected: name === state.where }, told(name))));
   }
 
+  const marks = new Map();
   for (const [name, look] of looks) {
     const check = h('input', { type: 'checkbox', checked: true, onchange: () => {
       if (check.checked) state.hidden.delete(name);
       else state.hidden.add(name);
       update();
     } });
-    legend.append(h('label', {}, check, swatch(look), name));
+    marks.set(name, h('span', { class: 'badge bad' }));
+    legend.append(h('label', {}, check, swatch(look), `${name} `, marks.get(name)));
+  }
+
+  /** Why the numbers of a case as drawn mean nothing; undefined where they do. */
+  function voidOf(name) {
+    const point = data.points.find(({ label }) => label === state.point)?.point ?? {};
+    const wanted = { ...point, case: name, analysis: state.analysis, meaningless: 'yes' };
+    if (state.record !== MEAN) wanted.record = state.record;
+    const row = tables.flagged.rowsWhere(wanted)[0];
+    return row === undefined ? undefined : tables.flagged.cell('flag', row);
   }
 
   /** The rows of one case at every level: value, smallest, largest, error, sensitivity. */
@@ -108,18 +119,21 @@ function profileView() {
     const drawn = data.cases.filter((name) => !state.hidden.has(name)).map((name) => [name, profile(name)]).filter(([, rows]) => rows.length);
     const top = Math.max(1, ...drawn.flatMap(([, rows]) => rows.map((row) => row.level)));
     const ticks = Array.from({ length: top }, (_, number) => number + 1).filter((number) => top <= 12 || number % 5 === 0);
+    const reasons = new Map(data.cases.map((name) => [name, voidOf(name)]));
+    for (const [name, mark] of marks) mark.textContent = reasons.get(name) ? 'not meaningful' : '';
     const series = drawn.map(([name, rows], number) => ({
       name,
       look: looks.get(name),
       joined: rows.every((row, place) => place === 0 || row.level === rows[place - 1].level + 1),
       shift: (number - (drawn.length - 1) / 2) * Math.min(7, 32 / Math.max(drawn.length, 1), (18 * 12) / top / Math.max(drawn.length, 1)),
       points: rows.map((row) => ({
-        x: row.value, y: row.level, low: row.low, high: row.high,
+        x: row.value, y: row.level, low: row.low, high: row.high, void: Boolean(reasons.get(name)),
         said: [
           `${name}, ${at} ${row.level}`,
           `${column.label} ${numberWithUnit(row.value, column)}${row.count > 1 ? `, mean of ${row.count}` : ''}`,
           ...(row.low !== null ? [`from ${asText(row.low)} to ${numberWithUnit(row.high, column)}`] : []),
           ...(row.alone !== null ? [`alone ${numberWithUnit(row.alone, column)}`] : []),
+          ...(reasons.get(name) ? [`not meaningful: ${reasons.get(name)}`] : []),
           `error ${row.error === null ? 'not measured' : asText(row.error, 2)}, sensitivity ${row.sensitivity === null ? 'not measured' : asText(row.sensitivity, 3)}`,
         ],
       })),

@@ -1,0 +1,2 @@
+document.documentElement.dataset.theme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
+document.documentElement.classList.add('scripted');

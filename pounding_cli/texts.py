@@ -1,0 +1,63 @@
+"""Texts of studies and of files from strangers, made fit for where they go: file names, the screen, cells, Markdown."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+CONTROL = re.compile(
+    "[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
+    "|\r(?!\n)"
+)
+"""What moves a cursor, turns the direction of writing or is no character; line ends and tabs are none of it."""
+
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+_LONGEST_NAME = 120
+
+
+def file_name(text: str) -> str:
+    """A name for a file in the folder at hand, from any text: no separators, no dots in front; never empty."""
+    return re.sub(r"[^\w +.-]+", "-", text).strip(" .-")[:_LONGEST_NAME].strip() or "unnamed"
+
+
+def plain(text: str) -> str:
+    """The text with control characters written out, as `\\x1b`."""
+    return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def plain_all(texts: Iterable[str]) -> list[str]:
+    """`plain` of many texts; quick where none needs it."""
+    found = list(texts)
+    return [plain(each) for each in found] if CONTROL.search("".join(found)) else found
+
+
+def plain_tree(value: Any) -> Any:
+    """`plain` of every text in nested lists and mappings."""
+    if isinstance(value, dict):
+        return {plain(key) if isinstance(key, str) else key: plain_tree(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [plain_tree(item) for item in value]
+    return plain(value) if isinstance(value, str) else value
+
+
+def cells(frame: pd.DataFrame) -> pd.DataFrame:
+    """A table for CSV: a text that a spreadsheet would take for a formula is marked as text by a "'" before it."""
+    frame = frame.rename(columns=_cell)
+    texts = {name: frame[name].map(_cell) for name in frame.columns if frame[name].dtype.kind not in "biufcmM"}
+    return frame.assign(**texts)
+
+
+def _cell(value: Any) -> Any:
+    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
+
+
+def write_markdown(path: Path, lines: Iterable[str]) -> Path:
+    """Write a Markdown page in which no text is taken for HTML; line breaks in table cells (`<br>`) stay."""
+    text = "\n".join(lines).rstrip() + "\n"
+    path.write_text(re.sub(r"<(?!br>)", "&lt;", text), encoding="utf-8")
+    return path

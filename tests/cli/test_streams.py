@@ -1,0 +1,103 @@
+"""What a command does where its output goes nowhere, is cut short, or knows few characters; and the last catch."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+from test_run import STUDY, folder, known, pound  # noqa: F401  (fixtures)
+
+MAIN = "import sys; from pounding_cli.cli.main import main; main()"
+"""Without numba where the study is finished, so each process takes a second."""
+
+
+def command(*arguments: str, **more) -> subprocess.Popen:
+    return subprocess.Popen([sys.executable, "-c", MAIN, *arguments], **more)
+
+
+@pytest.fixture
+def done(folder, pound):  # noqa: F811
+    """A finished study: `results/two.h5` of `two.yaml`."""
+    pound("run", "two.yaml", "-q")
+    return folder
+
+
+@pytest.mark.parametrize("arguments", [("show", "results/two.h5", "storey"), ("run", "two.yaml"), ("--help",)])
+def test_a_reader_that_has_gone_ends_a_command_without_a_word(done, arguments):
+    read, write = os.pipe()
+    os.close(read)
+    process = command(*arguments, stdout=write, stderr=subprocess.PIPE, text=True)
+    os.close(write)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 141
+    assert "Traceback" not in said
+    assert "BrokenPipe" not in said
+
+
+@pytest.mark.parametrize("stream", ["1", "2"])
+@pytest.mark.parametrize("arguments", [("show", "results/two.h5"), ("run", "two.yaml"), ("check", "two.yaml")])
+def test_a_closed_stream_is_as_good_as_one_that_leads_nowhere(done, arguments, stream):
+    words = " ".join(arguments)
+    shell = f"'{sys.executable}' -c '{MAIN}' {words} {stream}>&-"
+    found = subprocess.run(shell, shell=True, capture_output=True, text=True, check=False)
+    assert found.returncode == 0
+    assert "Traceback" not in found.stderr
+
+
+def test_an_ascii_terminal_gets_what_stands_for_a_character(done):
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    process = command("run", "two.yaml", stdout=subprocess.PIPE, env=environment)
+    said = process.communicate(timeout=60)[0].decode("ascii")
+    assert process.returncode == 0
+    assert "+- numerical" in said
+
+
+def test_a_log_that_nobody_reads_does_not_stop_a_run(folder):  # noqa: F811
+    (folder / "two.yaml").write_text(STUDY.replace("gap: 1 cm", "gap: 0 cm"))
+    read, write = os.pipe()
+    os.close(read)
+    script = (
+        "import sys; sys.path.insert(0, sys.argv.pop(1)); import test_run; import pounding_cli.solve as s; "
+        "s.solve = test_run.known; " + MAIN
+    )
+    arguments = [sys.executable, "-c", script, os.path.dirname(__file__), "run", "two.yaml", "--log-json"]
+    process = subprocess.Popen(arguments, stdout=write, stderr=subprocess.PIPE, text=True)
+    os.close(write)
+    said = process.communicate(timeout=120)[1]
+    assert (process.returncode, said) == (0, "")
+    assert (folder / "results" / "two.h5").is_file()
+
+
+def test_a_full_disk_behind_the_output_is_told(done):
+    if not os.path.exists("/dev/full"):
+        pytest.skip("no /dev/full here")
+    with open("/dev/full", "w") as full:
+        process = command("show", "results/two.h5", stdout=full, stderr=subprocess.PIPE, text=True)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 2
+    assert said.startswith("error: there is no space left on the disk")
+    assert "Traceback" not in said
+
+
+def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound, monkeypatch):  # noqa: F811
+    def fault(*_):
+        raise ZeroDivisionError("of a kind\nthat nobody foresaw")
+
+    monkeypatch.setattr("pounding_cli.store.open_results", fault)
+    code, out, err = pound("show", "results/two.h5", "storey", "--case", "a b", solve=None)
+    assert (code, out) == (70, "")
+    assert err.startswith("error: a fault of the program: ZeroDivisionError: of a kind\n")
+    assert "what this command shows: pound --debug show results/two.h5 storey --case 'a b'\n" in err
+    assert "Traceback" not in err
+    code, _, err = pound("--debug", "show", "results/two.h5", solve=None)
+    assert code == 70
+    assert "Traceback" in err
+    assert "that nobody foresaw" in err
+
+
+def test_the_exit_codes_are_told_in_the_help(folder, pound):  # noqa: F811
+    _, out, _ = pound("--help", solve=None)
+    for code in ("70 a fault of the program", "141 the reader"):
+        assert code in out

@@ -1,0 +1,93 @@
+"""Estimated errors against true ones over random scenes: `python -m tests.hard.estimates --scenes 2000`.
+
+The true error is the largest difference of any number from a run of the whole scene at 1e-12. An estimate may be at
+most ten times below it where it matters: above a tenth of the accuracy asked."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from pounding_cli.batch.attempt import Task
+from pounding_cli.solve import solve
+from pounding_cli.solve.assess import ILL_CONDITIONED, difference
+
+from .random_scenes import random_scene
+
+TRUTH = 1e-12
+BELOW = 10.0
+"""By so much an estimate may be below the true error."""
+
+
+@dataclass
+class Tally:
+    """What came of the scenes; `below`: (true error over estimate, words) of those above a tenth of the accuracy."""
+
+    scenes: int = 0
+    done: int = 0
+    mattered: int = 0
+    missed: int = 0
+    flagged: int = 0
+    below: list[tuple[float, str]] = field(default_factory=list)
+
+    @property
+    def broken(self) -> list[str]:
+        """Scenes whose estimate is too low, and scenes that miss the accuracy by their own estimate without a word."""
+        return [words for ratio, words in self.below if ratio > BELOW]
+
+    def summary(self) -> str:
+        """The counts in a paragraph, the worst estimates a line each."""
+        worst = sorted(self.below, reverse=True)[:10]
+        return "\n".join(
+            (
+                f"{self.scenes} scenes, {self.done} done; true errors above a tenth of the accuracy: {self.mattered}; "
+                f"above it by their own estimate: {self.missed}, all flagged: {self.missed == self.flagged}; "
+                f"estimates more than {BELOW:g} times too low: {len(self.broken)}",
+                *(words for _, words in worst),
+            )
+        )
+
+
+def look_at(numbers: Iterable[int]) -> Tally:
+    """Solve the scenes of these numbers as a run does, every one assessed."""
+    tally = Tally()
+    for number in numbers:
+        scene, accuracy = random_scene(number)
+        found = Task(solve, accuracy, "auto", estimate="all")(scene)
+        tally.scenes += 1
+        truth = solve(scene, TRUTH, all_effects=True)
+        if found.status != "done" or truth.status != "done":
+            continue
+        tally.done += 1
+        estimate, error = found.error_estimate, difference(found, truth)
+        if estimate > accuracy:
+            tally.missed += 1
+            tally.flagged += any("less accurate than asked" in flag for flag in found.flags)
+        if error > 0.1 * accuracy:
+            tally.mattered += 1
+            ratio = error / max(estimate, 1e-300)
+            sort = "ill-conditioned" if found.sensitivity > ILL_CONDITIONED else "well-conditioned"
+            tally.below.append(
+                (
+                    ratio,
+                    f"scene {number}: asked {accuracy:.0e}, estimate {estimate:.1e}, true error {error:.1e}, {sort}, "
+                    f"sensitivity {found.sensitivity:.1e}",
+                )
+            )
+    return tally
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenes", type=int, default=2000, help="how many scenes")
+    parser.add_argument("--first", type=int, default=0, help="number of the first")
+    options = parser.parse_args()
+    tally = look_at(range(options.first, options.first + options.scenes))
+    print(tally.summary())
+    return int(bool(tally.broken) or tally.missed != tally.flagged)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,165 @@
+"""Studies and motion files that once crashed, hung or ate the memory: each is answered within 5 s and 500 MB."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from pounding_cli.cli.check import command as check
+from pounding_cli.errors import InputError
+from pounding_cli.records import read_motion
+from pounding_cli.study import load_study
+from pounding_cli.study.patterns import matching_files
+
+from .guarded import guarded
+
+BASE = """\
+title: Test
+records: {use: [elcentro], duration: 5 s}
+buildings:
+  stiff: {storeys: 3, period: 0.36 s}
+  soft: {like: stiff, period: 0.60 s}
+group: [stiff, soft]
+cases:
+  gap: {link: pounding, gap: 5 cm}
+analyses: [elastic]
+"""
+BLANKS = " " * 100_000
+
+
+def changed(old: str, new: str) -> str:
+    assert old in BASE
+    return BASE.replace(old, new, 1)
+
+
+CHAIN = "".join(f"  b{n}: {{like: b{n + 1}}}\n" for n in range(5000)) + "  b5000: {storeys: 3, period: 1 s}\n"
+
+
+def many(form: str, count: int) -> str:
+    return ", ".join(form.format(n) for n in range(count))
+
+
+STUDIES = {
+    "sequences in a line": ("- " * 30_000, "nested too deeply"),
+    "sequences by indentation": ("\n".join(" " * level + "-" for level in range(2000)), "nested too deeply"),
+    "brackets": ("[" * 50_000, "nested too deeply"),
+    "question marks": ("? " * 50_000, "nested too deeply"),
+    "braces": ("{a: " * 50_000, "nested too deeply"),
+    "a building like itself": (changed("like: stiff", "like: soft"), "goes round in a circle"),
+    "a chain of buildings": (
+        changed(
+            "group:",
+            "".join(f"  b{n}: {{like: b{n + 1}}}\n" for n in range(5000))
+            + "  b5000: {storeys: 3, period: 1 s}\ngroup:",
+        ),
+        "leads through more than 50 buildings",
+    ),
+    "powers of powers": (changed("0.36 s", "1 s**9**9**9"), "is not a unit"),
+    "powers in brackets": (changed("0.36 s", f"1 N*{'(' * 15}s**9{')**9' * 15}"), "is not a unit"),
+    "blanks, then a letter": (changed("0.36 s", f'"1 s{BLANKS}x"'), "100004 characters are not a period"),
+    "blanks around a fraction": (changed("0.36 s", f'"1{BLANKS}/{BLANKS}x"'), "characters are not a period"),
+    "blanks in a rule": (changed("group:", f'impact: {{stiffness: "20 x{BLANKS}storey"}}\ngroup:'), "not a stiffness"),
+    "unknown keys": (BASE + "".join(f"k{n}: 1\n" for n in range(45_000)), "and 44900 more problems"),
+    "unknown keys of a building": (changed("0.36 s", f"0.36 s, {many('k{}: 1', 45_000)}"), "more problems"),
+    "one key again and again": (BASE + "k: 1\n" * 45_000, "'k' stands twice"),
+    "a list without end": ("a: [" + "1, " * 1_300_000 + "1]", "more than 100000 values"),
+    "100 MB": ("a: [" + "1, " * 33_000_000 + "1]", "a study file has at most 4 MB"),
+    "a group of thousands": (changed("[stiff, soft]", f"[{many('soft', 90_000)}]"), "90000 entries"),
+    "a group of strangers": (changed("[stiff, soft]", f"[{many('x{}', 90_000)}]"), "90000 entries"),
+    "floors without end": (changed("5 cm}", f"5 cm, floors: [{many('7', 90_000)}]}}"), "90000 entries"),
+    "a path without end": (changed("[elcentro]", f"[motions/{'a' * 1_000_000}]"), "a path of 1000008 characters"),
+    "a name without end": (changed("[elcentro]", f"[{'a' * 1_000_000}]"), "no motion 'aaa"),
+    "axes without end": (BASE + f"sweep: {{{many('k{}: [1]', 20_000)}}}\n", "the sweep has 20000 axes"),
+    "every file of the machine": (changed("[elcentro]", '["/**/*.AT2"]'), ""),
+    "a device as record": (changed("[elcentro]", "[{file: /dev/zero}]"), "no regular file: a device"),
+}
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_is_refused_in_time(name, tmp_path):
+    text, words = STUDIES[name]
+    path = tmp_path / "study.yaml"
+    path.write_text(text, encoding="utf-8")
+    said = guarded(lambda: load_study(path))
+    assert said.startswith("refused: "), said[:300]
+    assert words in said, said[:300]
+
+
+def test_blanks_behind_a_value_cost_nothing(tmp_path):
+    (tmp_path / "study.yaml").write_text(changed("0.36 s", f'"0.36 s{BLANKS}"'), encoding="utf-8")
+    assert guarded(lambda: load_study(tmp_path / "study.yaml")) == "done"
+
+
+def test_check_counts_a_sweep_of_millions(tmp_path, capfd):
+    text = "sweep:\n  impact.restitution: {from: 0.1, to: 0.9, count: 1378}\n"
+    text += "  cases.gap.gap: {from: 0 m, to: 1 m, count: 1379}\n"
+    (tmp_path / "study.yaml").write_text(BASE + text, encoding="utf-8")
+    assert guarded(lambda: check.main([str(tmp_path / "study.yaml")], standalone_mode=False)) == "done"
+    assert "1900262 sweep points = 1900262 rows" in capfd.readouterr().out
+
+
+BODY = "".join(f"{n * 0.01:.2f} {0.1 * (-1) ** n}\n" for n in range(500))
+HEADERS = {
+    "comment": "#{}\n",
+    "comment without colon": "# dt{}x\n",
+    "comment with a value": "# a: {}b\n",
+    "blanks": "{}x\n",
+    "units": "units{})\n",
+    "channel": "CHAN{}1\n",
+    "station": "sta chan{}x\n",
+    "points": "NPTS{}x\n",
+    "title": "CORRECTED{}x\n",
+    "brackets": "time [{}s], acc [{}g]\n",
+    "data": "100 accel points units={}x\n",
+}
+
+
+@pytest.mark.parametrize("name", HEADERS)
+def test_a_long_header_is_answered_in_time(name, tmp_path):
+    """200,000 blanks are refused; 2,000 of them, fifty lines on end, are read or refused, but soon."""
+    path = tmp_path / "m.txt"
+    path.write_text(HEADERS[name].replace("{}", " " * 200_000) + BODY)
+    assert "characters" in guarded(lambda: read_motion(path))
+    path.write_text(HEADERS[name].replace("{}", " " * 2000) * 50 + BODY)
+    assert guarded(lambda: read_motion(path)).partition(":")[0] in ("done", "refused")
+
+
+def test_a_motion_file_is_regular_and_of_bounded_size(tmp_path):
+    os.mkfifo(tmp_path / "pipe.txt")
+    for path in (tmp_path / "pipe.txt", Path("/dev/zero")):
+        assert "this is no regular file" in guarded(lambda path=path: read_motion(path))
+    with (tmp_path / "large.txt").open("wb") as file:
+        file.truncate(10**12)
+    assert "a motion file has at most 20 MB" in guarded(lambda: read_motion(tmp_path / "large.txt"))
+    (tmp_path / "oneline.txt").write_text("0.1 " * 1_000_000)
+    assert "1000000 values on a line" in guarded(lambda: read_motion(tmp_path / "oneline.txt"))
+
+
+def test_a_study_file_is_regular(tmp_path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    assert "this is no regular file: a pipe" in guarded(lambda: load_study(tmp_path / "pipe.yaml"))
+    assert "this is no regular file: a device" in guarded(lambda: load_study("/dev/zero"))
+    assert "the path has 1000000 characters" in guarded(lambda: load_study("a" * 1_000_000))
+
+
+def test_names_that_are_no_text(tmp_path):
+    """A file name of bytes that are no UTF-8 is read, and shown with its bytes escaped."""
+    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff.yaml"))
+    path.write_text(BASE.replace("title: Test\n", ""), encoding="utf-8")
+    assert load_study(path).title == "\\udcff"
+    path.write_text("a: [", encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_study(path)
+    str(caught.value).encode("utf-8")
+
+
+def test_patterns_find_what_globs_find(tmp_path):
+    for name in ("a/1.AT2", "a/b/2.AT2", "a/b/c/3.at2", "a/.hidden/4.AT2", "5.AT2", "a/b/2.txt"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    for pattern in ("**/*.AT2", "*.AT2", "a/*/2.*", "a/**/*", "a/b/?.AT2", "a/[0-9].AT2", "none/*.AT2"):
+        wanted = sorted(path for path in tmp_path.glob(pattern) if path.is_file() and ".hidden" not in path.parts)
+        assert matching_files(tmp_path / pattern) == wanted, pattern
+    assert matching_files(tmp_path / "a/.hidden/*.AT2") == [tmp_path / "a/.hidden/4.AT2"]
