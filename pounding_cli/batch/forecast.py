@@ -26,14 +26,16 @@ MOST_SCENES = 2000
 """Scenes that are looked at; of more, as many spread evenly."""
 
 ALONE, PARTS, GROUP = "of a building alone", "of smaller groups", "of the group"
-"""What is solved: baselines; several neighbours of a row, to see whether they reach the next one; whole rows."""
+APART = "of neighbours kept apart"
+"""What is solved: baselines; several neighbours of a row, to see whether they reach the next one; whole rows;
+neighbours with nothing between them, for the peaks of their closing, which are not assessed."""
 
 
 @dataclass
 class Forecast:
     """What will run.
 
-    scenes, seconds : (ALONE, PARTS or GROUP, method) -> number of scenes and their expected time on one core [s]
+    scenes, seconds : (ALONE, PARTS, GROUP or APART, method) -> number of scenes and their expected time on one core [s]
     spared : case -> scenes of the group that are answered by smaller groups, where that was looked into
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
     looked_at, proven : share of the scenes looked at; whether the buildings alone and the smaller groups were run
@@ -71,12 +73,13 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
     def count(what: str, scene: Scene) -> None:
         method = _method(plan, scene)
         found.scenes[what, method] += every
-        found.seconds[what, method] += every * (runs * price(scene, method, plan.accuracy) + BESIDE)
+        times = 1 if what == APART else runs
+        found.seconds[what, method] += every * (times * price(scene, method, plan.accuracy) + BESIDE)
 
     def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:
             parts.add(scene.digest)
-            count(PARTS, scene)
+            count(PARTS if all(link.can_close for link in scene.links) else APART, scene)
 
     solver = _prover(plan, count_part)
     for digest in digests:

@@ -90,17 +90,16 @@ def first_crossing(c, n, end):
     if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend:
         if last > 0.0:
             return NEVER
-        return _simple_root(c, first, n, end, start, last)
-    return _march(c, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size)
+        return _bracketed(c, first, n, 0.0, end, start, last)
+    return _march(c, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
 
 
 @njit(**CALLED)
-def _simple_root(c, first, n, end, start, last):
-    """The only root of a monotone polynomial that is positive at 0 and not at `end`: Newton kept inside a bracket."""
+def _bracketed(c, first, n, low, high, start, last):
+    """A root between `low`, where the polynomial is `start` > 0, and `high`, where it is `last` and not positive, by
+    Newton kept inside a bracket. Of a monotone polynomial it is the only one."""
     stand_alone()
-    low = 0.0
-    high = end
-    s = end * start / (start - last)
+    s = low + (high - low) * start / (start - last)
     for _ in range(100):
         p = c[n]
         d = 0.0
@@ -121,10 +120,15 @@ def _simple_root(c, first, n, end, start, last):
 
 
 @njit(**CALLED)
-def _march(c, first, n, end, bound, floor):
-    """The first root by steps that never pass one; |p''| <= bound."""
+def _march(c, first, n, end, bound, floor, last):
+    """The first root by steps that never pass one; |p''| <= bound.
+
+    The steps become too short where several roots meet. Then the sign at `end` decides, where the polynomial is `last`:
+    "never" is said only if it is positive there.
+    """
     stand_alone()
     s = 0.0
+    p = floor
     for _ in range(400):
         p = c[n]
         d = 0.0
@@ -136,11 +140,11 @@ def _march(c, first, n, end, bound, floor):
         root = math.sqrt(d * d + 2.0 * bound * p)
         step = 2.0 * p / (root - d) if d < 0.0 else ((d + root) / bound if bound > 0.0 else 2.0 * end + 1.0)
         if s + step > end:
-            return NEVER
+            return NEVER if last > 0.0 else end
         if step <= 2e-16 * s:
             return s
         s += step
-    return s
+    return _bracketed(c, first, n, s, end, p, last) if last <= 0.0 else s
 
 
 @njit(**CALLED)

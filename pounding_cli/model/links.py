@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
 
 
@@ -107,11 +107,9 @@ class Link:
 
     @property
     def words(self) -> str:
-        """Everything the link is, in a line: two links with one line act alike."""
-        return (
-            f"{self.left} {self.left_floor} {self.right_floor} {self.kind} {self.gap!r} {self.stiffness!r} "
-            f"{self.impact_stiffness!r} {self.damping_ratio!r} {self.tension_cut} {self.infill_law} {self.dashpot_law}"
-        )
+        """Every field of the link, in a line: two links with one line act alike."""
+        values = (getattr(self, field.name) for field in fields(self))
+        return " ".join(repr(value) if isinstance(value, float) else str(value) for value in values)
 
     def dashpot_mass(self, left_mass: float, right_mass: float) -> float:
         """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""

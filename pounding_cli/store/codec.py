@@ -45,7 +45,7 @@ class Words:
 
 
 def encode(response: Response) -> tuple[str, np.ndarray]:
-    """A line of words (JSON) and the numbers, shape (k,); the end state and the envelopes are not kept."""
+    """A line of words (JSON) and the numbers, shape (k,); the end state and the samples are not kept."""
     words: dict[str, Any] = {name: str(getattr(response, name)) for name in _WORDS}
     words |= {name: list(map(str, getattr(response, name))) for name in _SENTENCES}
     words["energy"] = list(response.energy)

@@ -57,6 +57,8 @@ def look_at(numbers: Iterable[int]) -> Tally:
         scene, accuracy = random_scene(number)
         found = Task(solve, accuracy, "auto", estimate="all")(scene)
         tally.scenes += 1
+        if tally.scenes % 100 == 0:
+            print(tally.summary(), flush=True)
         truth = solve(scene, TRUTH, all_effects=True)
         if found.status != "done" or truth.status != "done":
             continue

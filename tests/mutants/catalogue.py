@@ -318,6 +318,20 @@ MOTION = [
         f"{LINEAR}::test_free_vibration",
     ),
     Mutant(
+        "a root search that gives up says never",
+        f"{KERNELS}/polynomial.py",
+        "return _bracketed(c, first, n, s, end, p, last) if last <= 0.0 else s",
+        "return NEVER",
+        f"{UNIT}/kernels/test_polynomial.py::test_a_root_of_several_in_one_is_found",
+    ),
+    Mutant(
+        "a root search that gives up says that it has arrived",
+        f"{KERNELS}/polynomial.py",
+        "return _bracketed(c, first, n, s, end, p, last) if last <= 0.0 else s",
+        "return s",
+        f"{UNIT}/kernels/test_polynomial.py::test_a_root_of_several_in_one_is_found",
+    ),
+    Mutant(
         "peaks at the ends of steps only",
         f"{KERNELS}/polynomial.py",
         "if n < 2 or end <= 0.0:",

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pounding_cli.batch import run_plan
-from pounding_cli.batch.forecast import ALONE, GROUP, PARTS, forecast, methods_needed
+from pounding_cli.batch.forecast import ALONE, APART, GROUP, PARTS, forecast, methods_needed
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.price import BESIDE, price
@@ -146,7 +146,7 @@ def test_proven_forecasts_count_what_a_run_solves(shaken, pairs, changes, smalle
     sizes, counted = Counter(), Counter()
     for (size, method), count in solved.items():
         sizes[size] += count
-        counted[{1: ALONE, 4: GROUP}.get(size, PARTS), method] += count
+        counted[{1: ALONE, 4: GROUP, "apart": APART}.get(size, PARTS), method] += count
     assert sizes == Counter({1: 3, **smaller, "apart": apart, 4: whole})
     found = forecast(plan, prove=True)
     assert found.scenes == counted

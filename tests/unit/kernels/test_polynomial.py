@@ -50,6 +50,18 @@ def test_two_roots_close_together_are_not_stepped_over():
     assert crossing(c, 1.0) == pytest.approx(0.3, abs=1e-12)
 
 
+@pytest.mark.parametrize("multiplicity", [3, 5, 7])
+@pytest.mark.parametrize("root", [0.3, 0.5, 0.77])
+def test_a_root_of_several_in_one_is_found(root, multiplicity):
+    """Steps that never pass a root become too short there. Fails if the search then says "never", or that it has
+    arrived: it would be off by up to a fifth of a step."""
+    c = np.polynomial.polynomial.polyfromroots([root] * multiplicity) * -1.0
+    for more in ([1.0], [1.0, 0.3, 0.2]):
+        found = crossing(np.polynomial.polynomial.polymul(c, more), 1.0)
+        # Within what the digits of the polynomial tell: 1e-16 is the value, its root the distance.
+        assert found == pytest.approx(root, abs=2 * 1e-16 ** (1 / multiplicity))
+
+
 @pytest.mark.parametrize(
     ("c", "expected"),
     [
