@@ -54,6 +54,8 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
                 hint = "it would be overwritten: choose another name with -o, or move it away"
                 raise InputError(Problem("the output exists and was not written by this command", hint, name))
         check_folder(path.parent, path)
+    except InputError:  # a ValueError too
+        raise
     except (OSError, ValueError) as error:  # a path that is too long, or holds a NUL
         raise InputError(Problem(f"cannot be written: {_reason(error)}", "name another place with -o", name)) from None
 

@@ -210,7 +210,7 @@ def test_failed_scenes_are_listed_and_the_exit_code_is_1(folder, pound):
     [
         (["run", "nothing.yaml"], "nothing.yaml"),
         (["run", "two.yaml", "-o", "."], "the output is a folder"),
-        (["run", "two.yaml", "-o", "two.yaml"], "not a results file of pound"),
+        (["run", "two.yaml", "-o", "two.yaml"], "the output is the file that this command reads"),
         (["run", "two.yaml", "-o", "two.yaml/r.h5"], "cannot be written"),
         (["run", "two.yaml", "--workers", "0"], "0 is not in the range x>=1"),
         (["run", "two.yaml", "--engine", "abacus"], "'abacus' is not one of"),
