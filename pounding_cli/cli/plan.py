@@ -97,6 +97,8 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
         f"peak {use.pga:.2f} m/s2, Arias {use.arias:.3f} m/s"
         for use in plan.motions
     ]
+    if (match := plan.study.spectrum_match()) is not None:
+        lines.append(f"  {match.words}")
     return lines
 
 

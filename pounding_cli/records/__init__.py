@@ -24,6 +24,7 @@ from pounding_cli.records.scaling import (
     sa_factor,
     spectrum_factors,
 )
+from pounding_cli.records.suite import SpectrumMatch, spectrum_match
 from pounding_cli.records.units import UNITS, acceleration_unit
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "Entry",
     "Motion",
     "Reading",
+    "SpectrumMatch",
     "TargetSpectrum",
     "acceleration_unit",
     "arias",
@@ -59,4 +61,5 @@ __all__ = [
     "significant_duration",
     "spectrum",
     "spectrum_factors",
+    "spectrum_match",
 ]

@@ -10,6 +10,7 @@ from pounding_cli.report import page, sensitivity
 from pounding_cli.report.claims import judge
 from pounding_cli.report.evidence import Evidence, Tables, points
 from pounding_cli.report.figures import draw_all, drawn_part
+from pounding_cli.report.spectra import draw_spectra
 from pounding_cli.report.style import FORMATS, save, unwritable
 from pounding_cli.report.sweep import Asked, sweep_figures
 from pounding_cli.report.tables import write_csv
@@ -40,6 +41,9 @@ def write_report(
     swept = len(evidences) > 1
     part = drawn_part(shown)
     figures = sweep_figures(results, part, asked) | draw_all(part) if formats else {}
+    match = results.spectrum_match
+    if match is not None and formats:
+        figures["target-spectrum"] = draw_spectra(match, results.title)
     files = save(figures, folder, formats)
     judgements = judge(shown)
     try:
@@ -51,7 +55,7 @@ def write_report(
             title = f"Claims over the sweep: {results.title}"
             files.append(write_markdown(folder / "claims-sensitivity.md", sensitivity.page(title, columns)))
         drawn = [f"{file_name(name)}.png" for name in figures] if "png" in formats else []
-        lines = page.summary(part, judgements, drawn, results.scene(), swept)
+        lines = page.summary(part, judgements, drawn, results.scene(), swept, match.words if match else "")
         files.append(write_markdown(folder / "summary.md", lines))
         if with_page:
             files.append(write_page(results, folder, figures, evidences, shown, columns))

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import pandas as pd
 
+from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.store.flagged import FlagGroup, flag_groups_of
 from pounding_cli.words import Unit
 
@@ -37,6 +38,8 @@ class Tables(Protocol):
     def buildings(self) -> pd.DataFrame: ...
     @property
     def units(self) -> Mapping[str, Unit]: ...
+    @property
+    def spectrum_match(self) -> SpectrumMatch | None: ...
     @property
     def attrs(self) -> Mapping[str, Any]: ...
     def storey(self) -> pd.DataFrame: ...

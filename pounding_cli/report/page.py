@@ -20,12 +20,14 @@ def summary(
     figures: Sequence[str],
     scene: pd.DataFrame,
     swept: bool,
+    scaled: str = "",
 ) -> list[str]:
     """Markdown lines of the page.
 
     evidence : the point of the sweep that is drawn
     figures : file names of the PNG figures, as they stand beside the page
     scene : the scenes of all points
+    scaled : how the motions meet their target spectrum, in words; "" where there is none
     """
     lines = [f"# {evidence.title}", ""]
     if swept:
@@ -35,6 +37,8 @@ def summary(
     if len(evidence.cases) < cases:
         lines += [f"Figures and numbers on this page are those of {len(evidence.cases)} of the {cases} cases.", ""]
     lines += motions(evidence)
+    if scaled:
+        lines += [scaled, ""]
     lines += key_numbers(evidence)
     lines += claims(judgements)
     lines += flagged(scene, evidence.units)

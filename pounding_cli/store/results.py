@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
@@ -104,6 +105,19 @@ class Results:
     def value_label(self, key: str, value: Any) -> str:
         """A value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
         return self.units[key].text(value)
+
+    @cached_property
+    def spectrum_match(self) -> SpectrumMatch | None:
+        """The spectra of the motions as used against the target they were scaled to; None where there is none."""
+        with opened(self.path) as file:
+            if "spectrum" not in file["study"]:
+                return None
+            text = strings(file["study/spectrum"])
+        try:
+            return SpectrumMatch.of_dict(json.loads(text))
+        except (ValueError, KeyError, TypeError, AttributeError):
+            problem = Problem("its study/spectrum is no match of spectra", "run the study again", str(self.path))
+            raise InputError(problem) from None
 
     @cached_property
     def methods(self) -> tuple[str, ...]:

@@ -119,6 +119,8 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
     study["text"] = plan.study.text
     study["resolved"] = _json(plan.study.resolved())
     study["warnings"] = json.dumps([vars(warning) for warning in plan.study.warnings])
+    if (match := plan.study.spectrum_match()) is not None:
+        study["spectrum"] = json.dumps(match.as_dict())
     write_solutions(file, list(plan.scenes), responses)
     _write_attributes(file, plan, responses, run)
     file.attrs["study_file"] = written_place(plan.study, path)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pounding_cli import records
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.reading import shortened
@@ -71,6 +72,17 @@ class Study:
         found = self.resolver.motions(point)
         assert found is not None  # the study was validated at every point
         return found
+
+    def spectrum_match(self) -> records.SpectrumMatch | None:
+        """The motions against the target spectrum they are scaled to, at the first point of the sweep; None without."""
+        first = (0,) * len(self.axes)
+        used = self.motions(first)
+        target = next(iter(used.values())).target
+        if target is None:
+            return None
+        scale = self.resolver.section(first, "records").scale
+        motions = {name: each.motion for name, each in used.items()}
+        return records.spectrum_match(motions, target, scale.spectrum == "each", scale.at_least)
 
     def separations(self, point: tuple[int, ...]) -> np.ndarray:
         """The code's separation of every building from the next one to the right [m], shape (buildings,).

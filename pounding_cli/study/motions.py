@@ -17,10 +17,11 @@ from pounding_cli.study.source import Node
 
 @dataclass(frozen=True)
 class Used:
-    """A motion as it is used, and what the tables say of it."""
+    """A motion as it is used, what the tables say of it, and the target spectrum it was scaled to (None: to none)."""
 
     motion: Motion
     use: MotionUse
+    target: records.TargetSpectrum | None = None
 
 
 def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, warnings: Faults) -> dict[str, Used]:
@@ -69,7 +70,15 @@ def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, w
                 "its whole length is used; `tail:` adds free vibration",
             )
         cut[name] = motion.windowed(seconds)
-    factors = _factors(spec, found, cut, names, shelf, root, faults)
+    target = None
+    if isinstance(spec.scale, SpectrumScale):
+        try:
+            target = _target(spec.scale, spec, found, cut, shelf, root, faults)
+        except InputError as refused:
+            _pass_on(refused, root, ("records", "scale"), faults)
+        if target is None:
+            return {}
+    factors = _factors(spec, found, cut, names, target, shelf, root, faults)
     used = {}
     for name, factor in factors.items():
         motion = cut[name].scaled(factor) if factor != 1.0 else cut[name]
@@ -82,7 +91,7 @@ def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, w
             motion.pga,
             float(records.arias(motion)),
         )
-        used[name] = Used(motion, use)
+        used[name] = Used(motion, use, target)
     return used
 
 
@@ -125,6 +134,7 @@ def _factors(
     whole: dict[str, Motion],
     cut: dict[str, Motion],
     names: set[str],
+    target: records.TargetSpectrum | None,
     shelf: Shelf,
     root: Node | Tree,
     faults: Faults,
@@ -153,12 +163,8 @@ def _factors(
                 name: records.sa_factor(motion, scale.sa, scale.period, scale.damping) for name, motion in cut.items()
             }
         if isinstance(scale, SpectrumScale):
-            target = _target(scale, spec, whole, cut, shelf, root, faults)
-            return (
-                {}
-                if target is None
-                else records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
-            )
+            assert target is not None
+            return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
         assert isinstance(scale, AriasScale)
         return _arias_factors(scale, spec, whole, names, shelf, root, faults)
     except InputError as refused:

@@ -192,7 +192,7 @@ def test_a_sweep_is_drawn_as_asked(folder, pound):
         "--quantity",
         "mu_ratio",
         "--case",
-        "gap",
+        "touching",
         "--building",
         "soft",
         "--storey",
@@ -224,3 +224,17 @@ def test_what_cannot_be_drawn_over_a_sweep_is_refused(folder, pound, arguments, 
     assert hint in err
     if message:
         assert not (folder / arguments[0].removesuffix(".h5")).exists()
+
+
+def test_a_target_spectrum_is_drawn_and_told(folder, pound):
+    target = "scale: {spectrum: mean, target: {0.1 s: 0.8 g, 2 s: 0.2 g}, from: 0.2 s, to: 1 s, at_least: 0.9}"
+    (folder / "spec.yaml").write_text(STUDY.replace("scale: 1.0", target))
+    run_plan(expand(load_study(folder / "spec.yaml")), folder / "spec.h5", solve=known, workers=1)
+    code, out, _ = pound("plan", "spec.yaml", "--no-prove")
+    assert code == 0
+    assert "a factor of" in out.splitlines()[-1]
+    assert pound("report", "spec.h5", "-q", "--format", "png", "--no-page")[0] == 0
+    assert (folder / "spec" / "target-spectrum.png").stat().st_size > 10_000
+    assert out.splitlines()[-1].strip() in (folder / "spec" / "summary.md").read_text(encoding="utf-8")
+    assert pound("report", "two.h5", "-q", "--format", "png", "--no-page")[0] == 0
+    assert not (folder / "two" / "target-spectrum.png").exists()

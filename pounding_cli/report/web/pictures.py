@@ -65,6 +65,8 @@ def address(kind: str, data: bytes) -> str:
 def _words(name: str, evidence: Evidence) -> tuple[str, str]:
     """Heading and text of a figure by its file name."""
     building, _, what = name.rpartition("-")
+    if name == "target-spectrum":
+        return "Target spectrum", "The target, the mean of the spectra of the motions as used, and each of them."
     if name == "link-forces":
         return "Forces between neighbours", f"Largest force in every link, floor by floor. {_forces(evidence)}"
     if what == "accelerations":

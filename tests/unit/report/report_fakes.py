@@ -50,6 +50,7 @@ class FakeResults:
         self.study_text: str = "title: hand-made\n"
         self.resolved: dict[str, Any] = parts["resolved"]
         self.buildings: pd.DataFrame = parts["buildings"]
+        self.spectrum_match = None
         self.units: Mapping[str, Any] = {}
         self.attrs: Mapping[str, Any] = {"package_version": "0.1.0"}
         self._frames: dict[str, pd.DataFrame] = parts["frames"]
