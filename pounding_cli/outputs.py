@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -41,6 +42,8 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
     name = str(path)
     elsewhere = "name another file with -o"
     try:
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            path.stat()  # raises for what no file can be called
         if path.is_dir():
             raise InputError(Problem("the output is a folder", f"name a file in it, e.g. {path / 'results.h5'}", name))
         if path.exists():

@@ -35,12 +35,14 @@ def write_report(
     ------
     InputError : the folder cannot be written to; something asked for is not there
     """
-    check_folder(folder)
     evidences = points(results)
     shown = nominal(evidences)
     swept = len(evidences) > 1
     part = drawn_part(shown)
-    figures = sweep_figures(results, part, asked) | draw_all(part) if formats else {}
+    figures = sweep_figures(results, part, asked) if formats else {}  # first: it may refuse what is asked for
+    check_folder(folder)
+    if formats:
+        figures |= draw_all(part)
     match = results.spectrum_match
     if match is not None and formats:
         figures["target-spectrum"] = draw_spectra(match, results.title)

@@ -32,7 +32,7 @@ GROUPS = {
     "energy ledger": ("ledger.",),
     "bounds for what may happen between a step's ends": ("summary.summarise", "summary._"),
     "events: roots of the series, change of branches": ("crossings.", "branching.", "polynomial.first_crossing",
-        "polynomial._march", "polynomial._simple_root", "summary.stop_at"),
+        "polynomial._march", "polynomial._bracketed", "summary.stop_at"),
     "peaks": ("peaks.", "polynomial.highest", "polynomial._turn", "polynomial.slope", "polynomial.value"),
     "steps that were shortened": ("recurrence.rescale", "recurrence.shrink"),
     "links at a step's start": ("link_series.",),

@@ -35,6 +35,9 @@ class FakeStudy:
     def resolved(self) -> dict:
         return self.facts
 
+    def spectrum_match(self) -> None:
+        return None
+
     def building(self, point, place) -> Building:
         return self.group[place]
 
