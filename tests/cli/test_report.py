@@ -233,8 +233,9 @@ def test_a_target_spectrum_is_drawn_and_told(folder, pound):
     code, out, _ = pound("plan", "spec.yaml", "--no-prove")
     assert code == 0
     assert "a factor of" in out.splitlines()[-1]
-    assert pound("report", "spec.h5", "-q", "--format", "png", "--no-page")[0] == 0
+    assert pound("report", "spec.h5", "-q", "--format", "png")[0] == 0
     assert (folder / "spec" / "target-spectrum.png").stat().st_size > 10_000
+    assert out.splitlines()[-1].strip() in (folder / "spec" / "report.html").read_text(encoding="utf-8")
     assert out.splitlines()[-1].strip() in (folder / "spec" / "summary.md").read_text(encoding="utf-8")
     assert pound("report", "two.h5", "-q", "--format", "png", "--no-page")[0] == 0
     assert not (folder / "two" / "target-spectrum.png").exists()

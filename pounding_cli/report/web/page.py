@@ -105,6 +105,7 @@ def write_page(
         "trust": story.trust(shown.scene),
         "accuracy": accuracy_beside(getattr(results, "path", None), results.title),
         "motions": story.motions(shown),
+        "spectrum": match.words if (match := results.spectrum_match) is not None else "",
         "players": data["players"],
         "study": results.study_text,
         "versions": story.versions(results),
