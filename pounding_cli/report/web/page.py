@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import math
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
@@ -150,7 +151,15 @@ def _environment() -> Any:
         loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
     environment.filters["counted"] = counted
+    environment.filters["keys_as_code"] = _keys_as_code
     return environment
+
+
+def _keys_as_code(text: str) -> Any:
+    """A sentence whose keys of a study stand in backticks, as HTML."""
+    import markupsafe
+
+    return markupsafe.Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(markupsafe.escape(text))))
 
 
 def _scripts() -> str:

@@ -18,7 +18,7 @@ from pounding_cli.report.sensitivity import judge_points
 from pounding_cli.report.web import data as packing
 from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside
-from pounding_cli.report.web.page import write_page
+from pounding_cli.report.web.page import _keys_as_code, write_page
 from pounding_cli.solve.flags import CONNECTOR_STRUCK
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.words import Unit
@@ -214,6 +214,10 @@ def test_head_of_the_page_tells_the_largest_numbers():
     assert tiles["Largest sensitivity"].where == f"{row['case']}, {row['analysis']}, {row['record']}"
     assert tiles["Runs"].where == "all done"
     assert tiles["Runs"].number == str(len(results.scene()))
+
+
+def test_keys_in_sentences_are_set_as_code_and_markup_is_escaped():
+    assert str(_keys_as_code("write `gap: 2 cm` <b>")) == "write <code>gap: 2 cm</code> &lt;b&gt;"
 
 
 def test_drawing_of_the_group_says_how_strong_every_building_is(tmp_path):
