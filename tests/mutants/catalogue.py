@@ -15,6 +15,7 @@ WITHIN = f"{VERIFICATION}/test_impact.py::test_a_blow_within_one_step_of_the_mot
 TENSION = f"{VERIFICATION}/test_impact.py::test_tension_cut"
 INFILL = f"{VERIFICATION}/test_infill.py::test_peak_compression_of_an_undamped_infill"
 INFILL_DAMPED = f"{VERIFICATION}/test_infill.py::test_damped_infill_against_the_reference"
+INFILL_CUT = f"{VERIFICATION}/test_infill.py::test_an_infill_that_cannot_pull_presses_again_in_time"
 CONNECTED = f"{VERIFICATION}/test_connected_pair.py::test_two_free_masses_on_a_connector"
 THROW = f"{VERIFICATION}/test_hysteresis.py::test_throw_of_an_undamped_storey"
 EVENTS = f"{VERIFICATION}/test_event_reference.py::test_pounding"
@@ -344,6 +345,20 @@ MOTION = [
         "load(slots, at(b, c.SCALE)), quiet) * tolerance",
         "load(slots, at(b, c.SCALE)), quiet) * (1e7 * tolerance)",
         f"{LINEAR}::test_free_vibration",
+    ),
+    Mutant(
+        "series end before a force that is cut off has converged",
+        f"{KERNELS}/recurrence.py",
+        "        if cut != 0 and _largest_cut_term(run, k) > 1.0:",
+        "        if cut != 0 and _largest_cut_term(run, k) > 1e300:",
+        INFILL_CUT,
+    ),
+    Mutant(
+        "steps are not shortened for a force that is cut off",
+        f"{KERNELS}/recurrence.py",
+        "            size = max(size, _largest_cut_term(run, k - 1))",
+        "            size = max(size, 1e-300 * _largest_cut_term(run, k - 1))",
+        INFILL_CUT,
     ),
     Mutant(
         "floor acceleration relative to the ground",
