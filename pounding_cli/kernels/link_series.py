@@ -103,7 +103,7 @@ def set_law(run, e):
     links[of_link(e, c.CLOSED)] = 1.0 if closed else 0.0
     links[of_link(e, c.LOW)] = low
     links[of_link(e, c.HIGH)] = high
-    links[of_link(e, c.THICKNESS)] = gap if kind == POUNDING else 0.0
+    links[of_link(e, c.THICKNESS)] = gap if kind == POUNDING else 0.0  # fault: gap-in-closing
 
 
 @njit(**PART)
@@ -257,7 +257,7 @@ def _cubic(run, k, b, v, known):
             drag = fused(root_i, load(series, other + c.RATE_TERM), drag)
             roots = fused(root_i, load(series, other + c.ROOT_TERM), roots)
         third = fused(square, v_first, third)
-        root = (3.0 * cubic * square - roots) * load(links, at_link(b, c.HALF))
+        root = (3.0 * cubic * square - roots) * load(links, at_link(b, c.HALF))  # fault: infill-slope-of-root
         drag = fused(root, load(series, first + c.RATE_TERM), drag)
     store(series, here + c.SQUARE_TERM, square)
     store(series, here + c.ROOT_TERM, root)
@@ -272,5 +272,5 @@ def forces_on(run, b):
     total = splat(0.0)
     for row in range(0, run.rounds * run.padded, run.padded):
         gain = gather(run.pushed, 0, run.gains, row + b)
-        total = total + gain - gather(run.pushed, 0, run.losses, row + b)
+        total = total + gain - gather(run.pushed, 0, run.losses, row + b)  # fault: link-pushes-floors
     return total

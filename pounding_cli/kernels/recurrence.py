@@ -58,8 +58,8 @@ def restencil(run, i):
     couple = slots[of(i, c.COUPLE)]
     slots[of(i, c.OWN)] = -(below + above) * inverse
     slots[of(i, c.LEFT)] = couple * below * inverse
-    slots[of(i, c.RIGHT)] = above * inverse
-    slots[of(i, c.OWN_RATE)] = -(dashpot + above_dashpot) * inverse - slots[of(i, c.ALPHA)]
+    slots[of(i, c.RIGHT)] = above * inverse  # fault: stencil-right
+    slots[of(i, c.OWN_RATE)] = -(dashpot + above_dashpot) * inverse - slots[of(i, c.ALPHA)]  # fault: stencil-own-rate
     slots[of(i, c.LEFT_RATE)] = couple * dashpot * inverse
     slots[of(i, c.RIGHT_RATE)] = above_dashpot * inverse
     slots[of(i, c.PUSH)] = (above_offset - slots[of(i, c.OFFSET)]) * inverse
@@ -75,7 +75,7 @@ def _by_floors(slots, b, k, before, ground, u_left, u, u_right, w_left, w, w_rig
     total = fused(load(slots, at(b, c.LEFT)), u_left, total)
     total = fused(load(slots, at(b, c.RIGHT)), u_right, total) * before
     if k < 2:
-        total = total - load(slots, at(b, c.REAL)) * ground
+        total = total - load(slots, at(b, c.REAL)) * ground  # fault: ground-in-series
         total = total + load(slots, at(b, c.PUSH)) if k == 0 else total
     total = fused(load(slots, at(b, c.OWN_RATE)), w, total)
     total = fused(load(slots, at(b, c.LEFT_RATE)), w_left, total)
@@ -89,6 +89,7 @@ def _set_allowed(run, tolerance):
     slots = run.slots
     quiet = splat(run.clock[QUIET])
     for b in range(run.low, run.high, 8):
+        # fault: series-tolerance
         store(slots, at(b, c.ALLOWED), maximum(load(slots, at(b, c.SCALE)), quiet) * tolerance)
 
 
@@ -177,7 +178,7 @@ def _expand_all(run, feet, busy, curved, cut, snapped, most, founded):
             u = u_right
         if founded and feet_exceed(run, feet, k):
             exceeding |= 1
-        if cut != 0 and _largest_cut_term(run, k) > 1.0:
+        if cut != 0 and _largest_cut_term(run, k) > 1.0:  # fault: cut-series-ends
             exceeding |= 1
         k += 1
         small, close = _judged(small, exceeding, k)
@@ -205,7 +206,7 @@ def _expand_one(run, most):
     k = 0
     while True:
         after = h * run.reciprocal[k + 1]
-        w_left, w_right = from_left(zero, w), from_right(w, zero)
+        w_left, w_right = from_left(zero, w), from_right(w, zero)  # fault: alone-neighbours-rates
         total = _by_floors(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
         exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
         u, u_left, u_right = w, w_left, w_right
@@ -250,7 +251,7 @@ def _expand_two(run, busy, curved, snapped, most):
         if busy != 0:
             pushed, v = push(run, k, e, v, w - y, after, curved, snapped)
             total = total - load(slots, at(a, c.INVERSE_MASS)) * pushed
-            total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)
+            total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)  # fault: lined-up-push
         exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
         exceeding |= greater(magnitude(total_right), load(slots, at(b, c.ALLOWED)))
         u, u_left, u_right = w, w_left, w_right
@@ -298,7 +299,7 @@ def shrink(run, feet, cut, tolerance):
             top, turning = top_of(run, feet, k, f)
             size = max(size, number * turning / (max(run.slots[of(top, c.SCALE)], quiet) * tolerance))
         if cut != 0:
-            size = max(size, _largest_cut_term(run, k - 1))
+            size = max(size, _largest_cut_term(run, k - 1))  # fault: cut-shortens-steps
         if size > 0.0:
             worst = max(worst, size ** (1.0 / (k - 1)))
     return 0.9 / worst if worst > 0.9 else 1.0

@@ -187,7 +187,7 @@ def _set_out(run):
     run.clock[GROUND] = run.clock[START] + run.clock[SLOPE] * since
     run.clock[CHANGE] = run.clock[SLOPE] * h
     run.clock[END] = NEVER
-    return whole
+    return whole  # fault: step-is-whole
 
 
 @njit(**PART)
