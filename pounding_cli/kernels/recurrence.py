@@ -114,7 +114,7 @@ def _largest_cut_term(run, k):
 @njit(**PART)
 def expand(run, feet, busy, curved, cut, snapped, tolerance, most, founded):
     """Coefficients up to the order at which two acceleration terms in a row are below what may be left out, or up to
-    
+
     Returns (order, whether that held).
     """
     _set_allowed(run, tolerance)
