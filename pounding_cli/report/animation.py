@@ -81,7 +81,7 @@ class _Stage:
         self.count = len(picture.elevation)
         tallest = max(float(each[-1]) for each in picture.elevation)
         self.gaps = [_gap(picture, place) for place in range(self.count - 1)]
-        apart = [film.scale * gap if gap is not None else 0.2 * tallest for gap in self.gaps]
+        apart = [film.scale * gap if gap is not None else 0.2 * tallest for gap in self.gaps]  # fault: film-gap
         self.width = min(max((1.8 * tallest - sum(apart)) / self.count, 0.2 * tallest), 0.8 * tallest)
         self.left = np.concatenate(([0.0], np.cumsum([self.width + space for space in apart])))
         self.canvas = self._background(tallest)

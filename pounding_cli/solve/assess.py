@@ -78,7 +78,7 @@ def difference(first: Response, second: Response) -> float:
             (a.acceleration, b.acceleration, a.acceleration),
             (a.displacement_max, b.displacement_max, reach),
             (a.displacement_min, b.displacement_min, reach),
-            (a.residual_drift, b.residual_drift, a.drift),
+            (a.residual_drift, b.residual_drift, a.drift),  # fault: estimated-columns
             (ground, other, ground),
         ]
     for name in ("peak_force", "max_closing", "impulse", "contact_time"):
@@ -113,10 +113,10 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
         run = partial(run, watch=True)
     second = run(scene, accuracy=tight, method=method)
     nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method=method)
-    error, sensitivity = difference(response, second), change(second, nudged) / NUDGE
+    error, sensitivity = difference(response, second), change(second, nudged) / NUDGE  # fault: estimated-error
     seconds = response.seconds
     while not fixed_steps and error > accuracy and second.status == "done":
-        response = second
+        response = second  # fault: finer-response-is-kept
         seconds += second.seconds
         if tight <= FINEST:
             break

@@ -79,6 +79,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
     n = real_slots(arrays)
     nothing = np.zeros((n, count))
     acceleration = a[count : count + n].copy()
+    # fault: exact-acceleration
     acceleration[:, -2] += 1.0  # total: the ground's is added
     slope = arrays.links.stiffness[: arrays.links.number, None]
     dashpot = arrays.links.dashpot[: arrays.links.number, None]
@@ -98,7 +99,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
 
     step = series(a * length)
     powers_at = np.zeros((2 + (arrays.links.number > 0), total, total))
-    powers_at[0, count:-2, -2] = -system.loaded
+    powers_at[0, count:-2, -2] = -system.loaded  # fault: exact-ground-work
     powers_at[1, count:-2, count:-2] = system.damping
     if arrays.links.number:
         powers_at[2, :count, count:-2] = system.closing.T @ (slope * system.closing)
@@ -147,7 +148,7 @@ def over_sample(form: np.ndarray, a: np.ndarray, step: np.ndarray, parts: int) -
     total, term = form.copy(), form
     for j in range(1, TERMS + 4):
         product = term @ a
-        term = (product + product.T) / (j + 1)
+        term = (product + product.T) / (j + 1)  # fault: exact-energy-series
         total += term
     while parts > 1:
         total = total + step.T @ total @ step

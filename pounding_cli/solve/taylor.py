@@ -148,7 +148,7 @@ def prepare(
     room, integers = aligned(doubles), np.zeros(whole, np.int64)
     kernel, rules = taylor.build(), gauss_rules(MOST_POINTS)
     inelastic = everything or effects_of(scene).yielding
-    apart = not everything and _stand_alone(row, feet)
+    apart = not everything and _stand_alone(row, feet)  # fault: stands-apart
     quiet = quiet_acceleration(scene, arrays, state)
     standing = most_standing(real_slots(arrays), arrays.links.number)
     settings = inelastic, apart, tolerance, quiet, most_order(tolerance), *bounds, standing
