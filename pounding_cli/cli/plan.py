@@ -50,7 +50,7 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
 
 def _lines(plan: Plan, prove: bool | None) -> list[str]:
     from pounding_cli.batch.forecast import GROUP, PARTS, forecast
-    from pounding_cli.study.schema import ADAPTIVE
+    from pounding_cli.methods import setting_of
 
     found = forecast(plan, prove=bool(prove))
     proof = sum(seconds for (what, _), seconds in found.seconds.items() if what != GROUP)
@@ -59,7 +59,8 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
     baselines = {digest for row in plan.rows for digest in row.baselines}
     wanted = sum(len(row.baselines) for row in plan.rows)
     repeated = len(plan.rows) - len({row.scene for row in plan.rows})
-    setting = "accuracy" if plan.method in ADAPTIVE else "time step [s]"
+    setting = setting_of(plan.method)
+    asked = plan.accuracy if plan.time_step is None else plan.time_step
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
@@ -70,7 +71,7 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
         listed = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
         lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
     lines += [
-        f"method     {plan.method}, {setting} {plan.accuracy:g}",
+        f"method     {plan.method}, {setting.title} {setting.text(asked)}",
         f"scenes     {len(plan.scenes)}, on one core about {_time(found.total)} with estimate: {plan.estimate}"
         " (reference core; stiff links take longer)",
     ]
@@ -85,7 +86,7 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
         f"  shared   {counted(wanted, 'baseline')} asked for, {len(baselines)} run; "
         f"{counted(repeated, 'row repeats', 'rows repeat')} another's scene"
     )
-    if not found.proven and not plan.all_effects and plan.method in ADAPTIVE:
+    if not found.proven and not plan.all_effects and plan.time_step is None:
         lines.append("  more scenes may be spared: --prove runs the buildings alone to find out")
     lines.append("cases")
     lines += [f"  {case:<16} {_links(plan, case)}" for case in plan.cases]

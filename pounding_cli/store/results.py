@@ -36,11 +36,11 @@ _FLOOR = (
 _LINK_FACTS = ("left", "right", "floor")
 _LINK = ("kind", "gap", "impacts", "peak_force", "max_closing", "impulse", "contact_time")
 _SCENE = (
-    "status", "advice", "method", "tolerance", "steps", "events", "seconds", "energy_residual",
+    "status", "advice", "method", "accuracy", "time_step", "steps", "events", "seconds", "energy_residual",
     "error_estimate", "sensitivity", "effects", "dropped", "flags",
 )  # fmt: skip
 _ACCURACY = (
-    "status", "method", "tolerance", "error_estimate", "sensitivity", "energy_residual",
+    "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity", "energy_residual",
     "steps", "events", "orders", "seconds",
 )  # fmt: skip
 _RECORD = ("source", "digest", "scale", "window", "pga", "arias")
@@ -157,7 +157,7 @@ class Results:
         with opened(self.path) as file:
             shape = file["status"].shape
             columns = self._index(file, (*self._dims, *PLACE), shape)
-            columns |= {name: _values(file[name]).ravel() for name in _SCENE}
+            columns |= {name: self._asked(file, name).ravel() for name in _SCENE}
             columns |= {v.name: _values(file[v.name]).ravel() for v in SCENES if v.name.startswith("energy_")}
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
@@ -179,9 +179,16 @@ class Results:
         with opened(self.path) as file:
             shape = file["status"].shape
             columns = self._index(file, (*self._dims, *PLACE), shape)
-            columns |= {name: _values(file[name]).ravel() for name in _ACCURACY}
+            columns |= {name: self._asked(file, name).ravel() for name in _ACCURACY}
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
+
+    def _asked(self, file: h5py.File, name: str) -> np.ndarray:
+        """A variable of SCENES. Files of before have accuracy or time step as one, `tolerance`."""
+        if name in file or "tolerance" not in file or name not in ("accuracy", "time_step"):
+            return _values(file[name])
+        asked = "accuracy" if self.resolved.get("time_step") is None else "time_step"
+        return _values(file["tolerance"]) * (1.0 if name == asked else np.nan)
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with

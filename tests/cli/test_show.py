@@ -114,7 +114,7 @@ def test_accuracy_is_told_scene_by_scene(folder, pound, shown):  # noqa: F811
         ("elastic", "weak"), ("elastic", "strong"), ("inelastic", "weak"), ("inelastic", "strong"),
     ]  # fmt: skip
     for row in rows(out):
-        assert (row["method"], row["tolerance"], row["steps"], row["seconds"]) == ("taylor", "1e-05", "1", "0.0001")
+        assert (row["method"], row["accuracy"], row["steps"], row["seconds"]) == ("taylor", "1e-05", "1", "0.0001")
         assert row["error_estimate"] == ""  # not asked for
     _, out, _ = shown("accuracy")
     assert "seconds [s]" in out
