@@ -138,10 +138,11 @@ def link_end(run, b):
 @njit(**CALLED)
 def closings(run, snapped):
     """Order 0 of v, exactly zero (or d) where an event has just put it there; returns (which of eight
-    links are not open, which on the infill's cubic)."""
+    links are not open, which on the infill's cubic, whose force is cut off)."""
     stand_alone()
     busy = 0
     curved = 0
+    cut = 0
     zero = splat(0.0)
     links = run.links
     start = -run.padded
@@ -151,6 +152,7 @@ def closings(run, snapped):
         v = differences(left - load(links, at_link(b, c.THICKNESS)), right, zero)
         closed = closed_at(run, b)
         busy |= closed
+        cut |= closed & ~greater(load(links, at_link(b, c.APPLIED)), zero)
         steep = load(links, at_link(b, c.ROOT_LAW)) + magnitude(load(links, at_link(b, c.CUBIC_LAW)))
         curved |= greater(steep, zero)
         store(links, at_link(b, c.CLOSING), v)
@@ -165,7 +167,7 @@ def closings(run, snapped):
                 links[of_link(e, c.CLOSING)] = v_exact
                 closed_link = run.ties[of_tie(e, c.BRANCH)] != OPEN
                 run.series[of_term(run, 0, e, c.V_TERM)] = v_exact if closed_link else 0.0
-    return busy, curved
+    return busy, curved, cut
 
 
 @njit(**PART)

@@ -1,4 +1,7 @@
-"""What a results file may be made of: what would read another file or fill the memory is refused before it is read."""
+"""What a results file may be made of: what would read another file or fill the memory is refused before it is read.
+
+Refusals are about an open file; `store/files.py` adds which one it is.
+"""
 
 from __future__ import annotations
 
@@ -162,4 +165,4 @@ def _path(group: h5py.Group, name: Any) -> str:
 
 
 def _refused(group: h5py.Group, name: Any, what: str) -> InputError:
-    return InputError(Problem(f"its {_path(group, name)} {what}", "give a file that pound run wrote", group.file.name))
+    return InputError(Problem(f"its {_path(group, name)} {what}", "give a file that pound run wrote"))

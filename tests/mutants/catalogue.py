@@ -14,6 +14,7 @@ WITHIN = f"{VERIFICATION}/test_impact.py::test_a_blow_within_one_step_of_the_mot
 TENSION = f"{VERIFICATION}/test_impact.py::test_tension_cut"
 INFILL = f"{VERIFICATION}/test_infill.py::test_peak_compression_of_an_undamped_infill"
 INFILL_DAMPED = f"{VERIFICATION}/test_infill.py::test_damped_infill_against_the_reference"
+INFILL_CUT = f"{VERIFICATION}/test_infill.py::test_an_infill_that_cannot_pull_presses_again_in_time"
 CONNECTED = f"{VERIFICATION}/test_connected_pair.py::test_two_free_masses_on_a_connector"
 THROW = f"{VERIFICATION}/test_hysteresis.py::test_throw_of_an_undamped_storey"
 EVENTS = f"{VERIFICATION}/test_event_reference.py::test_pounding"
@@ -217,6 +218,15 @@ MOTION = [
         "series cut off seven digits too early",
         ("* tolerance", "* (1e7 * tolerance)"),
         f"{LINEAR}::test_free_vibration",
+    ),
+    Mutant(
+        "cut-series-ends", "series end before a force that is cut off has converged", ("> 1.0", "> 1e300"), INFILL_CUT
+    ),
+    Mutant(
+        "cut-shortens-steps",
+        "steps are not shortened for a force that is cut off",
+        ("size, _", "size, 1e-300 * _"),
+        INFILL_CUT,
     ),
     Mutant(
         "acceleration-is-total",

@@ -271,11 +271,19 @@ def test_what_is_not_a_results_file_is_refused(tmp_path, make, message):
     assert refused.value.problems[0].hint
 
 
-def test_another_format_version_is_refused(plain):
+@pytest.mark.parametrize(
+    ("version", "message", "hint"),
+    [
+        (2, f"has the older format version 2 \\(now {FORMAT_VERSION}\\)", "run the study again"),
+        (99, f"newer format version 99; this program reads version {FORMAT_VERSION}", "install"),
+    ],
+)
+def test_another_format_version_is_refused(plain, version, message, hint):
     with edited(plain) as file:
-        file.attrs["format_version"] = 99
-    with pytest.raises(InputError, match=f"format version 99, this program reads version {FORMAT_VERSION}"):
+        file.attrs["format_version"] = version
+    with pytest.raises(InputError, match=message) as refused:
         open_results(plain)
+    assert hint in refused.value.problems[0].hint
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(plain, monkeypatch):
