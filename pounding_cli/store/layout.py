@@ -77,6 +77,9 @@ SCENES = (
     Variable("scene", PLACE, "", "digest of the scene", "s"),
 )
 
+FORMERLY = {"accuracy": "tolerance", "time_step": "tolerance"}
+"""What files of before call a variable: accuracy or time step were one, the study says which."""
+
 # The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
 
 LINKS = (

@@ -16,7 +16,7 @@ from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
-from pounding_cli.store.layout import PLACE, SCENES
+from pounding_cli.store.layout import FORMERLY, PLACE, SCENES
 from pounding_cli.store.solutions import stored_methods
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
@@ -184,11 +184,11 @@ class Results:
         return frame[frame["status"] != ""].reset_index(drop=True)
 
     def _asked(self, file: h5py.File, name: str) -> np.ndarray:
-        """A variable of SCENES. Files of before have accuracy or time step as one, `tolerance`."""
-        if name in file or "tolerance" not in file or name not in ("accuracy", "time_step"):
+        """A variable of SCENES, as `FORMERLY` where the file is of before."""
+        if name in file or name not in FORMERLY:
             return _values(file[name])
         asked = "accuracy" if self.resolved.get("time_step") is None else "time_step"
-        return _values(file["tolerance"]) * (1.0 if name == asked else np.nan)
+        return _values(file[FORMERLY[name]]) * (1.0 if name == asked else np.nan)
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with

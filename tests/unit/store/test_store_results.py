@@ -107,7 +107,7 @@ def test_accuracy_and_time_step_stand_apart(tmp_path):
 
 @pytest.mark.parametrize(("step", "found"), [(None, (1e-4, np.nan)), (1e-4, (np.nan, 1e-4))])
 def test_files_of_before_have_either_as_a_tolerance(plain, step, found):
-    with h5py.File(plain, "a") as file:
+    with edited(plain) as file:
         file["tolerance"] = np.full_like(file["accuracy"], 1e-4)
         del file["accuracy"], file["time_step"]
         resolved = json.loads(file["study/resolved"][()]) | {"time_step": step}
