@@ -16,7 +16,7 @@ from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
-from pounding_cli.store.layout import FORMERLY, PLACE, SCENES
+from pounding_cli.store.layout import FORMERLY, PLACE, SCENES, WRITTEN
 from pounding_cli.store.solutions import stored_methods
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
@@ -67,7 +67,7 @@ class Results:
     title, study_text : the study as written
     resolved, resolved_text : the study with every default filled in (SI), as a mapping and as JSON
     axes : swept key -> its values (SI); keys of one axis (zipped) have the same length
-    units : swept key -> the unit the study wrote it in, to show values to people
+    units : column -> the unit the study wrote it in, to show values to people: swept keys, gaps, accelerations
     warnings : what `pound check` says of the study: what is unlikely, and floors that meet nothing
     attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
     """
@@ -89,6 +89,7 @@ class Results:
                 name: _values(file[name]).tolist() for names in self._swept for name in names
             }
             self.units: dict[str, Unit] = {name: written(file[name]) for name in self.axes}
+            self.units |= {name.removeprefix("record_"): written(file[name]) for name in WRITTEN if name in file}
 
     @cached_property
     def resolved(self) -> dict[str, Any]:

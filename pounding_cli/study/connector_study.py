@@ -13,7 +13,7 @@ from pydantic import Field, ValidationError
 from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
 from pounding_cli.study import units
 from pounding_cli.study.kinds import refuse_other_kinds
-from pounding_cli.study.points import PointAxis, points_of, read_point_axes
+from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Faults
 from pounding_cli.study.schema import Mass, Model, Period
 from pounding_cli.study.source import Node
@@ -114,10 +114,11 @@ class ConnectorStudyModel(Model):
 
 @dataclass(frozen=True)
 class ConnectorPoint:
-    """One point of the sweep: its indices, what each swept key is there, and the pair."""
+    """One point of the sweep: its indices, what each swept key is there (SI), the same in words, and the pair."""
 
     index: tuple[int, ...]
     values: dict[str, float | str]
+    label: str
     pair: Oscillators
 
 
@@ -165,7 +166,7 @@ def load_connector_study(path: Path) -> ConnectorStudy:
         _alternatives(spec, tree, faults)
         if len(faults.problems) == before:
             values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
-            points.append(ConnectorPoint(index, values, _pair(spec)))
+            points.append(ConnectorPoint(index, values, point_label(axes, values), _pair(spec)))
     faults.refuse()
     assert spec is not None  # a study has at least one point, and a refused one did not come this far
     resolved = ConnectorStudyModel.model_validate(points_of(root, axes)[0][1].plain()).model_dump(mode="json")

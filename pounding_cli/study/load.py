@@ -27,8 +27,9 @@ from pounding_cli.study.resolve import Resolver, places, shown
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis, read_axes
-from pounding_cli.study.written import unit_of
+from pounding_cli.study.written import unit_in, unit_of
 from pounding_cli.study.yaml_file import read_source
+from pounding_cli.words import Unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +74,10 @@ class Study:
         found = self.resolver.motions(point)
         assert found is not None  # the study was validated at every point
         return found
+
+    def unit(self, quantity: str) -> Unit:
+        """The unit the study writes a quantity in, to show it to people: one of `written.PLACES`, e.g. gap."""
+        return unit_in(self.resolver.root_at((0,) * len(self.axes)), quantity)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
         """The motions against the target spectrum they are scaled to, at the first point of the sweep; None without."""
