@@ -116,7 +116,6 @@ def _from_study(file: Path, place: dict[str, Any]) -> tuple[History, Picture, st
     from pounding_cli.solve.histories import history
     from pounding_cli.study import expand, load_study
     from pounding_cli.study.keep import meant_rows
-    from pounding_cli.study.schema import ADAPTIVE
 
     plan = expand(load_study(file))
     rows = meant_rows(plan, place)
@@ -128,11 +127,10 @@ def _from_study(file: Path, place: dict[str, Any]) -> tuple[History, Picture, st
         raise InputError(Problem(what, f"say one with --case, --analysis, --record, --at: {listed}", str(file)))
     ((row, _),) = rows
     scene = plan.scenes[row.scene]
-    accuracy = plan.accuracy if plan.method in ADAPTIVE else 1e-6
     named = {"case": row.case, "analysis": row.analysis, "record": row.record}
     words = in_words(plan.shown(row), named, scene.motion.source)
     picture = picture_of_scene(scene, plan.study.title, words, plan.study.unit("acceleration"))
-    return history(scene, accuracy, plan.every), picture, "-".join((file.stem, row.case, row.analysis, row.record))
+    return history(scene, plan.accuracy, plan.every), picture, "-".join((file.stem, row.case, row.analysis, row.record))
 
 
 def _shown(frames: Iterable[np.ndarray], count: int, quiet: bool) -> Iterator[np.ndarray]:

@@ -51,7 +51,6 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
 
 def _lines(plan: Plan, prove: bool | None) -> list[str]:
     from pounding_cli.batch.forecast import GROUP, PARTS, forecast
-    from pounding_cli.study.schema import ADAPTIVE
 
     found = forecast(plan, prove=bool(prove))
     proof = sum(seconds for (what, _), seconds in found.seconds.items() if what != GROUP)
@@ -60,8 +59,8 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
     baselines = {digest for row in plan.rows for digest in row.baselines}
     wanted = sum(len(row.baselines) for row in plan.rows)
     repeated = len(plan.rows) - len({row.scene for row in plan.rows})
-    step = plan.study.unit("time step").text(plan.accuracy)
-    setting = f"accuracy {plan.accuracy:g}" if plan.method in ADAPTIVE else f"time step {step}"
+    step = "" if plan.time_step is None else f"time step {plan.study.unit('time step').text(plan.time_step)}"
+    setting = step or f"accuracy {plan.accuracy:g}"
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
@@ -87,7 +86,7 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
         f"  shared   {counted(wanted, 'baseline')} asked for, {len(baselines)} run; "
         f"{counted(repeated, 'row repeats', 'rows repeat')} another's scene"
     )
-    if not found.proven and not plan.all_effects and plan.method in ADAPTIVE:
+    if not found.proven and not plan.all_effects and plan.time_step is None:
         lines.append("  more scenes may need no run: --prove runs the buildings alone to find out")
     lines.append("cases")
     units = plan.study.unit("gap"), plan.study.unit("link stiffness")

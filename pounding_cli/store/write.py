@@ -93,7 +93,7 @@ def content_digest(plan: Plan) -> str:
     """SHA-256 of all that a results file says, solver included, cost and machine left out."""
     sha = hashlib.sha256()
     for part in (
-        solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects),
+        solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step),
         plan.study.title,
         plan.study.text,
         _json(plan.study.resolved()),
@@ -210,8 +210,9 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             "title": plan.study.title,
             "swept": json.dumps([list(axis.names) for axis in plan.axes]),
             "content": content_digest(plan),
-            "solution_key": solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects),
+            "solution_key": solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step),
             "accuracy": plan.accuracy,
+            **({} if plan.time_step is None else {"time_step": plan.time_step}),
             "method": plan.method,
             "scenes": len(plan.scenes),
             "scenes_failed": sum(not responses.words(digest).is_done for digest in plan.scenes),

@@ -12,6 +12,7 @@ import numpy as np
 
 from pounding_cli import records
 from pounding_cli.errors import Problem
+from pounding_cli.methods import TIME_STEP, setting_of
 from pounding_cli.model.building import Building
 from pounding_cli.reading import shortened
 from pounding_cli.study import buildings as building_room
@@ -23,7 +24,7 @@ from pounding_cli.study.plan import Axis
 from pounding_cli.study.plausible import few
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
-from pounding_cli.study.schema import ADAPTIVE, StudyModel
+from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis, read_axes
 from pounding_cli.study.written import unit_in, unit_of
@@ -273,10 +274,11 @@ def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], no
 
 def _whole_study(model: StudyModel, root: Node, faults: Faults) -> None:
     """What concerns no section alone."""
-    fixed_step = model.method not in ADAPTIVE
-    if fixed_step and model.time_step is None:
-        faults.at(root, ("method",), f"method: {model.method} needs 'time_step'", "write e.g. `time_step: 1e-4 s`")
-    if not fixed_step and model.time_step is not None:
+    setting = setting_of(model.method)
+    if setting is TIME_STEP and model.time_step is None:
+        hint = f"write e.g. `time_step: {TIME_STEP.example}`"
+        faults.at(root, ("method",), f"method: {model.method} needs 'time_step'", hint)
+    if setting is not TIME_STEP and model.time_step is not None:
         faults.at(
             root,
             ("time_step",),

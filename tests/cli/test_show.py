@@ -123,13 +123,15 @@ def test_accuracy_is_told_scene_by_scene(folder, pound, shown):  # noqa: F811
     (folder / "two.yaml").write_text(STUDY + "estimate: none\naccuracy: 1e-5\n")
     pound("run", "two.yaml", "-o", "r.h5", "-q")
     _, out, _ = shown("accuracy", "--case", "gap", "--format", "csv")
-    head = "case,analysis,record,status,method,tolerance,error_estimate,sensitivity,energy_residual,steps,events"
+    head = (
+        "case,analysis,record,status,method,accuracy,time_step,error_estimate,sensitivity,energy_residual,steps,events"
+    )
     assert out.splitlines()[0] == head + ",orders,seconds"
     assert [tuple(row[name] for name in ("analysis", "record")) for row in rows(out)] == [
         ("elastic", "weak"), ("elastic", "strong"), ("inelastic", "weak"), ("inelastic", "strong"),
     ]  # fmt: skip
     for row in rows(out):
-        assert (row["method"], row["tolerance"], row["steps"], row["seconds"]) == ("taylor", "1e-05", "1", "0.0001")
+        assert (row["method"], row["accuracy"], row["steps"], row["seconds"]) == ("taylor", "1e-05", "1", "0.0001")
         assert row["error_estimate"] == ""  # not asked for
     _, out, _ = shown("accuracy")
     assert "seconds [s]" in out

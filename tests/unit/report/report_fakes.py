@@ -166,8 +166,8 @@ def _ratio(case: str, building: str, storey: int, place: int) -> float:
 
 
 def _scene(head: Mapping[str, Any], flags: str) -> dict[str, Any]:
-    return {**head, "status": "done", "advice": "", "method": "taylor", "tolerance": 1e-6, "steps": 900} | {
-        "events": 40, "seconds": 0.004, "energy_residual": 1e-9,
+    return {**head, "status": "done", "advice": "", "method": "taylor", "accuracy": 1e-6, "steps": 900} | {
+        "time_step": np.nan, "events": 40, "seconds": 0.004, "energy_residual": 1e-9,
         "error_estimate": 1e-7, "sensitivity": np.nan,
         "effects": "", "dropped": "", "flags": flags,
     }  # fmt: skip
