@@ -12,10 +12,11 @@ from functools import partial
 
 import numpy as np
 
+from pounding_cli.methods import METHODS
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve.methods import TAYLOR, chosen_method, solve
+from pounding_cli.solve.methods import solve
 from pounding_cli.solve.response import Response
 
 NUDGE = 1e-6
@@ -117,9 +118,9 @@ def assess(
     """
     if response.status != "done":
         return response
-    fixed_steps = chosen_method(response.method, accuracy).takes_step
+    fixed_steps = METHODS[response.method].takes_step
     tight = BESIDE_FIXED_STEPS if fixed_steps else finer(accuracy)
-    method = TAYLOR.name if fixed_steps else response.method
+    method = "taylor" if fixed_steps else response.method
     if all_effects:
         run = partial(run, all_effects=True)
     elif not fixed_steps:
@@ -148,5 +149,10 @@ def assess(
     if not fixed_steps and error > accuracy:
         flags = (*flags, f"less accurate than asked: an error of about {error:.1e} is left, {accuracy:.0e} was asked")
     return dataclasses.replace(
-        response, tolerance=accuracy, seconds=seconds, error_estimate=error, sensitivity=sensitivity, flags=flags
+        response,
+        accuracy=response.accuracy if fixed_steps else accuracy,
+        seconds=seconds,
+        error_estimate=error,
+        sensitivity=sensitivity,
+        flags=flags,
     )

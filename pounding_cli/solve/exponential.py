@@ -21,7 +21,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import matrices, with_links
-from pounding_cli.solve.method import Method, not_linear, real_slots
+from pounding_cli.solve.method import Integrator, not_linear, real_slots
 
 RADIANS = 1.5
 """Largest phase of the highest mode over one part of a sample [rad]."""
@@ -264,15 +264,4 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     return status, starts.size * found.parts, 0, 0, starts.size * dt
 
 
-EXPONENTIAL = Method(
-    "exponential",
-    "exponential",
-    0,
-    "accuracy",
-    "any time step; linear scenes only",
-    "Moler, C. & Van Loan, C. (2003). Nineteen dubious ways to compute the exponential of a matrix, twenty-five years "
-    "later. SIAM Review 45(1), methods 1 and 3.",
-    integrate,
-    refusal=not_linear,
-    keeps_ledger=True,
-)
+EXPONENTIAL = Integrator(integrate, refusal=not_linear)

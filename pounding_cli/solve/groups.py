@@ -258,7 +258,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
         "done",
         "",
         composed_method(chain(*(part.methods for part in parts), *(between.methods for between in free))),
-        parts[0].tolerance,
+        parts[0].accuracy,
         steps=0,
         events=0,
         seconds=0.0,
