@@ -28,6 +28,8 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
     from pounding_cli.study.connector_study import load_connector_study
 
     loaded = load_connector_study(study)
+    for warning in () if quiet else loaded.warnings:
+        click.echo(f"warning: {warning}", err=True)
     path = output or Path("results") / f"{study.stem}.h5"
     check_results(path, loaded, "connector", replace)
     found = write_connector(loaded, path)

@@ -34,6 +34,8 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
     from pounding_cli.study.wall_study import load_wall_study
 
     loaded = load_wall_study(study)
+    for warning in () if quiet else loaded.warnings:
+        click.echo(f"warning: {warning}", err=True)
     path = output or Path("results") / f"{study.stem}.h5"
     check_results(path, loaded, "wall", replace)
     if not quiet:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,9 @@ from pounding_cli.study.sweep import SweepAxis, read_axes
 from pounding_cli.study.written import unit_in, unit_of
 from pounding_cli.study.yaml_file import read_source
 from pounding_cli.words import Unit
+
+MOST_CORNERS = 256
+"""Combinations of swept values that are looked at for what is implausible together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +164,7 @@ def validated(path: Path, text: str, root: Node) -> Study:
     said = _said(axes, resolver)
     _refuse_twins(said, axes, faults)
     faults.refuse()
-    for point in _along_axes(axes):
+    for point in (*_along_axes(axes), *_corners(said)):
         resolver.doubt(point)
     return Study(
         path,
@@ -197,6 +200,21 @@ def _along_axes(axes: tuple[SweepAxis, ...]) -> Iterator[tuple[int, ...]]:
     for place, axis in enumerate(axes):
         for index in range(1, len(axis)):
             yield (*first[:place], index, *first[place + 1 :])
+
+
+def _corners(axes: tuple[Axis, ...]) -> Iterator[tuple[int, ...]]:
+    """The points where every axis is at an end of its values, at most MOST_CORNERS.
+
+    What is judged grows or falls with each value, so that the worst combinations stand there."""
+    ends: list[tuple[int, ...]] = []
+    for axis in axes:
+        order = sorted(range(len(axis.values)), key=lambda place: _size(axis.values[place]))
+        ends.append((order[0], order[-1]) if 2 ** len(ends) < MOST_CORNERS else (0,))
+    yield from product(*ends)
+
+
+def _size(values: tuple[float | str, ...]) -> float:
+    return next((value for value in values if not isinstance(value, str)), 0.0)
 
 
 def _text(node: Node) -> str:
