@@ -8,6 +8,7 @@ and returns whether one has. `own` is the method's scratch, zeros at first; `tal
 
 from __future__ import annotations
 
+import functools
 from collections import namedtuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from pounding_cli.kernels.layout import (
     INFILL,
     INLINE,
     NOT_FINITE,
+    OPTIONS,
     STALLED,
     foot_pointers,
     link_pointers,
@@ -240,3 +242,18 @@ def march(
     for f in range(count):
         state.phi[f], state.phi_v[f] = p.phi[f], p.phi_v[f]
     return DONE, steps, tally[EVENTS], tally[ITERATIONS], starts.size * dt
+
+
+@functools.cache
+def build(advance, inelastic: bool):
+    """A kernel of a method of one's own that locates nothing. It is compiled in every process; this program's methods
+    have kernels in their own files, which are kept on disk."""
+
+    @njit(**{**OPTIONS, "cache": False})
+    def integrate(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
+        return march(
+            advance, nothing_after, False, False, inelastic, slots, feet, links, state, peaks, room, tally, starts,
+            slopes, dt, parts, most_events,
+        )  # fmt: skip
+
+    return integrate

@@ -9,7 +9,7 @@ import numpy as np
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.ground import segments
-from pounding_cli.solve.method import steps_a_sample
+from pounding_cli.solve.method import Integrator, any_step, steps_a_sample
 
 
 def march(
@@ -53,3 +53,26 @@ def sizes(arrays: Arrays) -> tuple[int, int, int]:
 def is_inelastic(scene: Scene) -> bool:
     """Whether storeys may yield."""
     return scene.analysis == Analysis.INELASTIC
+
+
+def fixed_steps(
+    advance: Callable[..., tuple[float, int]],
+    own: Callable[[Arrays], int] = lambda arrays: 0,
+    largest_step: Callable[[Arrays], float] = any_step,
+) -> Integrator:
+    """The code of a method of one's own (docs/extending.md).
+
+    Parameters
+    ----------
+    advance : its step, a function compiled with `kernels.layout.INLINE`; arguments as `kernels.stepping` says
+    own : doubles of scratch that it needs for a scene
+    largest_step : its stability limit [s]
+    """
+
+    def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds):
+        from pounding_cli.kernels.stepping import build
+
+        kernel = build(advance, is_inelastic(scene))
+        return march(kernel, np.zeros(own(arrays)), scene, arrays, state, peaks, time_step, bounds)
+
+    return Integrator(integrate, largest_step)
