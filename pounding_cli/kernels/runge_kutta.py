@@ -14,6 +14,7 @@ from collections import namedtuple
 import numpy as np
 from numba import njit
 
+from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.between import raise_accelerations, raise_displacements, raise_drift, raise_links
 from pounding_cli.kernels.branches import (
     held_accelerations,
@@ -24,15 +25,11 @@ from pounding_cli.kernels.branches import (
 )
 from pounding_cli.kernels.forces import accelerations
 from pounding_cli.kernels.layout import (
-    CONNECTOR,
     DONE,
     EVENT_BOUND,
-    INFILL,
     INLINE,
     NOT_FINITE,
-    NOTHING,
     OPTIONS,
-    POUNDING,
     STALLED,
     foot_pointers,
     link_pointers,
@@ -40,6 +37,7 @@ from pounding_cli.kernels.layout import (
     slot_pointers,
     state_pointers,
 )
+from pounding_cli.kernels.link_force import branch_at, closing_of
 from pounding_cli.kernels.polynomial import NEVER
 from pounding_cli.kernels.simd import further, pointer
 from pounding_cli.kernels.source import source_digest
@@ -122,11 +120,11 @@ def _step(slots, feet, links, state, plastic, p, q2, q3, q4, out, h, ground, gro
 
 @njit(**INLINE)
 def _first_event(slots, feet, links, state, p, out, h, scratch, inelastic):
-    """(s, storey, link, event) of the first end of a branch within the step."""
+    """(s, storey, link, guard) of the first end of a branch within the step."""
     earliest = NEVER
     storey = -1
     link = -1
-    event = 0
+    guard = -1
     if inelastic:
         for i in range(slots.size):
             if slots.yield_drift[i] == np.inf:
@@ -143,19 +141,18 @@ def _first_event(slots, feet, links, state, p, out, h, scratch, inelastic):
     for e in range(links.number):
         left = links.left[e]
         right = links.right[e]
-        gap = links.gap[e] if links.kind[e] == POUNDING else 0.0
-        s, kind = link_branch_end(
+        s, met = link_branch_end(
             links, state, e, h,
-            p.u[left] - p.u[right] - gap, p.v[left] - p.v[right], p.a[left] - p.a[right],
-            out.u[left] - out.u[right] - gap, out.v[left] - out.v[right], out.a[left] - out.a[right],
+            closing_of(links, e, p.u), p.v[left] - p.v[right], p.a[left] - p.a[right],
+            closing_of(links, e, out.u), out.v[left] - out.v[right], out.a[left] - out.a[right],
             scratch,
         )  # fmt: skip
         if s < earliest:
             earliest = s
             storey = -1
             link = e
-            event = kind
-    return earliest, storey, link, event
+            guard = met
+    return earliest, storey, link, guard
 
 
 @njit(**INLINE)
@@ -180,16 +177,11 @@ def _passes_over_contact(links, peaks, p, out):
     """Whether a link opens, closes or changes its law within the step; counts those that close as impacts."""
     passed = False
     for e in range(links.number):
-        if links.kind[e] == CONNECTOR:
-            continue
-        gap = links.gap[e] if links.kind[e] == POUNDING else 0.0
-        before = p.u[links.left[e]] - p.u[links.right[e]] - gap
-        after = out.u[links.left[e]] - out.u[links.right[e]] - gap
-        if before <= 0.0 and after > 0.0:
+        before = branch_at(links, e, closing_of(links, e, p.u))
+        after = branch_at(links, e, closing_of(links, e, out.u))
+        if before < 0 <= after:
             peaks.impacts[e] += 1
-        passed = passed or (before > 0.0) != (after > 0.0)
-        if links.kind[e] == INFILL:
-            passed = passed or (before > links.gap[e]) != (after > links.gap[e])
+        passed = passed or before != after
     return passed
 
 
@@ -269,10 +261,10 @@ def build(inelastic: bool, located: bool):
                 steps += 1
                 storey = -1
                 link = -1
-                event = 0
+                guard = -1
                 whole = True
                 if located:
-                    s, storey, link, event = _first_event(slots, feet, links, state, p, out, h, scratch, inelastic)
+                    s, storey, link, guard = _first_event(slots, feet, links, state, p, out, h, scratch, inelastic)
                     if s <= 1.0:
                         whole = False
                         h *= s
@@ -287,7 +279,7 @@ def build(inelastic: bool, located: bool):
                     _raise_inside(slots, feet, links, state, peaks, scratch, p, out, h, ground, slope, located)
                     if located:
                         for e in range(links.number):
-                            state.snapped_link[e] = NOTHING
+                            state.snapped_link[e] = t.NOTHING
                         for i in range(size):
                             state.snapped_storey[i] = 0
                 last = ground + h * slope
@@ -303,7 +295,7 @@ def build(inelastic: bool, located: bool):
                 if storey >= 0:
                     switch_storey(slots, state, storey, p.drift[storey])
                 else:
-                    switch_link(links, state, peaks, link, event)
+                    switch_link(links, state, peaks, link, guard)
                 offset += h
                 events += 1
                 standing += 1

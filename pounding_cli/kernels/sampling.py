@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.kernels.layout import CONNECTOR, INLINE, POUNDING
+from pounding_cli.kernels.layout import INLINE
+from pounding_cli.kernels.link_force import branch_at
 
 
 @njit(**INLINE)
@@ -27,9 +28,6 @@ def sample(slots, feet, links, peaks, touching, u, phi, ground, acceleration, dr
         peaks.impulse[e] += pushing * dt
         if pushing != 0.0:
             peaks.contact_time[e] += dt
-        if links.kind[e] == POUNDING:
-            closing -= links.gap[e]
-        closed = 1 if closing > 0.0 else 0
-        if links.kind[e] != CONNECTOR:
-            peaks.impacts[e] += closed * (1 - touching[e])
+        closed = 1 if branch_at(links, e, closing - links.offset[e]) >= 0 else 0
+        peaks.impacts[e] += closed * (1 - touching[e])
         touching[e] = closed

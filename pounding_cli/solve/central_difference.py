@@ -9,6 +9,7 @@ import numpy as np
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.ground import segments
+from pounding_cli.solve.link_tables import acting_at_rest
 
 
 def integrate(
@@ -20,6 +21,6 @@ def integrate(
     starts, slopes, dt = segments(scene)
     parts = max(1, math.ceil(dt / time_step - 1e-9))
     room = np.zeros((9, arrays.padded + arrays.links.size + arrays.feet.number))
-    touching = np.zeros(arrays.links.size, np.int64)
+    touching = acting_at_rest(arrays.links)
     kernel = central_difference.build(scene.analysis == "inelastic")
     return kernel(arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, starts, slopes, dt, parts)

@@ -11,6 +11,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import matrices
+from pounding_cli.solve.link_tables import acting_at_rest
 from pounding_cli.solve.method import NO_ROOT, Method, steps_a_sample
 
 ALPHA = 0.1
@@ -42,7 +43,7 @@ def march(parameters, scene: Scene, arrays: Arrays, state, peaks, ledger, time_s
     room = np.zeros(
         kernels.room_needed(arrays.padded, arrays.feet.number, arrays.links.size, system.mass.size)
     )  # fmt: skip
-    touching = np.zeros(arrays.links.size, np.int64)
+    touching = acting_at_rest(arrays.links)
     kernel = kernels.build(scene.analysis == "inelastic")
     status, *counts = kernel(
         arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, system.mass, system.damping.ravel(),
