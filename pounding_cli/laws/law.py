@@ -187,9 +187,7 @@ class LinkLaw:
             declared, value = each.metadata.get("parameter"), getattr(self, each.name)
             if declared is None or isinstance(value, str | bool):
                 continue
-            wrong = declared.refusal(value)
-            if not wrong and math.isinf(value) and not self.may_be_endless(each.name):
-                wrong = f"it must be {declared.range}"
+            wrong = "" if value == math.inf and self.may_be_endless(each.name) else declared.refusal(value)
             if wrong:
                 unit = "" if declared.unit == "-" else f" {declared.unit}"
                 raise ValueError(f"link: {each.name} is {value:g}{unit}; {wrong}")
