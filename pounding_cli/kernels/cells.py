@@ -25,7 +25,7 @@ from pounding_cli.kernels.simd import stand_alone
     DRIFT0, DRIFT, RATE0, RATE, PULL0, PULL, V_STRAY, DRIFT_STRAY, RATE_STRAY, PULL_STRAY,
 ) = range(0, 8 * 48, 8)  # fmt: skip
 _SLOT = 49  # one more than there are: an odd number of cache lines spreads them over the cache
-SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE
+SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE  # fault: island-slots-put-back
 """The fields that a step leaves to the next, from the first to before the second; stencils follow from the branch."""
 
 # A link: what its closing leaves out; what a step leaves to the next: the law of its branch (`link_series`), the
@@ -41,7 +41,7 @@ LINK_LEFT, LINK_LEFT_END = LINEAR_LAW, CLOSING
 # A link in integers: its slots; what a step leaves: branch, what is known exactly, impacts.
 LEFT_SLOT, RIGHT_SLOT, BRANCH, SNAPPED, IMPACTS = range(0, 8 * 5, 8)
 TIE = 5  # integers a link
-TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * TIE
+TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * TIE  # fault: island-links-put-back
 """Likewise."""
 
 # The series of a link, by order: closing [m], its rate [m/s], force [N]; the infill's v^2 and sqrt(s_cur).

@@ -48,6 +48,7 @@ def _storey_crossing(run, i, founded):
     first = slots[of(i, c.DRIFT0)] - plastic
     last = slots[of(i, c.DRIFT)] - plastic
     limit = slots[of(i, c.YIELD_DRIFT)]
+    # fault: yield-guard
     for line in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
         if max(line * first, line * last) + slots[of(i, c.DRIFT_STRAY)] <= limit:
             continue
@@ -86,7 +87,7 @@ def first_storey_event(run, founded):
             i = b + lowest(suspects)
             suspects &= suspects - 1
             s = _storey_crossing(run, i, founded)
-            slots[of(i, c.ROOT)] = s
+            slots[of(i, c.ROOT)] = s  # fault: storey-guard-root
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
                 found = True
@@ -132,7 +133,7 @@ def _link_crossing(run, e, end):
                 scratch[k] = side * run.series[of_term(run, k, e, c.F_TERM)]
             if run.ties[of_tie(e, c.SNAPPED)] == t.FORCE:
                 scratch[0] = 0.0
-        s = first_crossing(scratch, n, min(end, earliest))
+        s = first_crossing(scratch, n, min(end, earliest))  # fault: contact-begins
         if s < earliest:
             earliest = s
             first = g
@@ -149,7 +150,7 @@ def _may_leave(run, b, first, last, stray):
     stays = greater(least - stray, low) & greater(high, most + stray)
     # Monotone, it may begin where the branch ends: it has just come from there.
     began = ~(greater(low, first) | greater(first, high))
-    stays |= ~bends(first, last, stray) & began & greater(last, low) & greater(high, last)
+    stays |= ~bends(first, last, stray) & began & greater(last, low) & greater(high, last)  # fault: closing-is-monotone
     return ~stays & 255
 
 

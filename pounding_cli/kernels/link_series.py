@@ -103,10 +103,11 @@ def link_end(run, b):
 @njit(**CALLED)
 def closings(run, snapped):
     """Order 0 of v, known exactly where an event has just put it there; returns (which of eight links are not open,
-    which on a curved branch)."""
+    which on a curved branch, whose force is cut off)."""
     stand_alone()
     busy = 0
     curved = 0
+    cut = 0
     zero = splat(0.0)
     links = run.links
     start = -run.padded
@@ -116,6 +117,7 @@ def closings(run, snapped):
         v = differences(left - load(links, at_link(b, c.LEAVES_OUT)), right, zero)
         closed = closed_at(run, b)
         busy |= closed
+        cut |= closed & ~greater(load(links, at_link(b, c.APPLIED)), zero)
         steep = load(links, at_link(b, c.ROOT_LAW)) + magnitude(load(links, at_link(b, c.CUBIC_LAW)))
         curved |= greater(steep, zero)
         store(links, at_link(b, c.CLOSING), v)
@@ -128,7 +130,7 @@ def closings(run, snapped):
                 v_exact = links[of_link(e, c.EXACTLY)]
                 links[of_link(e, c.CLOSING)] = v_exact
                 run.series[of_term(run, 0, e, c.V_TERM)] = v_exact * links[of_link(e, c.CLOSED)]
-    return busy, curved
+    return busy, curved, cut
 
 
 @njit(**PART)
@@ -218,7 +220,7 @@ def _cubic(run, k, b, v, known):
             drag = fused(root_i, load(series, other + c.RATE_TERM), drag)
             roots = fused(root_i, load(series, other + c.ROOT_TERM), roots)
         third = fused(square, v_first, third)
-        root = (3.0 * cubic * square - roots) * load(links, at_link(b, c.HALF))
+        root = (3.0 * cubic * square - roots) * load(links, at_link(b, c.HALF))  # fault: infill-slope-of-root
         drag = fused(root, load(series, first + c.RATE_TERM), drag)
     store(series, here + c.SQUARE_TERM, square)
     store(series, here + c.ROOT_TERM, root)
@@ -233,5 +235,5 @@ def forces_on(run, b):
     total = splat(0.0)
     for row in range(0, run.rounds * run.padded, run.padded):
         gain = gather(run.pushed, 0, run.gains, row + b)
-        total = total + gain - gather(run.pushed, 0, run.losses, row + b)
+        total = total + gain - gather(run.pushed, 0, run.losses, row + b)  # fault: link-pushes-floors
     return total

@@ -14,8 +14,8 @@ class DashpotLaw(StrEnum):
 
     def mass(self, left_mass: float, right_mass: float) -> float:
         """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""
-        reduced = left_mass * right_mass / (left_mass + right_mass)
-        return reduced if self is DashpotLaw.REDUCED_MASS else 1.0 / reduced
+        reduced = left_mass * right_mass / (left_mass + right_mass)  # fault: reduced-mass
+        return reduced if self is DashpotLaw.REDUCED_MASS else 1.0 / reduced  # fault: dashpot-mass
 
 
 def damping_ratio(restitution: float) -> float:
@@ -30,9 +30,9 @@ def damping_ratio(restitution: float) -> float:
     if not 0 < restitution <= 1:
         raise ValueError(f"coefficient of restitution is {restitution:g}; it must be above 0 and at most 1")
     log = math.log(restitution)
-    return -log / math.hypot(math.pi, log)
+    return -log / math.hypot(math.pi, log)  # fault: damping-ratio-of-restitution
 
 
 def dashpot_constant(ratio: float, stiffness: float, mass: float) -> float:
     """2 xi sqrt(s m') [N s/m] (eq. 7)."""
-    return 2 * ratio * math.sqrt(stiffness * mass)
+    return 2 * ratio * math.sqrt(stiffness * mass)  # fault: dashpot

@@ -57,7 +57,7 @@ def rises_above(at: float, to: str, impact: bool = False, once: bool = False) ->
 
 def begins_to_pull(to: str) -> Guard:
     """The force falls below zero."""
-    return Guard(Quantity.FORCE, 0.0, 1.0, to, once=True)
+    return Guard(Quantity.FORCE, 0.0, 1.0, to, once=True)  # fault: tension-guard
 
 
 def begins_to_push(to: str) -> Guard:
@@ -215,7 +215,7 @@ class LinkLaw:
     @property
     def offset(self) -> float:
         """What v leaves out of the closing u_left - u_right [m]."""
-        return self.gap if self.subtracts_gap else 0.0
+        return self.gap if self.subtracts_gap else 0.0  # fault: gap-in-closing
 
     @cached_property
     def _sample(self) -> tuple[Branch, ...]:

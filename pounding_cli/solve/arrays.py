@@ -76,22 +76,22 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
 
     slots = Slots(padded, **rows(Slots._fields[1:], padded))
     slots.yield_drift[:] = np.inf
-    slots.real[:place] = 1.0
+    slots.real[:place] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation
         slots.couple[span] = 1.0
         slots.stiffness[span] = building.stiffness
-        slots.dashpot[span] = building.beta * building.stiffness
+        slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
         slots.mass[span] = building.mass
-        if analysis == Analysis.INELASTIC:
+        if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
             slots.yield_drift[span] = building.yield_drift
             slots.hardening[span] = building.hardening
             finite = np.isfinite(building.yield_shear)
-            plateau = (1 - building.hardening) * np.where(finite, building.yield_shear, 0)
+            plateau = (1 - building.hardening) * np.where(finite, building.yield_shear, 0)  # fault: yield-plateau
             slots.plateau[span] = np.where(finite, plateau, 0)
         slots.elevation[span] = building.elevation
         if foundation is None:
-            slots.alpha[span] = building.alpha
+            slots.alpha[span] = building.alpha  # fault: mass-damping
         elif foundation.rocks:
             slots.rise[span] = building.height
         if foundation is not None and base >= 0:

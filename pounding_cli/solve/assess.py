@@ -12,9 +12,10 @@ from functools import partial
 
 import numpy as np
 
+from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve.methods import TAYLOR, chosen_method, solve
+from pounding_cli.solve.methods import solve
 from pounding_cli.solve.response import Response
 
 NUDGE = 1e-6
@@ -78,7 +79,7 @@ def difference(first: Response, second: Response) -> float:
             (a.acceleration, b.acceleration, a.acceleration),
             (a.displacement_max, b.displacement_max, reach),
             (a.displacement_min, b.displacement_min, reach),
-            (a.residual_drift, b.residual_drift, a.drift),
+            (a.residual_drift, b.residual_drift, a.drift),  # fault: estimated-columns
             (ground, other, ground),
         ]
     for name in ("peak_force", "max_closing", "impulse", "contact_time"):
@@ -106,17 +107,17 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
     """
     if response.status != "done":
         return response
-    fixed_steps = chosen_method(response.method, accuracy).takes_step
+    fixed_steps = METHODS[response.method].takes_step
     tight = BESIDE_FIXED_STEPS if fixed_steps else finer(accuracy)
-    method = TAYLOR.name if fixed_steps else response.method
+    method = "taylor" if fixed_steps else response.method
     if response.samples:
         run = partial(run, watch=True)
     second = run(scene, accuracy=tight, method=method)
     nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method=method)
-    error, sensitivity = difference(response, second), change(second, nudged) / NUDGE
+    error, sensitivity = difference(response, second), change(second, nudged) / NUDGE  # fault: estimated-error
     seconds = response.seconds
     while not fixed_steps and error > accuracy and second.status == "done":
-        response = second
+        response = second  # fault: finer-response-is-kept
         seconds += second.seconds
         if tight <= FINEST:
             break
@@ -132,5 +133,10 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
     if not fixed_steps and error > accuracy:
         flags = (*flags, f"less accurate than asked: an error of about {error:.1e} is left, {accuracy:.0e} was asked")
     return dataclasses.replace(
-        response, tolerance=accuracy, seconds=seconds, error_estimate=error, sensitivity=sensitivity, flags=flags
+        response,
+        accuracy=response.accuracy if fixed_steps else accuracy,
+        seconds=seconds,
+        error_estimate=error,
+        sensitivity=sensitivity,
+        flags=flags,
     )

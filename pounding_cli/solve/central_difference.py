@@ -9,7 +9,9 @@ import numpy as np
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.ground import segments
+from pounding_cli.solve.linear import central_difference_limit
 from pounding_cli.solve.link_tables import acting_at_rest
+from pounding_cli.solve.method import Integrator
 
 
 def integrate(
@@ -24,3 +26,6 @@ def integrate(
     touching = acting_at_rest(arrays.links)
     kernel = central_difference.build(scene.analysis == "inelastic")
     return kernel(arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, starts, slopes, dt, parts)
+
+
+CENTRAL_DIFFERENCE = Integrator(integrate, central_difference_limit)

@@ -89,7 +89,7 @@ def at_rest(links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         for g in _guards(links, links.first[e]):
             if g[t.QUANTITY] == Quantity.CLOSING and g[t.AT] == -links.offset[e]:
                 known[e], at[e] = t.CLOSING, g[t.AT]
-    return links.first.copy(), known, at
+    return links.first.copy(), known, at  # fault: branch-at-rest
 
 
 def acting_at_rest(links: Links) -> np.ndarray:

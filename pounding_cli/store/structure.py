@@ -1,4 +1,7 @@
-"""What a results file may be made of: what would read another file or fill the memory is refused before it is read."""
+"""What a results file may be made of: what would read another file or fill the memory is refused before it is read.
+
+Refusals are about an open file; `store/files.py` adds which one it is.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.store.layout import BUILDINGS, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
+from pounding_cli.store.layout import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
 from pounding_cli.texts import plain, plain_all
 
 ANALYSES = ("elastic", "inelastic")
@@ -75,7 +78,8 @@ def check_study(file: h5py.File) -> None:
         sizes["link"] = _size(file, "link")
     for variable in (*RESPONSES, *SCENES, *STATISTICS, *LINKS):
         if linked or "link" not in variable.dims:
-            _expect(file, variable.name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)
+            name = variable.name if variable.name in file else FORMERLY.get(variable.name, variable.name)
+            _expect(file, name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)
     for first, *rest in (BUILDINGS, RECORDS):
         own = [scale[0].name.lstrip("/") for scale in file[first.name].dims][: -len(first.dims)]
         if not set(own) <= set(axes):
@@ -162,4 +166,4 @@ def _path(group: h5py.Group, name: Any) -> str:
 
 
 def _refused(group: h5py.Group, name: Any, what: str) -> InputError:
-    return InputError(Problem(f"its {_path(group, name)} {what}", "give a file that pound run wrote", group.file.name))
+    return InputError(Problem(f"its {_path(group, name)} {what}", "give a file that pound run wrote"))

@@ -123,7 +123,7 @@ def off_by(errors: dict[float, float], asked: list[float]):
         stiff = right.buildings[0]
         drift = stiff.residual_drift + errors[float(f"{accuracy:.0e}")] * stiff.drift * (np.arange(5) == 0)
         building = dataclasses.replace(stiff, residual_drift=drift)
-        return dataclasses.replace(right, buildings=(building, *right.buildings[1:]), tolerance=accuracy, seconds=1.0)
+        return dataclasses.replace(right, buildings=(building, *right.buildings[1:]), accuracy=accuracy, seconds=1.0)
 
     return scene, run
 
@@ -137,7 +137,7 @@ def test_a_response_that_misses_the_accuracy_gives_way_to_the_finer_run():
     assert asked == pytest.approx([1e-6, 1e-9, 1e-9, 1e-12], rel=1e-6, abs=0.0)
     assert found.error_estimate == pytest.approx(3e-8, rel=1e-3)
     assert np.array_equal(found.buildings[0].residual_drift, run(scene, 1e-9).buildings[0].residual_drift)
-    assert (found.tolerance, found.seconds, found.flags) == (ACCURACY, 2.0, ())
+    assert (found.accuracy, found.seconds, found.flags) == (ACCURACY, 2.0, ())
     asked.clear()
     scene, run = off_by({1e-6: 9e-7, 1e-9: 0.0}, asked)
     assert assess(scene, run(scene, ACCURACY), ACCURACY, run).error_estimate == pytest.approx(9e-7, rel=1e-3)
