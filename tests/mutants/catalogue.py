@@ -421,7 +421,7 @@ PRUNING = [
     Mutant(
         "gap-stays-open",
         "a gap counts as open if it is nearly as wide as the largest closing",
-        (">= link.gap", ">= 1.01 * link.gap"),
+        (">= link.law", ">= 1.01 * link.law"),
         OPEN_GAP,
     ),
     Mutant(
