@@ -21,6 +21,10 @@ KINDS = ("connector", "wall")
 _AGAIN = "run the study again: `pound run` keeps what is whole in the file and solves the rest"
 
 
+_checked: set[bytes] = set()
+"""Seals of the files whose structure this process has checked: results are opened once for each of their tables."""
+
+
 class Damaged(InputError):
     """A results file whose bytes are not those that were written."""
 
@@ -39,7 +43,7 @@ def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
     InputError : missing, a folder, a pipe or a device, not HDF5, not ours, damaged (`Damaged`), made to mislead, or
         (unless `any_version`) of another format version; also for what cannot be read while the file is open
     """
-    with _content(path) as (file, unsealed):
+    with _content(path) as (file, digest, unsealed):
         if file.attrs.get("kind") in KINDS:
             what = f"holds results of `pound {file.attrs['kind']}`, not of `pound run`"
             raise InputError(Problem(what, "give it to `pound report`", str(path)))
@@ -55,7 +59,9 @@ def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
                 raise InputError(Problem(what, hint, str(path)))
             if unsealed:
                 raise _damaged(path, unsealed)
-            check_study(file)
+            if digest not in _checked:
+                check_study(file)
+                _checked.add(digest)
         yield file
 
 
@@ -67,7 +73,7 @@ def opened_kind(path: Path, kind: str, any_version: bool = False) -> Iterator[h5
     ------
     InputError : as `opened`, or of another kind
     """
-    with _content(path) as (file, unsealed):
+    with _content(path) as (file, _, unsealed):
         if file.attrs.get("kind") != kind:
             hint = f"write it with: pound {kind} STUDY -o FILE.h5"
             raise InputError(Problem(f"holds no results of `pound {kind}`", hint, str(path)))
@@ -81,7 +87,7 @@ def opened_kind(path: Path, kind: str, any_version: bool = False) -> Iterator[h5
 def kind_of(path: Path) -> str:
     """What wrote a results file: "connector", "wall", or "" for anything else, also for what cannot be read."""
     try:
-        with _content(path) as (file, _):
+        with _content(path) as (file, *_):
             kind = file.attrs.get("kind", "")
             return kind if isinstance(kind, str) and kind in KINDS else ""
     except InputError:
@@ -93,7 +99,7 @@ def is_results(path: Path) -> bool:
     if is_sealed(path):
         return True
     try:
-        with _content(path) as (file, _):
+        with _content(path) as (file, *_):
             return file.attrs.get("format") == FORMAT or file.attrs.get("kind") in KINDS
     except InputError:
         return False
@@ -110,16 +116,19 @@ def damage_of(path: Path) -> str:
 
 
 @contextmanager
-def _content(path: Path) -> Iterator[tuple[h5py.File, str]]:
-    """The HDF5 content, and why it cannot be verified ("" where it is); what keeps it from being read is refused."""
+def _content(path: Path) -> Iterator[tuple[h5py.File, bytes, str]]:
+    """The HDF5 content, the digest of its seal, and why it cannot be verified ("" where it is).
+
+    Raises InputError where it cannot be read."""
     name = str(path)
     if path.is_dir():
         raise InputError(Problem("is a folder, not a results file", "name the .h5 file in it", name))
     stream: Sealed | io.FileIO
-    unsealed = ""
+    digest, unsealed = b"", ""
     try:
         try:
             stream = Sealed(path)
+            digest = stream.digest
         except Unsealed as error:
             stream, unsealed = io.FileIO(open_regular(path)), str(error.strerror)
     except FileNotFoundError:
@@ -138,7 +147,7 @@ def _content(path: Path) -> Iterator[tuple[h5py.File, str]]:
             raise InputError(Problem(f"cannot be read as HDF5 ({_first_line(error)})", hint, name)) from None
         try:
             with file:
-                yield file, unsealed
+                yield file, digest, unsealed
                 if isinstance(stream, Sealed) and stream.damage:  # the HDF5 library may have gone on
                     raise _damaged(path, stream.damage)
         except InputError:
