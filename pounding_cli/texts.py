@@ -18,11 +18,13 @@ CONTROL = re.compile(
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _LONGEST_NAME = 120
+"""Bytes of a file name in UTF-8; most disks allow 255, and suffixes follow."""
 
 
 def file_name(text: str) -> str:
     """A name for a file in the folder at hand, from any text: no separators, no dots in front; never empty."""
-    return re.sub(r"[^\w +.-]+", "-", text).strip(" .-")[:_LONGEST_NAME].strip() or "unnamed"
+    name = re.sub(r"[^\w +.-]+", "-", text).strip(" .-")
+    return name.encode()[:_LONGEST_NAME].decode(errors="ignore").strip() or "unnamed"
 
 
 def plain(text: str) -> str:

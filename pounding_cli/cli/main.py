@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "init": ("pounding_cli.cli.init", "Write a commented study to start from."),
     "check": ("pounding_cli.cli.check", "Validate a study file only."),
-    "run": ("pounding_cli.cli.run", "Run what a study still lacks and print its summary."),
+    "run": ("pounding_cli.cli.run", "Run a study and print its summary."),
     "show": ("pounding_cli.cli.show", "Print a table of a results file."),
     "report": ("pounding_cli.cli.report", "Draw the figures and write the tables and the claims."),
     "animate": ("pounding_cli.cli.animate", "Show a scene over time as a film."),
@@ -131,7 +131,7 @@ def cli(debug: bool) -> None:
     \b
     Exit codes: 0 done; 1 some scenes failed, or results differ (compare);
     2 the input or the output was refused; 70 a fault of the program;
-    130 stopped by Ctrl-C; 141 the reader of the output has gone.
+    130 stopped by Ctrl-C; 141 the program that read the output has closed.
     """
 
 

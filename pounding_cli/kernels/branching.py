@@ -23,7 +23,7 @@ def _storey_branch(run, i):
     a = slots[of(i, c.HARDENING)]
     line = slots[of(i, c.LINE)]
     if line == 0.0:
-        slots[of(i, c.TANGENT)] = k0
+        slots[of(i, c.TANGENT)] = k0  # fault: storey-elastic-tangent
         slots[of(i, c.OFFSET)] = -(1.0 - a) * k0 * slots[of(i, c.PLASTIC)]
     else:
         slots[of(i, c.TANGENT)] = a * k0
@@ -35,7 +35,7 @@ def settle(run):
     """Laws and stencils of the branches the state is on."""
     stand_alone()
     for i in range(run.padded):
-        _storey_branch(run, i)
+        _storey_branch(run, i)  # fault: run-goes-on
     for i in range(run.padded):
         restencil(run, i)
     for e in range(run.linked):
@@ -53,7 +53,7 @@ def _storey_event(run, i, drift):
         run.snapped[i] = 0
     else:
         slots[of(i, c.LINE)] = 0.0
-        slots[of(i, c.PLASTIC)] = drift - line * slots[of(i, c.YIELD_DRIFT)]
+        slots[of(i, c.PLASTIC)] = drift - line * slots[of(i, c.YIELD_DRIFT)]  # fault: storey-unloads
         run.snapped[i] = int(line)
     _storey_branch(run, i)
     restencil(run, i)

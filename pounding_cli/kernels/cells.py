@@ -24,7 +24,7 @@ from pounding_cli.kernels.simd import stand_alone
     DRIFT0, DRIFT, RATE0, RATE, PULL0, PULL, V_STRAY, DRIFT_STRAY, RATE_STRAY, PULL_STRAY,
 ) = range(0, 8 * 48, 8)  # fmt: skip
 _SLOT = 49  # one more than there are: an odd number of cache lines spreads them over the cache
-SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE
+SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE  # fault: island-slots-put-back
 """The fields that a step leaves to the next, from the first to before the second; stencils follow from the branch."""
 
 # A link: its parameters, as in `layout.Links`; what a step leaves to the next: the law of its branch (`link_series`),
@@ -42,7 +42,7 @@ LINK_LEFT, LINK_LEFT_END = LINEAR_LAW, CLOSING
 # zero; impacts.
 LEFT_SLOT, RIGHT_SLOT, KIND, CUTS, BRANCH, CUT, SNAPPED, IMPACTS = range(0, 8 * 8, 8)
 _TIE = 8
-TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * _TIE
+TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * _TIE  # fault: island-links-put-back
 """Likewise."""
 
 # The series of a link, by order: closing [m], its rate [m/s], force [N]; the infill's v^2 and sqrt(s_cur).

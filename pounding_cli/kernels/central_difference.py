@@ -96,7 +96,7 @@ def build(inelastic: bool):
                 before[i] = half[i]
                 half[i] += kick * acceleration[i]
                 state.u[i] += h * half[i]
-                state.v[i] = 1.5 * half[i] - 0.5 * before[i]
+                state.v[i] = 1.5 * half[i] - 0.5 * before[i]  # fault: central-difference-velocity
             for f in range(count):
                 turn_before[f] = turn_half[f]
                 turn_half[f] += kick * turn[f]

@@ -50,6 +50,7 @@ def _storey_crossing(run, i, founded):
     first = slots[of(i, c.DRIFT0)] - plastic
     last = slots[of(i, c.DRIFT)] - plastic
     limit = slots[of(i, c.YIELD_DRIFT)]
+    # fault: yield-guard
     for line in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
         if max(line * first, line * last) + slots[of(i, c.DRIFT_STRAY)] <= limit:
             continue
@@ -88,7 +89,7 @@ def first_storey_event(run, founded):
             i = b + lowest(suspects)
             suspects &= suspects - 1
             s = _storey_crossing(run, i, founded)
-            slots[of(i, c.ROOT)] = s
+            slots[of(i, c.ROOT)] = s  # fault: storey-guard-root
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
                 found = True
@@ -116,7 +117,7 @@ def _open_link_crossing(run, e, end):
     """First s where an open link closes."""
     stand_alone()
     _closing_series(run, e, run.links[of_link(e, c.CLOSING)], -1.0)
-    return first_crossing(run.scratch, run.tally[ORDER], end)
+    return first_crossing(run.scratch, run.tally[ORDER], end)  # fault: contact-begins
 
 
 @njit(**CALLED)
@@ -140,7 +141,8 @@ def _closed_link_crossing(run, e, end):
         s = first_crossing(scratch, order, min(end, earliest))
         if s < earliest:
             earliest = s
-            event = STIFFENS if cubic else SOFTENS
+            event = STIFFENS if cubic else SOFTENS  # fault: infill-guard
+    # fault: tension-guard
     if run.ties[of_tie(e, c.CUTS)] == 1 and run.links[of_link(e, c.TURNS)] < MOST_TURNS:  # the force changes sign
         cut = run.ties[of_tie(e, c.CUT)] == 1
         sign = -1.0 if cut else 1.0
@@ -165,7 +167,7 @@ def _may_leave(run, b, first, last, stray):
     stays = greater(least - stray, low) & greater(high, most + stray)
     # Monotone, it may begin where the branch ends: it has just come from there.
     began = ~(greater(low, first) | greater(first, high))
-    stays |= ~bends(first, last, stray) & began & greater(last, low) & greater(high, last)
+    stays |= ~bends(first, last, stray) & began & greater(last, low) & greater(high, last)  # fault: closing-is-monotone
     return ~stays & 255
 
 

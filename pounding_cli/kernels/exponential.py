@@ -145,8 +145,8 @@ def build():
                 down = minimum(load(low, b), below)
                 store(high, b, up)
                 store(low, b, down)
-                turns = greater(stray * 4.0, above - below)
-                tops_out = turns & greater(above + stray, up)
+                turns = greater(stray * 4.0, above - below)  # fault: exact-monotone
+                tops_out = turns & greater(above + stray, up)  # fault: exact-peaks
                 bottoms_out = turns & greater(down, below - stray)
                 while tops_out != 0:
                     m = b + lowest(tops_out)

@@ -86,8 +86,8 @@ def expand_feet(run, feet, k):
             drag = feet.alpha[f] * slots[of(i, c.MASS)] * (run.W[row + i] - sway - arm * turning)
             slots[of(i, c.FORCE)] -= drag
             if base >= 0:
-                slots[of(base, c.FORCE)] += drag
-            moment += drag * arm + shear * rise
+                slots[of(base, c.FORCE)] += drag  # fault: base-drag
+            moment += drag * arm + shear * rise  # fault: base-moment
         turning_after = moment / feet.inertia[f] * after
         feet.D[(k + 1) * count + f] = turning * after
         feet.W[(k + 1) * count + f] = turning_after

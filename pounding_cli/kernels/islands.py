@@ -76,6 +76,7 @@ def may_touch(run, row, b):
     found = 0
     for e in range(row.joints[b], row.joints[b + 1], 8):
         rise = beside(run, run.ends, 2 * run.padded, e, c.LEFT_SLOT)
+        # fault: neighbours-may-meet
         found |= _closes(run, e, rise - beside(run, run.ends, 3 * run.padded, e, c.RIGHT_SLOT))
     return found != 0
 
@@ -140,7 +141,7 @@ def put_back(run, row, building):
         for place in range(at(b, c.SLOT_LEFT), at(b, c.SLOT_LEFT_END), 8):
             store(run.slots, place, load(shelf, place))
         store(run.W, b - run.padded, load(rows, b))
-        store(run.W, b, load(rows, run.padded + b))
+        store(run.W, b, load(rows, run.padded + b))  # fault: island-velocities-put-back
     for b in range(run.first, run.last, 8):
         for place in range(at_link(b, c.LINK_LEFT), at_link(b, c.LINK_LEFT_END), 8):
             store(run.links, place, load(links, place))
@@ -148,7 +149,7 @@ def put_back(run, row, building):
             run.ties[place] = ties[run.padded + place]
     for i in range(run.low, run.high):
         run.snapped[i] = ties[i]
-        restencil(run, i)
+        restencil(run, i)  # fault: island-stencils-put-back
     run.tally[EVENTS] -= row.notes[left * NOTES + HAPPENED]
     for b in range(left, right + 1):
         row.notes[b * NOTES + SOLVED] = 0

@@ -153,7 +153,7 @@ def account(run, feet, nodes, weights, order, busy, curved, inelastic, founded):
             pushed, drag, dashed = _powers(rule, g, s0, v0, couple, ground, change, pushed, drag, dashed)
             pushed, drag, dashed = _powers(rule, g + 8, s1, v1, couple, ground, change, pushed, drag, dashed)
         mass = load(slots, at(b, c.MASS))
-        store(slots, at(b, c.INPUT), load(slots, at(b, c.INPUT)) - mass * pushed)
+        store(slots, at(b, c.INPUT), load(slots, at(b, c.INPUT)) - mass * pushed)  # fault: ground-input
         store(slots, at(b, c.DASHED), fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHED))))
         store(slots, at(b, c.DRAGGED), fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAGGED))))
     if founded:
@@ -167,5 +167,5 @@ def account(run, feet, nodes, weights, order, busy, curved, inelastic, founded):
     if inelastic:
         for b in range(run.low, run.high, 8):
             moved = load(slots, at(b, c.DRIFT)) - load(slots, at(b, c.DRIFT0))
-            spent = load(slots, at(b, c.LINE)) * load(slots, at(b, c.PLATEAU)) * moved
+            spent = load(slots, at(b, c.LINE)) * load(slots, at(b, c.PLATEAU)) * moved  # fault: hysteresis
             store(slots, at(b, c.HYSTERESIS), load(slots, at(b, c.HYSTERESIS)) + spent)

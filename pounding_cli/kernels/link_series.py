@@ -103,7 +103,7 @@ def set_law(run, e):
     links[of_link(e, c.CLOSED)] = 1.0 if closed else 0.0
     links[of_link(e, c.LOW)] = low
     links[of_link(e, c.HIGH)] = high
-    links[of_link(e, c.THICKNESS)] = gap if kind == POUNDING else 0.0
+    links[of_link(e, c.THICKNESS)] = gap if kind == POUNDING else 0.0  # fault: gap-in-closing
 
 
 @njit(**PART)
@@ -138,10 +138,11 @@ def link_end(run, b):
 @njit(**CALLED)
 def closings(run, snapped):
     """Order 0 of v, exactly zero (or d) where an event has just put it there; returns (which of eight
-    links are not open, which on the infill's cubic)."""
+    links are not open, which on the infill's cubic, whose force is cut off)."""
     stand_alone()
     busy = 0
     curved = 0
+    cut = 0
     zero = splat(0.0)
     links = run.links
     start = -run.padded
@@ -151,6 +152,7 @@ def closings(run, snapped):
         v = differences(left - load(links, at_link(b, c.THICKNESS)), right, zero)
         closed = closed_at(run, b)
         busy |= closed
+        cut |= closed & ~greater(load(links, at_link(b, c.APPLIED)), zero)
         steep = load(links, at_link(b, c.ROOT_LAW)) + magnitude(load(links, at_link(b, c.CUBIC_LAW)))
         curved |= greater(steep, zero)
         store(links, at_link(b, c.CLOSING), v)
@@ -165,7 +167,7 @@ def closings(run, snapped):
                 links[of_link(e, c.CLOSING)] = v_exact
                 closed_link = run.ties[of_tie(e, c.BRANCH)] != OPEN
                 run.series[of_term(run, 0, e, c.V_TERM)] = v_exact if closed_link else 0.0
-    return busy, curved
+    return busy, curved, cut
 
 
 @njit(**PART)
@@ -255,7 +257,7 @@ def _cubic(run, k, b, v, known):
             drag = fused(root_i, load(series, other + c.RATE_TERM), drag)
             roots = fused(root_i, load(series, other + c.ROOT_TERM), roots)
         third = fused(square, v_first, third)
-        root = (3.0 * cubic * square - roots) * load(links, at_link(b, c.HALF))
+        root = (3.0 * cubic * square - roots) * load(links, at_link(b, c.HALF))  # fault: infill-slope-of-root
         drag = fused(root, load(series, first + c.RATE_TERM), drag)
     store(series, here + c.SQUARE_TERM, square)
     store(series, here + c.ROOT_TERM, root)
@@ -270,5 +272,5 @@ def forces_on(run, b):
     total = splat(0.0)
     for row in range(0, run.rounds * run.padded, run.padded):
         gain = gather(run.pushed, 0, run.gains, row + b)
-        total = total + gain - gather(run.pushed, 0, run.losses, row + b)
+        total = total + gain - gather(run.pushed, 0, run.losses, row + b)  # fault: link-pushes-floors
     return total

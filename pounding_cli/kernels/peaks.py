@@ -239,7 +239,7 @@ def _link_peaks(run, order, busy):
         reach = maximum(magnitude(first), magnitude(last))
         peak = load(links, at_link(b, c.MOST_FORCE))
         held = duration * applied
-        store(links, at_link(b, c.IMPULSE), fused(impulse, held, load(links, at_link(b, c.IMPULSE))))
+        store(links, at_link(b, c.IMPULSE), fused(impulse, held, load(links, at_link(b, c.IMPULSE))))  # fault: impulse
         store(links, at_link(b, c.CONTACT), load(links, at_link(b, c.CONTACT)) + held)
         suspects = greater((reach + stray) * applied, peak)
         if suspects != 0:

@@ -144,7 +144,7 @@ def _march(c, first, n, end, bound, floor, last):
         if step <= 2e-16 * s:
             return s
         s += step
-    return _bracketed(c, first, n, s, end, p, last) if last <= 0.0 else s
+    return _bracketed(c, first, n, s, end, p, last) if last <= 0.0 else s  # fault: root-search-gives-up
 
 
 @njit(**CALLED)
@@ -182,7 +182,7 @@ def highest(c, n, end, best, absolute):
     the straight line between them, exceed `best`.
     """
     stand_alone()
-    if n < 2 or end <= 0.0:
+    if n < 2 or end <= 0.0:  # fault: highest-within-step
         return best
     first = c[1]
     last = first

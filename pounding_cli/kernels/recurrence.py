@@ -10,10 +10,11 @@ Only W_(k+1) waits for W_k, through two shuffles and three multiply-adds: that c
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels.cells import at, of
+from pounding_cli.kernels.cells import at, of, of_term, of_tie
 from pounding_cli.kernels.clock import CHANGE, GROUND, ORDER, PER_H, QUIET, H
 from pounding_cli.kernels.foundations import expand_feet, feet_exceed, rescale_feet, top_of
 from pounding_cli.kernels.layout import CALLED, PART
@@ -57,8 +58,8 @@ def restencil(run, i):
     couple = slots[of(i, c.COUPLE)]
     slots[of(i, c.OWN)] = -(below + above) * inverse
     slots[of(i, c.LEFT)] = couple * below * inverse
-    slots[of(i, c.RIGHT)] = above * inverse
-    slots[of(i, c.OWN_RATE)] = -(dashpot + above_dashpot) * inverse - slots[of(i, c.ALPHA)]
+    slots[of(i, c.RIGHT)] = above * inverse  # fault: stencil-right
+    slots[of(i, c.OWN_RATE)] = -(dashpot + above_dashpot) * inverse - slots[of(i, c.ALPHA)]  # fault: stencil-own-rate
     slots[of(i, c.LEFT_RATE)] = couple * dashpot * inverse
     slots[of(i, c.RIGHT_RATE)] = above_dashpot * inverse
     slots[of(i, c.PUSH)] = (above_offset - slots[of(i, c.OFFSET)]) * inverse
@@ -74,7 +75,7 @@ def _by_floors(slots, b, k, before, ground, u_left, u, u_right, w_left, w, w_rig
     total = fused(load(slots, at(b, c.LEFT)), u_left, total)
     total = fused(load(slots, at(b, c.RIGHT)), u_right, total) * before
     if k < 2:
-        total = total - load(slots, at(b, c.REAL)) * ground
+        total = total - load(slots, at(b, c.REAL)) * ground  # fault: ground-in-series
         total = total + load(slots, at(b, c.PUSH)) if k == 0 else total
     total = fused(load(slots, at(b, c.OWN_RATE)), w, total)
     total = fused(load(slots, at(b, c.LEFT_RATE)), w_left, total)
@@ -88,13 +89,31 @@ def _set_allowed(run, tolerance):
     slots = run.slots
     quiet = splat(run.clock[QUIET])
     for b in range(run.low, run.high, 8):
+        # fault: series-tolerance
         store(slots, at(b, c.ALLOWED), maximum(load(slots, at(b, c.SCALE)), quiet) * tolerance)
 
 
+@njit(**CALLED)
+def _largest_cut_term(run, k):
+    """The largest order k of a force that is cut off, over what may be left out of the forces on its floors [-].
+
+    It moves no floor, so the floors' series say nothing of its own, and that of an infill's dashpot (a square root)
+    converges far more slowly; but its sign tells when the link presses again."""
+    stand_alone()
+    largest = 0.0
+    for e in range(run.first, run.last):
+        if run.ties[of_tie(e, c.CUT)] == 1:
+            allowed = np.inf
+            for side in (c.LEFT_SLOT, c.RIGHT_SLOT):
+                i = run.ties[of_tie(e, side)]
+                allowed = min(allowed, run.slots[of(i, c.ALLOWED)] * run.slots[of(i, c.MASS)])
+            largest = max(largest, abs(run.series[of_term(run, k, e, c.F_TERM)]) / allowed)
+    return largest
+
+
 @njit(**PART)
-def expand(run, feet, busy, curved, snapped, tolerance, most, founded):
+def expand(run, feet, busy, curved, cut, snapped, tolerance, most, founded):
     """Coefficients up to the order at which two acceleration terms in a row are below what may be left out, or up to
-    `most`.
 
     Returns (order, whether that held).
     """
@@ -103,9 +122,9 @@ def expand(run, feet, busy, curved, snapped, tolerance, most, founded):
     slots = run.high - run.low
     if slots == 8 and links == 0 and not founded:
         return _expand_one(run, most)
-    if slots == 16 and (links == 0 or (links == 8 and run.rounds == 0)) and not founded:
+    if slots == 16 and (links == 0 or (links == 8 and run.rounds == 0)) and not founded and cut == 0:
         return _expand_two(run, busy, curved, snapped, most)
-    return _expand_all(run, feet, busy, curved, snapped, most, founded)
+    return _expand_all(run, feet, busy, curved, cut, snapped, most, founded)
 
 
 @njit(**PART)
@@ -116,7 +135,7 @@ def _judged(small, exceeding, k):
 
 
 @njit(**CALLED)
-def _expand_all(run, feet, busy, curved, snapped, most, founded):
+def _expand_all(run, feet, busy, curved, cut, snapped, most, founded):
     """The series of any number of slots."""
     stand_alone()
     padded = run.padded
@@ -159,6 +178,8 @@ def _expand_all(run, feet, busy, curved, snapped, most, founded):
             u = u_right
         if founded and feet_exceed(run, feet, k):
             exceeding |= 1
+        if cut != 0 and _largest_cut_term(run, k) > 1.0:  # fault: cut-series-ends
+            exceeding |= 1
         k += 1
         small, close = _judged(small, exceeding, k)
         if close or k == most:
@@ -185,7 +206,7 @@ def _expand_one(run, most):
     k = 0
     while True:
         after = h * run.reciprocal[k + 1]
-        w_left, w_right = from_left(zero, w), from_right(w, zero)
+        w_left, w_right = from_left(zero, w), from_right(w, zero)  # fault: alone-neighbours-rates
         total = _by_floors(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
         exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
         u, u_left, u_right = w, w_left, w_right
@@ -230,7 +251,7 @@ def _expand_two(run, busy, curved, snapped, most):
         if busy != 0:
             pushed, v = push(run, k, e, v, w - y, after, curved, snapped)
             total = total - load(slots, at(a, c.INVERSE_MASS)) * pushed
-            total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)
+            total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)  # fault: lined-up-push
         exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
         exceeding |= greater(magnitude(total_right), load(slots, at(b, c.ALLOWED)))
         u, u_left, u_right = w, w_left, w_right
@@ -258,7 +279,7 @@ def renew_scale(run):
 
 
 @njit(**CALLED)
-def shrink(run, feet, tolerance):
+def shrink(run, feet, cut, tolerance):
     """The fraction of a step that meets the tolerance at its highest order; rescales nothing."""
     stand_alone()
     order = run.tally[ORDER]
@@ -277,6 +298,8 @@ def shrink(run, feet, tolerance):
         for f in range(run.feet):
             top, turning = top_of(run, feet, k, f)
             size = max(size, number * turning / (max(run.slots[of(top, c.SCALE)], quiet) * tolerance))
+        if cut != 0:
+            size = max(size, _largest_cut_term(run, k - 1))  # fault: cut-shortens-steps
         if size > 0.0:
             worst = max(worst, size ** (1.0 / (k - 1)))
     return 0.9 / worst if worst > 0.9 else 1.0

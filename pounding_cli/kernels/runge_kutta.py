@@ -112,7 +112,7 @@ def _step(slots, feet, links, state, plastic, p, q2, q3, q4, out, h, ground, gro
     _stage(slots, feet, links, state, plastic, p, q4, q3, h, last, inelastic, located)
     for i in range(slots.size):
         out.u[i] = p.u[i] + h * p.v[i] + h * h / 6.0 * (p.a[i] + q2.a[i] + q3.a[i])
-        out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])
+        out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])  # fault: runge-kutta-stages
         plastic[i] = state.plastic[i]
     for f in range(feet.number):
         out.phi[f] = p.phi[f] + h * p.phi_v[f] + h * h / 6.0 * (p.turn[f] + q2.turn[f] + q3.turn[f])

@@ -26,7 +26,7 @@ def summarise(run, feet, order, founded):
     h = splat(run.clock[H])
     per_h = splat(run.clock[PER_H])
     ground = splat(run.clock[GROUND])
-    ground_end = ground + splat(run.clock[CHANGE])
+    ground_end = ground + splat(run.clock[CHANGE])  # fault: acceleration-is-total
     eighth = h * 0.125
     for b in range(run.low, run.high, 8):
         travel = splat(0.0)

@@ -187,13 +187,13 @@ def _set_out(run):
     run.clock[GROUND] = run.clock[START] + run.clock[SLOPE] * since
     run.clock[CHANGE] = run.clock[SLOPE] * h
     run.clock[END] = NEVER
-    return whole
+    return whole  # fault: step-is-whole
 
 
 @njit(**PART)
-def _shorten(run, feet, busy, order, tolerance, founded):
+def _shorten(run, feet, busy, cut, order, tolerance, founded):
     """Shorten a step whose series did not become small enough; returns the part of it that is left [-]."""
-    ratio = shrink(run, feet, tolerance)
+    ratio = shrink(run, feet, cut, tolerance)
     if ratio > SHORTEST and ratio < 1.0:
         paced = ratio > FEW_PIECES
         if paced:
@@ -251,12 +251,13 @@ def _cross(run, feet, settings, snapped):
             start_feet(run, feet)
         busy = 0
         curved = 0
+        cut = 0
         if linked:
-            busy, curved = closings(run, snapped)
-        order, close = expand(run, feet, busy, curved, snapped, tolerance, settings.most_order, founded)
+            busy, curved, cut = closings(run, snapped)
+        order, close = expand(run, feet, busy, curved, cut, snapped, tolerance, settings.most_order, founded)
         run.tally[ORDER] = order
         if not close:
-            ratio = _shorten(run, feet, busy, order, tolerance, founded)
+            ratio = _shorten(run, feet, busy, cut, order, tolerance, founded)
             if not ratio > SHORTEST:
                 status = STEP_BOUND if np.isfinite(ratio) else NOT_FINITE
                 break

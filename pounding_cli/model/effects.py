@@ -41,7 +41,7 @@ def effects_of(scene: Scene) -> Effects:
     inelastic = scene.analysis == Analysis.INELASTIC
     can_yield = any(np.isfinite(b.yield_shear).any() for b in buildings)
     yielding = decide(
-        inelastic and can_yield,
+        inelastic and can_yield,  # fault: storeys-can-yield
         "yielding storeys",
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )

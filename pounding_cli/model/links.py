@@ -41,7 +41,7 @@ def damping_ratio(restitution: float) -> float:
     if not 0 < restitution <= 1:
         raise ValueError(f"coefficient of restitution is {restitution:g}; it must be above 0 and at most 1")
     log = math.log(restitution)
-    return -log / math.hypot(math.pi, log)
+    return -log / math.hypot(math.pi, log)  # fault: damping-ratio-of-restitution
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,10 @@ class Link:
 
     def dashpot_mass(self, left_mass: float, right_mass: float) -> float:
         """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""
-        reduced = left_mass * right_mass / (left_mass + right_mass)
-        return reduced if self.dashpot_law is DashpotLaw.REDUCED_MASS else 1.0 / reduced
+        reduced = left_mass * right_mass / (left_mass + right_mass)  # fault: reduced-mass
+        return reduced if self.dashpot_law is DashpotLaw.REDUCED_MASS else 1.0 / reduced  # fault: dashpot-mass
 
     def dashpot(self, left_mass: float, right_mass: float) -> float:
         """Constant of the dashpot at the link's own stiffness, 2 xi sqrt(s m') [N s/m] (eq. 7)."""
+        # fault: dashpot
         return 2 * self.damping_ratio * math.sqrt(self.stiffness * self.dashpot_mass(left_mass, right_mass))

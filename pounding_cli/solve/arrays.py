@@ -81,22 +81,22 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
 
     slots = Slots(padded, **rows(Slots._fields[1:], padded))
     slots.yield_drift[:] = np.inf
-    slots.real[:place] = 1.0
+    slots.real[:place] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation
         slots.couple[span] = 1.0
         slots.stiffness[span] = building.stiffness
-        slots.dashpot[span] = building.beta * building.stiffness
+        slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
         slots.mass[span] = building.mass
-        if analysis == Analysis.INELASTIC:
+        if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
             slots.yield_drift[span] = building.yield_drift
             slots.hardening[span] = building.hardening
             finite = np.isfinite(building.yield_shear)
-            plateau = (1 - building.hardening) * np.where(finite, building.yield_shear, 0)
+            plateau = (1 - building.hardening) * np.where(finite, building.yield_shear, 0)  # fault: yield-plateau
             slots.plateau[span] = np.where(finite, plateau, 0)
         slots.elevation[span] = building.elevation
         if foundation is None:
-            slots.alpha[span] = building.alpha
+            slots.alpha[span] = building.alpha  # fault: mass-damping
         elif foundation.rocks:
             slots.rise[span] = building.height
         if foundation is not None and base >= 0:
@@ -143,12 +143,14 @@ def _pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors
         links.gap[e] = min(link.gap, FAR)
         links.stiffness[e] = link.stiffness if link.can_close else 0.0
         links.dashpot[e] = link.dashpot(left_mass, right_mass) if link.can_close else 0.0
+        # fault: tension-cut-as-given
         links.tension_cut[e] = int(link.tension_cut and link.damping_ratio > 0 and link.kind is not Kind.CONNECTOR)
         if link.kind is Kind.INFILL:
-            links.cubic[e] = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
-            links.root_dashpot[e] = 2 * link.damping_ratio * np.sqrt(mass)
+            links.cubic[e] = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)  # fault: infill-cubic
+            links.root_dashpot[e] = 2 * link.damping_ratio * np.sqrt(mass)  # fault: infill-root-dashpot
             links.beyond[e] = link.impact_stiffness
             links.beyond_dashpot[e] = links.root_dashpot[e] * np.sqrt(link.impact_stiffness)
+            # fault: infill-stiffened
             if link.infill_law is InfillLaw.CONTINUOUS:  # F(d) + s_imp (v - d)
                 at_gap = links.cubic[e] * link.gap**3 + link.stiffness * link.gap
                 links.beyond_force[e] = at_gap - link.impact_stiffness * link.gap
@@ -163,6 +165,7 @@ def at_rest(arrays: Arrays) -> State:
     return State(
         **rows(("u", "v", "line", "plastic"), padded),
         snapped_storey=np.zeros(padded, np.int64),
+        # fault: branch-at-rest
         link_branch=np.where(kind == layout.CONNECTOR, layout.LINEAR, layout.OPEN).astype(np.int64),
         link_cut=np.zeros(count, np.int64),
         snapped_link=np.where(touching, layout.AT_ZERO, layout.NOTHING).astype(np.int64),

@@ -9,6 +9,8 @@ import numpy as np
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.ground import segments
+from pounding_cli.solve.linear import central_difference_limit
+from pounding_cli.solve.method import Integrator
 
 
 def integrate(
@@ -23,3 +25,6 @@ def integrate(
     touching = np.zeros(arrays.links.size, np.int64)
     kernel = central_difference.build(scene.analysis == "inelastic")
     return kernel(arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, starts, slopes, dt, parts)
+
+
+CENTRAL_DIFFERENCE = Integrator(integrate, central_difference_limit)

@@ -67,7 +67,7 @@ def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State
         **now,
         "damping": float(ledger.dashpots.sum() + ledger.drag.sum() + ledger.feet.sum()),
         "hysteresis": float(ledger.hysteresis.sum()),
-        "links": work_on_links - now["links_stored"] + before["links_stored"],
+        "links": work_on_links - now["links_stored"] + before["links_stored"],  # fault: links-energy
     }
     missing = book["input"] - sum(value for key, value in book.items() if key != "input")
     scale = max(abs(value) for value in book.values())

@@ -21,7 +21,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import matrices, with_links
-from pounding_cli.solve.method import Method, not_linear, real_slots
+from pounding_cli.solve.method import Integrator, not_linear, real_slots
 
 RADIANS = 1.5
 """Largest phase of the highest mode over one part of a sample [rad]."""
@@ -79,6 +79,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
     n = real_slots(arrays)
     nothing = np.zeros((n, count))
     acceleration = a[count : count + n].copy()
+    # fault: exact-acceleration
     acceleration[:, -2] += 1.0  # total: the ground's is added
     slope = arrays.links.stiffness[: arrays.links.number, None]
     dashpot = arrays.links.dashpot[: arrays.links.number, None]
@@ -98,7 +99,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
 
     step = series(a * length)
     powers_at = np.zeros((2 + (arrays.links.number > 0), total, total))
-    powers_at[0, count:-2, -2] = -system.loaded
+    powers_at[0, count:-2, -2] = -system.loaded  # fault: exact-ground-work
     powers_at[1, count:-2, count:-2] = system.damping
     if arrays.links.number:
         powers_at[2, :count, count:-2] = system.closing.T @ (slope * system.closing)
@@ -147,7 +148,7 @@ def over_sample(form: np.ndarray, a: np.ndarray, step: np.ndarray, parts: int) -
     total, term = form.copy(), form
     for j in range(1, TERMS + 4):
         product = term @ a
-        term = (product + product.T) / (j + 1)
+        term = (product + product.T) / (j + 1)  # fault: exact-energy-series
         total += term
     while parts > 1:
         total = total + step.T @ total @ step
@@ -263,15 +264,4 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     return status, starts.size * found.parts, 0, 0, starts.size * dt
 
 
-EXPONENTIAL = Method(
-    "exponential",
-    "exponential",
-    0,
-    "accuracy",
-    "any time step; linear scenes only",
-    "Moler, C. & Van Loan, C. (2003). Nineteen dubious ways to compute the exponential of a matrix, twenty-five years "
-    "later. SIAM Review 45(1), methods 1 and 3.",
-    integrate,
-    refusal=not_linear,
-    keeps_ledger=True,
-)
+EXPONENTIAL = Integrator(integrate, refusal=not_linear)

@@ -24,5 +24,5 @@ def segments(scene: Scene) -> tuple[np.ndarray, np.ndarray, float]:
     slopes = np.diff(motion.acceleration) / motion.dt
     if scene.tail > 0:
         still = np.zeros(_still(scene))
-        starts, slopes = np.concatenate((starts, still)), np.concatenate((slopes, still))
+        starts, slopes = np.concatenate((starts, still)), np.concatenate((slopes, still))  # fault: ground-in-tail
     return starts, slopes, motion.dt

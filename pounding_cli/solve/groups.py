@@ -230,7 +230,7 @@ def _open(
     for link in closings:
         if _rests(scene, left, right, link):
             closings[link] = 0.0
-        elif link.kind is not Kind.POUNDING or closings[link] + error >= link.gap:
+        elif link.kind is not Kind.POUNDING or closings[link] + error >= link.gap:  # fault: gap-stays-open
             return None
     return Free(closings, response.methods)
 
@@ -242,6 +242,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
         inside = [link for link in scene.links if link.left in group[:-1]]
         found |= zip(inside, zip(*dataclasses.astuple(part.links), strict=True), strict=True)
     for closings in (between.closings for between in free):
+        # fault: closing-between-groups
         found |= {link: (0, 0.0, closing, 0.0, 0.0) for link, closing in closings.items()}
     rows = [found[link] for link in scene.links]
     columns = zip(*rows, strict=True) if rows else [()] * 5
@@ -257,7 +258,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
         "done",
         "",
         composed_method(chain(*(part.methods for part in parts), *(between.methods for between in free))),
-        parts[0].tolerance,
+        parts[0].accuracy,
         steps=0,
         events=0,
         seconds=0.0,

@@ -141,7 +141,7 @@ def _pieces(scene: Scene, times: np.ndarray) -> Iterator[tuple[int, np.ndarray, 
     order = np.argsort(cuts)
     cuts, outputs = cuts[order], outputs[order]
     segment = np.minimum((0.5 * (cuts[:-1] + cuts[1:]) / dt).astype(np.int64), starts.size - 1)
-    begins = starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment)
+    begins = starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment)  # fault: history-ground
     rates, lengths = slopes[segment], np.diff(cuts)
     for i in range(lengths.size):
         yield int(outputs[i + 1]), begins[i : i + 1], rates[i : i + 1], float(lengths[i])
@@ -165,10 +165,10 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: _States) -> H
     drift, drift_rate = _drifts(arrays, s.u, s.phi), _drifts(arrays, s.v, s.phi_v)
     limit = np.where(np.isfinite(slots.yield_drift), slots.yield_drift, 0.0)
     between = s.line == 0  # neither on the upper nor on the lower yield line
-    elastic = np.where(between, drift - np.where(between, s.plastic, 0.0), s.line * limit)
+    elastic = np.where(between, drift - np.where(between, s.plastic, 0.0), s.line * limit)  # fault: history-yield-line
     shear = slots.stiffness * (slots.hardening * drift + (1 - slots.hardening) * elastic)
     links = _link_forces(arrays, s)
-    acceleration = _accelerations(arrays, s, shear + slots.dashpot * drift_rate, links)
+    acceleration = _accelerations(arrays, s, shear + slots.dashpot * drift_rate, links)  # fault: history-accelerations
     kinetic = 0.5 * (s.v**2 @ slots.mass)
     stored = 0.5 * ((slots.hardening * drift**2 + (1 - slots.hardening) * elastic**2) @ slots.stiffness)
     for f in np.flatnonzero(np.isfinite(feet.inertia)):

@@ -9,7 +9,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import runge_kutta_limit
-from pounding_cli.solve.method import Method, steps_a_sample
+from pounding_cli.solve.method import Integrator, steps_a_sample
 
 
 def _integrate(scene: Scene, arrays: Arrays, state, peaks, time_step: float, bounds, located: bool):
@@ -34,23 +34,5 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: flo
     return _integrate(scene, arrays, state, peaks, time_step, bounds, False)
 
 
-STABILITY = "time step below about 2.8 / the largest circular frequency, all links closed"
-SOURCE = (
-    "Kutta, W. (1901). Beitrag zur naeherungsweisen Integration totaler Differentialgleichungen. Z. Math. Phys. 46."
-)
-
-RUNGE_KUTTA = Method(
-    "rk4", "Runge-Kutta 4", 4, "time step", STABILITY, SOURCE, integrate, largest_step=runge_kutta_limit
-)
-RUNGE_KUTTA_EVENTS = Method(
-    "rk4-events",
-    "Runge-Kutta 4 with events",
-    4,
-    "time step",
-    STABILITY,
-    SOURCE + " Events: Shampine, L. F. & Thompson, S. (2000). Event location for ordinary differential equations. "
-    "Comput. Math. Appl. 39(5-6).",
-    integrate_with_events,
-    largest_step=runge_kutta_limit,
-    located=True,
-)
+RUNGE_KUTTA = Integrator(integrate, runge_kutta_limit)
+RUNGE_KUTTA_EVENTS = Integrator(integrate_with_events, runge_kutta_limit)

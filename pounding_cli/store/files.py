@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import errno
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -19,10 +20,6 @@ KINDS = ("connector", "wall")
 """Root attribute `kind` of what these commands write; files of `pound run` have none."""
 
 _AGAIN = "run the study again: `pound run` keeps what is whole in the file and solves the rest"
-
-
-_checked: set[bytes] = set()
-"""Seals of the files whose structure this process has checked: results are opened once for each of their tables."""
 
 
 class Damaged(InputError):
@@ -43,7 +40,7 @@ def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
     InputError : missing, a folder, a pipe or a device, not HDF5, not ours, damaged (`Damaged`), made to mislead, or
         (unless `any_version`) of another format version; also for what cannot be read while the file is open
     """
-    with _content(path) as (file, digest, unsealed):
+    with _content(path) as (file, seal, unsealed):
         if file.attrs.get("kind") in KINDS:
             what = f"holds results of `pound {file.attrs['kind']}`, not of `pound run`"
             raise InputError(Problem(what, "give it to `pound report`", str(path)))
@@ -53,15 +50,10 @@ def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
             )
         version = number(file.attrs, "format_version")
         if not any_version:
-            if version != FORMAT_VERSION:
-                what = f"has format version {version:g}, this program reads version {FORMAT_VERSION}"
-                hint = "run the study again with this program: pound run STUDY -o FILE.h5"
-                raise InputError(Problem(what, hint, str(path)))
+            _check_version(path, version, "run")
             if unsealed:
                 raise _damaged(path, unsealed)
-            if digest not in _checked:
-                check_study(file)
-                _checked.add(digest)
+            _once(check_study, file, seal)
         yield file
 
 
@@ -73,15 +65,44 @@ def opened_kind(path: Path, kind: str, any_version: bool = False) -> Iterator[h5
     ------
     InputError : as `opened`, or of another kind
     """
-    with _content(path) as (file, _, unsealed):
+    with _content(path) as (file, seal, unsealed):
         if file.attrs.get("kind") != kind:
             hint = f"write it with: pound {kind} STUDY -o FILE.h5"
             raise InputError(Problem(f"holds no results of `pound {kind}`", hint, str(path)))
         if not any_version:
+            if "format_version" in file.attrs:
+                _check_version(path, number(file.attrs, "format_version"), kind)
+            elif unsealed and not is_sealed(path):  # its version was not written before there were checksums
+                _check_version(path, FORMAT_VERSION - 1, kind)
             if unsealed:
                 raise Damaged(Problem(f"is damaged: {unsealed}", f"run `pound {kind}` on the study again", str(path)))
-            check_links(file)
+            _once(check_links, file, seal)
         yield file
+
+
+_checked: set[tuple[Callable[[h5py.File], object], bytes]] = set()
+"""Checks of structure that this process has made, and of which files: a seal stands for the whole content."""
+
+
+def _once(check: Callable[[h5py.File], object], file: h5py.File, seal: bytes) -> None:
+    """Check the structure of a file, unless that was done; a report opens the same file some fifty times."""
+    done = (check, seal)
+    if done not in _checked:
+        check(file)
+        _checked.add(done)
+
+
+def _check_version(path: Path, version: float, command: str) -> None:
+    """Refuse a file of another format version than this program's."""
+    if version < FORMAT_VERSION:
+        what = f"has the older format version {version:g} (now {FORMAT_VERSION}), whose files carry no checksums"
+        hint = f"run the study again with this program: pound {command} STUDY -o FILE.h5"
+    elif version > FORMAT_VERSION:
+        what = f"has the newer format version {version:g}; this program reads version {FORMAT_VERSION}"
+        hint = "install the pounding_cli that wrote it, or a newer one"
+    else:
+        return
+    raise InputError(Problem(what, hint, str(path)))
 
 
 def kind_of(path: Path) -> str:
@@ -117,18 +138,15 @@ def damage_of(path: Path) -> str:
 
 @contextmanager
 def _content(path: Path) -> Iterator[tuple[h5py.File, bytes, str]]:
-    """The HDF5 content, the digest of its seal, and why it cannot be verified ("" where it is).
-
-    Raises InputError where it cannot be read."""
+    """The HDF5 content, its seal, and why it cannot be verified ("" where it is); what cannot be read is refused."""
     name = str(path)
     if path.is_dir():
         raise InputError(Problem("is a folder, not a results file", "name the .h5 file in it", name))
     stream: Sealed | io.FileIO
-    digest, unsealed = b"", ""
+    unsealed = ""
     try:
         try:
             stream = Sealed(path)
-            digest = stream.digest
         except Unsealed as error:
             stream, unsealed = io.FileIO(open_regular(path)), str(error.strerror)
     except FileNotFoundError:
@@ -147,11 +165,13 @@ def _content(path: Path) -> Iterator[tuple[h5py.File, bytes, str]]:
             raise InputError(Problem(f"cannot be read as HDF5 ({_first_line(error)})", hint, name)) from None
         try:
             with file:
-                yield file, digest, unsealed
+                yield file, stream.foot if isinstance(stream, Sealed) else b"", unsealed
                 if isinstance(stream, Sealed) and stream.damage:  # the HDF5 library may have gone on
                     raise _damaged(path, stream.damage)
-        except InputError:
-            raise
+        except InputError as refused:
+            if all(problem.file for problem in refused.problems):
+                raise
+            raise InputError([replace(p, file=p.file or name) for p in refused.problems]) from None
         except Exception as error:
             if isinstance(stream, Sealed) and stream.damage:
                 raise _damaged(path, stream.damage) from None

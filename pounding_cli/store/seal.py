@@ -61,7 +61,7 @@ class Sealed(io.RawIOBase):
     Attributes
     ----------
     damage : in words, what was found damaged so far; "" where nothing was
-    digest : SHA-256 of the checksums: two files with the same one hold the same bytes
+    foot : the end of the seal, with the SHA-256 of all checksums
 
     Raises
     ------
@@ -77,7 +77,7 @@ class Sealed(io.RawIOBase):
         self._held: OrderedDict[int, bytes] = OrderedDict()
         self._handle = open_regular(path)
         try:
-            self.size, self._block, self._sums, self.digest = _seal_of(self._handle)
+            self.size, self._block, self._sums, self.foot = _seal_of(self._handle)
         except BaseException:
             self.close()  # now: closed later, by the collector, its number may be another file's
             raise
@@ -156,16 +156,16 @@ def _foot(size: int, block: int, sums: bytes) -> bytes:
 
 
 def _seal_of(handle: int) -> tuple[int, int, tuple[int, ...], bytes]:
-    """Size of the content, size of a block, checksums of the blocks, their digest.  Raises Unsealed."""
+    """Size of the content, size of a block, checksums of the blocks, the foot.  Raises Unsealed."""
     whole = os.fstat(handle).st_size
     foot = os.pread(handle, _FOOT.size, max(0, whole - _FOOT.size))
     if len(foot) != _FOOT.size or not foot.startswith(MAGIC):
         raise Unsealed(errno.EIO, "its checksums are missing: it was cut short, or changed by another program")
-    _, size, block, digest = _FOOT.unpack(foot)
+    _, size, block, _ = _FOOT.unpack(foot)
     count = (whole - _FOOT.size - size) // 4
     if block != BLOCK or count != -(-size // BLOCK) or size + 4 * count + _FOOT.size != whole:
         raise Unsealed(errno.EIO, "its checksums are damaged")
     sums = os.pread(handle, 4 * count, size)
     if foot != _foot(size, block, sums):
         raise Unsealed(errno.EIO, "its checksums are damaged")
-    return size, block, struct.unpack(f"<{count}I", sums), digest
+    return size, block, struct.unpack(f"<{count}I", sums), foot

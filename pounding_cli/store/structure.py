@@ -1,4 +1,7 @@
-"""What a results file may be made of: what would read another file or fill the memory is refused before it is read."""
+"""What a results file may be made of: what would read another file or fill the memory is refused before it is read.
+
+Refusals are about an open file; `store/files.py` adds which one it is.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.store.layout import BUILDINGS, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
+from pounding_cli.store.layout import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
 from pounding_cli.texts import plain, plain_all
 
 ANALYSES = ("elastic", "inelastic")
@@ -64,29 +67,30 @@ def check_study(file: h5py.File) -> None:
     swept = json.loads(file.attrs["swept"])
     axes = tuple(names[0] for names in swept)
     if not all(isinstance(name, str) for names in swept for name in names):
-        raise _refused(file, "swept", "is no list of names")
-    sizes = {dim: _size(file, forms, dim) for dim in (*axes, *PLACE, "building", "storey", "floor")}
+        raise _refused("swept", "is no list of names")
+    sizes = {dim: _size(forms, dim) for dim in (*axes, *PLACE, "building", "storey", "floor")}
     for names in swept:
         for name in names[1:]:
-            _expect(file, forms, name, (sizes[names[0]],), "")
+            _expect(forms, name, (sizes[names[0]],), "")
     for names in (*PLACE, "building"):
-        _expect(file, forms, names, (sizes[names],), "s")
+        _expect(forms, names, (sizes[names],), "s")
     if not set(file["analysis"].asstr()[:]) <= set(ANALYSES):
-        raise _refused(file, "analysis", f"is not one of {', '.join(ANALYSES)}")
+        raise _refused("analysis", f"is not one of {', '.join(ANALYSES)}")
     linked = "link" in file
     if linked:
-        sizes["link"] = _size(file, forms, "link")
+        sizes["link"] = _size(forms, "link")
     for variable in (*RESPONSES, *SCENES, *STATISTICS, *LINKS):
         if linked or "link" not in variable.dims:
-            _expect(file, forms, variable.name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)
+            name = variable.name if variable.name in forms else FORMERLY.get(variable.name, variable.name)
+            _expect(forms, name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)
     for first, *rest in (BUILDINGS, RECORDS):
         own = [scale[0].name.lstrip("/") for scale in file[first.name].dims][: -len(first.dims)]
         if not set(own) <= set(axes):
-            raise _refused(file, first.name, "has dimensions that are no swept keys")
+            raise _refused(first.name, "has dimensions that are no swept keys")
         for variable in (first, *rest):
-            _expect(file, forms, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
+            _expect(forms, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
     for name in ("study/text", "study/resolved"):
-        _expect(file, forms, name, (), "s")
+        _expect(forms, name, (), "s")
     for name in ("scenes", "scenes_failed", "solver_seconds", "accuracy"):
         number(file.attrs, name)
     text(file.attrs, "title")
@@ -135,51 +139,51 @@ def _forms(group: h5py.Group, place: str, file_size: int) -> Iterator[tuple[str,
     for name in names:
         path = f"{place}/{name.decode(errors='replace')}".lstrip("/")
         if links.get_info(name).type != h5py.h5l.TYPE_HARD:
-            raise _refused(group, path, "leads to another place or another file")
+            raise _refused(path, "leads to another place or another file")
         item = h5py.h5o.open(group.id, name)
         if isinstance(item, h5py.h5d.DatasetID):
-            yield path, _form(group, path, item, file_size)
+            yield path, _form(path, item, file_size)
         elif isinstance(item, h5py.h5g.GroupID):
             if path not in _LAZY:
                 yield from _forms(h5py.Group(item), path, file_size)
         else:
-            raise _refused(group, path, "is neither a dataset nor a group")
+            raise _refused(path, "is neither a dataset nor a group")
 
 
-def _form(group: h5py.Group, path: str, dataset: h5py.h5d.DatasetID, file_size: int) -> Form:
+def _form(path: str, dataset: h5py.h5d.DatasetID, file_size: int) -> Form:
     plist, kind, space = dataset.get_create_plist(), dataset.get_type(), dataset.get_space()
     if plist.get_external_count() or plist.get_layout() == h5py.h5d.VIRTUAL:
-        raise _refused(group, path, "takes its values from another file")
+        raise _refused(path, "takes its values from another file")
     if kind.get_class() not in _TYPES:
-        raise _refused(group, path, f"holds neither numbers nor texts ({dataset.dtype})")
+        raise _refused(path, f"holds neither numbers nor texts ({dataset.dtype})")
     stored, size = dataset.get_storage_size(), space.get_simple_extent_npoints()
     most = max(_SMALL, stored * (_UNPACKED if plist.get_nfilters() else 1))
     if size * kind.get_size() > most or stored > file_size:
-        raise _refused(group, path, f"declares {size} values, more than the file can hold")
+        raise _refused(path, f"declares {size} values, more than the file can hold")
     shape = None if space.get_simple_extent_type() == h5py.h5s.NULL else space.get_simple_extent_dims()
     return Form(shape, kind.get_class() == h5py.h5t.STRING)
 
 
-def _size(file: h5py.File, forms: dict[str, Form], dim: str) -> int:
-    shape = _of(file, forms, dim).shape
+def _size(forms: dict[str, Form], dim: str) -> int:
+    shape = _of(forms, dim).shape
     if shape is None or len(shape) != 1:
-        raise _refused(file, dim, "is no list")
+        raise _refused(dim, "is no list")
     return shape[0]
 
 
-def _expect(file: h5py.File, forms: dict[str, Form], name: str, shape: tuple[int, ...], kind: str) -> None:
-    form = _of(file, forms, name)
+def _expect(forms: dict[str, Form], name: str, shape: tuple[int, ...], kind: str) -> None:
+    form = _of(forms, name)
     if form.shape != shape:
-        raise _refused(file, name, f"has the shape {form.shape}, not {shape}")
+        raise _refused(name, f"has the shape {form.shape}, not {shape}")
     if kind and form.is_text != (kind == "s"):
-        raise _refused(file, name, f"holds {'texts' if form.is_text else 'numbers'}")
+        raise _refused(name, f"holds {'texts' if form.is_text else 'numbers'}")
 
 
-def _of(file: h5py.File, forms: dict[str, Form], name: str) -> Form:
+def _of(forms: dict[str, Form], name: str) -> Form:
     if name not in forms:
-        raise _refused(file, name, "is missing")
+        raise _refused(name, "is missing")
     return forms[name]
 
 
-def _refused(group: h5py.Group, path: str, what: str) -> InputError:
-    return InputError(Problem(f"its {path} {what}", "give a file that pound run wrote", group.file.name))
+def _refused(path: str, what: str) -> InputError:
+    return InputError(Problem(f"its {path} {what}", "give a file that pound run wrote"))

@@ -14,6 +14,7 @@ import numpy as np
 from pounding_cli import __version__
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.former import written_place
+from pounding_cli.store.keys import FORMAT_VERSION
 from pounding_cli.store.sink import writing
 from pounding_cli.store.structure import strings
 from pounding_cli.words import Unit
@@ -42,6 +43,8 @@ def create(path: Path) -> Iterator[h5py.File]:
         path.parent.mkdir(parents=True, exist_ok=True)
         with writing(path, track_order=True) as (file, _):
             yield file
+    except BrokenPipeError:  # of the screen, not of the file: `cli.streams` deals with it
+        raise
     except OSError as error:
         raise InputError(
             Problem(f"cannot write {path}: {error.strerror or error}", "name another file with -o FILE.h5")
@@ -55,6 +58,7 @@ def write_head(file: h5py.File, kind: str, study: SystemStudy, path: Path) -> No
     file.attrs["study_file"] = written_place(study, path)
     file.attrs["study"] = study.text
     file.attrs["resolved"] = json.dumps(study.resolved)
+    file.attrs["format_version"] = FORMAT_VERSION
     file.attrs["pounding_cli"] = __version__
 
 

@@ -14,6 +14,7 @@ from pounding_cli.model.links import Kind, Link
 from pounding_cli.study.motions import Used
 from pounding_cli.study.problems import Faults, Path, Tree
 from pounding_cli.study.schema import BuildingSpec
+from pounding_cli.study.source import Node
 from pounding_cli.study.units import GRAVITY, NUMBER
 from pounding_cli.words import counted
 
@@ -204,8 +205,8 @@ def shown(value: float, units: Mapping[str, float]) -> str:
     return f"{_rounded(value / factor)} {unit}"
 
 
-def _note(what: str, value: float, root: Tree, path: Path, notes: Faults) -> None:
-    fits = RANGES[what]
+def doubt(what: str, fits: Plausible, value: float, root: Node | Tree, path: Path, notes: Faults) -> None:
+    """Note a value that its range does not hold, with what may have been meant."""
     if fits.holds(value):
         return
     meant = _meant(_text(root, path), value, fits, lambda read: read)
@@ -232,7 +233,11 @@ def _meant(text: str, value: float, fits: Plausible, measured: Callable[[float],
     return ""
 
 
-def _text(root: Tree, path: Path) -> str:
+def _note(what: str, value: float, root: Tree, path: Path, notes: Faults) -> None:
+    doubt(what, RANGES[what], value, root, path, notes)
+
+
+def _text(root: Node | Tree, path: Path) -> str:
     node = root.get(*path)
     return "" if node is None else node.text
 

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
 
-Method = Literal[
-    "auto",
-    "taylor",
-    "rk4-events",
-    "rk4",
-    "central-difference",
-    "newmark",
-    "hht-alpha",
-    "generalized-alpha",
-    "exponential",
-]
-ADAPTIVE = ("auto", "taylor", "exponential")
-"""Methods that take an accuracy; the others take a time step."""
+if TYPE_CHECKING:
+    Method = str
+else:
+    Method = Literal[(AUTO, *METHODS)]
 
 Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
 Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
@@ -49,6 +41,9 @@ def _list_or_one(value: Any) -> str:
     return "list" if isinstance(value, list | tuple) else "one"
 
 
+_ACCURACY_FORM = Quantity(
+    ACCURACY.title, ACCURACY.unit, ACCURACY.example, ACCURACY.low, ACCURACY.high, words=(AUTO,)
+)  # fmt: skip
 _FILLED = Field(min_length=1, max_length=10_000)
 _STOREYS = Field(min_length=1, max_length=100)
 _EITHER = Discriminator(_list_or_one)
@@ -346,13 +341,14 @@ class StudyModel(Model):
     analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
         ("elastic", "inelastic"), description="whether storeys may yield"
     )
-    accuracy: Annotated[float | str, Quantity("accuracy", "", "1e-6", 1e-14, 0.1, words=("auto",))] = optional(
-        1e-6, description="relative error wanted of the peaks [-]; `auto`: every digit that costs next to nothing"
+    accuracy: Annotated[float | str, _ACCURACY_FORM] = optional(
+        ACCURACY.default,
+        description="relative error wanted of the peaks [-]; `auto`: every digit that costs next to nothing",
     )
     method: Method = optional(
         "auto", description="how the equations of motion are solved; `auto`: the cheapest that keeps the accuracy"
     )
-    time_step: Annotated[float, limited(units.TIME, name="time step", example="1e-4 s")] | None = optional(
+    time_step: Annotated[float, limited(units.TIME, name=TIME_STEP.title, example=TIME_STEP.example)] | None = optional(
         None, description="time step of a fixed-step method [s]"
     )
     estimate: Literal["none", "sample", "all"] = optional(

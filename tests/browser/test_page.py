@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 
 import pytest
@@ -226,6 +227,44 @@ def test_chosen_rows_can_be_taken_away(moving):
     row = dict(zip(lines[0].split(","), lines[1].split(","), strict=True))
     assert row["case"] == "touching"
     assert float(row["peak force [kN]"]) == 1000
+
+
+def test_a_saved_table_has_no_text_that_a_spreadsheet_would_calculate(study, visit):
+    names = {"touching": '=HYPERLINK("http://x")', "gap": "+1", "infill": "@SUM(A1)", "connected": "-1+1"}
+    page = visit(study("formulas", renamed=names, claims=False) / "report.html")
+    page.get_by_role("button", name="Links").click()
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Save as CSV").click()
+    rows = list(csv.DictReader(waiting.value.path().read_text(encoding="utf-8").splitlines()))
+    assert {row["case"] for row in rows} == {f"'{name}" for name in names.values()}
+    forces = {row["peak force [kN]"] for row in rows}
+    assert forces == {"1000", "2000", ""}  # numbers are left as they are
+
+
+def test_the_page_s_policy_allows_its_own_style_and_scripts_only(study, visit, browser):
+    """`visit` sees a violation by the page itself as an error on the console."""
+    file = study("moving", kept=KEPT) / "report.html"
+    page = visit(file)
+    policy = page.locator("meta[http-equiv='Content-Security-Policy']").get_attribute("content")
+    assert "unsafe" not in policy
+    assert page.evaluate("getComputedStyle(document.querySelector('.skip')).position") == "absolute"  # styled
+    stranger = browser.new_page()  # what a text could smuggle in is refused
+    stranger.goto(file.as_uri())
+    refused = stranger.evaluate(
+        """async () => {
+        const refused = new Set();
+        document.addEventListener('securitypolicyviolation', (event) => refused.add(event.effectiveDirective));
+        const styled = document.createElement('div');
+        styled.innerHTML = '<p style="color: red">x</p><img src="https://example.org/x.png">';
+        for (const tag of ['style', 'script']) styled.append(document.createElement(tag));
+        for (const one of styled.querySelectorAll('style, script')) one.textContent = 'x {}';
+        document.body.append(styled);
+        await new Promise((done) => setTimeout(done, 300));
+        return [...refused].sort();
+        }"""
+    )
+    stranger.close()
+    assert refused == ["img-src", "script-src-elem", "style-src-attr", "style-src-elem"]
 
 
 def readout(page) -> dict[str, str]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,6 +14,7 @@ from click.testing import CliRunner
 from pounding_cli.cli.connector import command
 from pounding_cli.errors import InputError
 from pounding_cli.report.connector_figures import connector_claims
+from pounding_cli.store.seal import Sealed
 from pounding_cli.study.connector_study import load_connector_study
 
 FIG5 = Path(__file__).parents[2] / "configs" / "fig5.yaml"
@@ -27,6 +30,7 @@ def test_figure_5(tmp_path):
     assert result.exit_code == 0
     assert "|R1| at most 3.980 at Omega/omega10 = 0.701" in result.output
     assert "0.652-0.772, 1.086-1.163" in result.output
+    assert "\ndamping = 5 %\n" in result.output
     assert (tmp_path / "fig5.png").stat().st_size > 10_000
     assert "system 1" in (tmp_path / "fig5.svg").read_text()
     with xr.open_dataset(out, engine="h5netcdf") as data:
@@ -92,3 +96,22 @@ def test_the_connector_in_newtons_and_with_a_dashpot_of_its_own(tmp_path):
     study.write_text("title: t\nconnector: {damping_ratio: 0.1}\nsecond: {frequency_ratio: 2}\n")
     pair = load_connector_study(study).points[0].pair
     assert pair.dashpot == pytest.approx(0.2 * np.sqrt(pair.stiffness * 100e3))
+
+
+def test_an_older_file_is_named_as_such_and_a_cut_one_as_damaged(tmp_path):
+    """Files of older versions said no version and had no checksums."""
+    older, cut = tmp_path / "older.h5", tmp_path / "cut.h5"
+    for path in (older, cut):
+        run(FIG5, "-o", path, "--no-figures", "-q")
+        with Sealed(path) as sealed:
+            size = sealed.size
+        os.truncate(path, size)
+    with h5py.File(older, "r+") as file:
+        del file.attrs["format_version"]
+    with pytest.raises(InputError, match=r"older format version 2 .* no checksums") as refused:
+        connector_claims(older)
+    assert "pound connector STUDY" in refused.value.problems[0].hint
+    with pytest.raises(InputError, match="is damaged: its checksums are missing"):
+        connector_claims(cut)
+    assert run(FIG5, "-o", older, "--no-figures").exit_code == 0
+    assert connector_claims(older)

@@ -201,7 +201,10 @@ def forge(bench: Bench, chance: random.Random) -> str:
     bench.fresh(bench.content)
     with edited(bench.file) as file:
         for _ in range(chance.choice((1, 1, 2))):
-            with contextlib.suppress(OSError, KeyError, ValueError, TypeError, RuntimeError):
+            with (
+                contextlib.suppress(OSError, KeyError, ValueError, TypeError, RuntimeError, OverflowError),
+                np.errstate(over="ignore"),
+            ):
                 change(file, chance)
     before = set(bench.folder.rglob("*")) | set(bench.folder.parent.glob("*"))
     codes = []
@@ -237,7 +240,7 @@ def change(file: h5py.File, chance: random.Random) -> None:
                  chance.choice(ODD[:8]), chance.choice(ODD[9:]))
             )  # fmt: skip
             if isinstance(value, bytes):
-                value = np.array(value, h5py.string_dtype("utf-8", 2))
+                value = np.array(value, h5py.string_dtype())
             holder.attrs[attribute] = value
     elif kind == "delete":
         del file[name]

@@ -1,27 +1,35 @@
-"""The table of faults in docs/verification.md, written between two marks."""
+"""docs/guards.md: which test guards what, by source file; the tables are written between two marks."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from itertools import groupby
 from pathlib import Path
 
+from .markers import SOURCE, Place, markers
 from .runner import ROOT, Mutant
 
-PAGE = ROOT / "docs" / "verification.md"
+PAGE = ROOT / "docs" / "guards.md"
 BEGIN, END = "<!-- mutants: begin (python -m tests.mutants --write) -->", "<!-- mutants: end -->"
 
 
-def table(mutants: Iterable[Mutant]) -> str:
-    """Markdown rows: what is wrong, where, and the test that sees it."""
-    rows = ["| fault | in | seen by |", "|---|---|---|"]
-    for mutant in mutants:
-        file = mutant.file.removeprefix("pounding_cli/")
-        path, _, test = mutant.test.removeprefix("tests/").partition("::")
-        rows.append(f"| {mutant.fault} | `{file}` | `{path}` {test.replace('_', ' ').removeprefix('test ')} |")
-    return "\n".join(rows)
+def tables(mutants: Iterable[Mutant], places: Mapping[str, Place]) -> str:
+    """Markdown: for each source file its markers, what is wrong, and the test that sees it."""
+
+    def file_of(mutant: Mutant) -> str:
+        return places[mutant.marker].file
+
+    parts = []
+    for file, found in groupby(sorted(mutants, key=file_of), file_of):
+        parts.append(f"### `{file.removeprefix(SOURCE + '/')}`\n\n| marker | fault | seen by |\n|---|---|---|")
+        for mutant in found:
+            path, _, test = mutant.test.removeprefix("tests/").partition("::")
+            words = test.replace("_", " ").removeprefix("test ")
+            parts[-1] += f"\n| `{mutant.marker}` | {mutant.fault} | `{path}` {words} |"
+    return "\n\n".join(parts)
 
 
-def write(mutants: Iterable[Mutant], page: Path = PAGE) -> None:
+def write(mutants: Iterable[Mutant], places: Mapping[str, Place] | None = None, page: Path = PAGE) -> None:
     """Replace what stands between the marks.
 
     Raises
@@ -33,4 +41,5 @@ def write(mutants: Iterable[Mutant], page: Path = PAGE) -> None:
     _, end, after = rest.partition(END)
     if not mark or not end:
         raise ValueError(f"{page} lacks the marks {BEGIN} and {END}")
-    page.write_text(f"{before}{BEGIN}\n{table(mutants)}\n{END}{after}", encoding="utf-8")
+    shown = tables(mutants, dict(markers(ROOT)) if places is None else places)
+    page.write_text(f"{before}{BEGIN}\n{shown}\n{END}{after}", encoding="utf-8")

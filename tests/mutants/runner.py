@@ -12,6 +12,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from .markers import markers, mutated
+
 ROOT = Path(__file__).parents[2]
 COPIED = ("pounding_cli", "tests", "configs", "records", "pyproject.toml", "README.md")
 
@@ -21,12 +23,14 @@ NOTICED = re.compile(r"^FAILED \S.* - (assert |AssertionError|Failed: DID NOT RA
 
 @dataclass(frozen=True)
 class Mutant:
-    """One fault: `old` stands once in `file` and becomes `new`; then `test` (a pytest id) has to fail."""
+    """One fault: the line marked `# fault: marker` becomes another; then `test` (a pytest id) has to fail.
 
+    `becomes` : what the line becomes, where `{line}` stands for what it was; or a piece of it, and what this becomes
+    """
+
+    marker: str
     fault: str
-    file: str
-    old: str
-    new: str
+    becomes: str | tuple[str, str]
     test: str
 
 
@@ -44,6 +48,7 @@ class Copy:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.places = dict(markers(ROOT))
         for name in COPIED:
             source = ROOT / name
             if source.is_dir():
@@ -77,15 +82,19 @@ class Copy:
     def try_mutant(self, mutant: Mutant) -> Outcome:
         """Apply, run the test, heal."""
         begin = time.perf_counter()
-        path = self.folder / mutant.file
-        text = path.read_text() if path.exists() else ""
-        count = text.count(mutant.old)
-        if count != 1:
-            return Outcome(mutant, f"the text to replace stands {count} times in {mutant.file}", 0.0)
+        place = self.places.get(mutant.marker)
+        if place is None:
+            return Outcome(mutant, f"no line is marked '# fault: {mutant.marker}'", 0.0)
+        path = self.folder / place.file
+        text = path.read_text()
+        try:
+            changed = mutated(text, place.line, mutant.becomes)
+        except ValueError as problem:
+            return Outcome(mutant, str(problem), 0.0)
         times = path.stat().st_atime_ns, path.stat().st_mtime_ns
         try:
-            path.write_text(text.replace(mutant.old, mutant.new))
-            run = self.run([mutant.test], hurried="/kernels/" in mutant.file)  # a changed kernel compiles anew
+            path.write_text(changed)
+            run = self.run([mutant.test], hurried="/kernels/" in place.file)  # a changed kernel compiles anew
         finally:
             path.write_text(text)
             os.utime(path, ns=times)  # the healthy cache goes by them

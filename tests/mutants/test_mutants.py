@@ -2,44 +2,92 @@
 
 from __future__ import annotations
 
+import ast
+import builtins
 import subprocess
+from collections import Counter
 
 import pytest
 
 from .catalogue import MUTANTS
-from .page import BEGIN, END, PAGE, table, write
+from .markers import Place, markers, mutated
+from .page import BEGIN, END, PAGE, tables, write
 from .runner import ROOT, Mutant, verdict
+
+PLACES = dict(markers(ROOT))
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda m: m.fault)
 def test_a_fault_can_be_made_and_its_test_is_there(mutant):
     """Fails when the code or the test moves on without the catalogue."""
-    assert (ROOT / mutant.file).read_text().count(mutant.old) == 1
-    assert mutant.new != mutant.old
+    place = PLACES[mutant.marker]
+    text = (ROOT / place.file).read_text()
+    changed = mutated(text, place.line, mutant.becomes)
+    before, after = ast.parse(text), ast.parse(changed)
+    assert ast.dump(before) != ast.dump(after)
+    assert _names(after) <= _names(before) | set(dir(builtins)), "the fault uses names that its file has not"
     path, _, name = mutant.test.partition("::")
     assert f"def {name.partition('[')[0]}(" in (ROOT / path).read_text()
 
 
+def _names(tree):
+    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+
+
+def test_every_marker_stands_once_and_has_a_fault():
+    found = Counter(name for name, _ in markers(ROOT))
+    assert not [name for name, count in found.items() if count > 1]
+    assert set(found) == {m.marker for m in MUTANTS}
+
+
 def test_no_fault_twice():
-    assert len({m.fault for m in MUTANTS}) == len({(m.file, m.old, m.new) for m in MUTANTS}) == len(MUTANTS)
+    assert len({m.fault for m in MUTANTS}) == len({(m.marker, m.becomes) for m in MUTANTS}) == len(MUTANTS)
+
+
+@pytest.mark.parametrize(
+    ("becomes", "line"),
+    [
+        ("pass", "    pass"),
+        ("{line}; y = 2", "    x = a + b; y = 2"),
+        (("+ b", "- b"), "    x = a - b"),
+        ("", "    "),
+    ],
+)
+@pytest.mark.parametrize("marked", ["    x = a + b  # fault: sum\n", "    # fault: sum\n    x = a + b\n"])
+def test_the_marked_line_and_no_other_is_changed(tmp_path, becomes, line, marked):
+    text = f"def f():\n{marked}    x = a + b\n"
+    (tmp_path / "pounding_cli").mkdir()
+    (tmp_path / "pounding_cli" / "f.py").write_text(text)
+    [(name, place)] = markers(tmp_path)
+    assert (name, place.file) == ("sum", "pounding_cli/f.py")
+    above = ["def f():", "    # fault: sum"][: place.line]
+    assert mutated(text, place.line, becomes).splitlines() == [*above, line, "    x = a + b"]
+
+
+@pytest.mark.parametrize("piece", ["c", "a"])
+def test_a_piece_stands_once_in_the_line(piece):
+    with pytest.raises(ValueError, match="times in 'x = a \\* a'"):
+        mutated("x = a * a  # fault: square\n", 0, (piece, "b"))
 
 
 def test_the_page_lists_them_all():
     """Fails when `python -m tests.mutants --write` has not been run."""
     shown = PAGE.read_text().partition(BEGIN)[2].partition(END)[0].strip()
-    assert shown == table(MUTANTS)
+    assert shown == tables(MUTANTS, PLACES)
 
 
 def test_the_table_replaces_what_stood_there(tmp_path):
     page = tmp_path / "page.md"
     page.write_text(f"above\n{BEGIN}\nold\n{END}\nbelow\n")
-    write([Mutant("a fault", "pounding_cli/x.py", "a", "b", "tests/unit/test_x.py::test_that_it_holds")], page)
-    assert page.read_text().splitlines()[4] == "| a fault | `x.py` | `unit/test_x.py` that it holds |"
+    mutant = Mutant("sum", "a fault", "pass", "tests/unit/test_x.py::test_that_it_holds")
+    write([mutant], {"sum": Place("pounding_cli/x.py", 3)}, page)
+    assert page.read_text().splitlines()[2] == "### `x.py`"
+    assert page.read_text().splitlines()[6] == "| `sum` | a fault | `unit/test_x.py` that it holds |"
     assert page.read_text().startswith("above\n")
     assert page.read_text().endswith(f"{END}\nbelow\n")
     page.write_text("no marks")
     with pytest.raises(ValueError, match="lacks the marks"):
-        write([], page)
+        write([], {}, page)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.report.columns import Shown, shown
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys
 from pounding_cli.store import flagged_scenes
 from pounding_cli.words import Unit
@@ -130,8 +130,8 @@ def _at_points(frame: pd.DataFrame, keys: Sequence[str], chosen: Sequence[Eviden
 
 
 def packed(title: str, frame: pd.DataFrame, total: int, units: Mapping[str, Unit] | None = None) -> dict[str, Any]:
-    """A frame for `data.js`: title, rows, total (rows the file has), columns; `units`: of swept keys."""
-    columns = [_column(str(key), frame[key], (units or {}).get(str(key))) for key in frame.columns]
+    """A frame for `data.js`: title, rows, total (rows the file has), columns; `units`: as `Results.units`."""
+    columns = [_column(str(key), frame[key], units or {}) for key in frame.columns]
     return {"title": title, "rows": len(frame), "total": total, "columns": columns}
 
 
@@ -144,8 +144,8 @@ def point_of(evidence: Evidence) -> dict[str, Any]:
     }
 
 
-def _column(key: str, values: pd.Series, unit: Unit | None) -> dict[str, Any]:
-    look = shown(key) if unit is None else Shown(key, unit.name, 1 / unit.factor)
+def _column(key: str, values: pd.Series, units: Mapping[str, Unit]) -> dict[str, Any]:
+    look = shown(key, units)
     head = {"key": key, "label": look.label, "unit": look.unit, "text": look.text}
     if pd.api.types.is_numeric_dtype(values):
         whole = pd.api.types.is_integer_dtype(values) or look.unit == ""

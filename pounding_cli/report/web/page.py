@@ -124,7 +124,7 @@ def render(path: Path, template: str, content: Mapping[str, Any]) -> Path:
         .get_template(template)
         .render(
             **content, version=__version__, style=style, theme=theme, scripts=scripts, tone=story.verdict_tone,
-            allowed_scripts=_allowed(theme, scripts),
+            allowed_style=_allowed(style), allowed_scripts=_allowed(theme, scripts),
         )
     )  # fmt: skip
     path.write_text(text, encoding="utf-8")

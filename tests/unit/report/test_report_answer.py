@@ -11,6 +11,7 @@ from pounding_cli.report.evidence import points
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer
 from pounding_cli.solve.flags import CONNECTOR_STRUCK
+from pounding_cli.words import Unit
 
 
 def test_every_case_has_the_largest_means_with_their_place():
@@ -40,6 +41,8 @@ def test_closing_is_that_of_the_link_that_comes_closest_to_its_gap():
     link.loc[gap & (link["record"] != "taft"), "impacts"] = 0
     cells = {row.case: row.cells[-1] for row in answer(points(results)[0]).rows}
     assert (cells["gap"].number, cells["gap"].where) == ("61.2 / 50 mm", "contact: 2 of 10 runs")
+    results.units = {"gap": Unit("cm", 0.01, "m")}
+    assert answer(points(results)[0]).rows[1].cells[-1].number == "6.12 / 5 cm"
     assert cells["touching"].where == "contact: 10 of 10 runs"
     assert cells["connected"].where == "connector"
     link.loc[gap, "impacts"] = 0

@@ -16,6 +16,7 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import Axis, MotionUse, Plan, Row
 from pounding_cli.study.scenes import seen
+from pounding_cli.words import Unit
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,9 @@ class FakeStudy:
 
     def spectrum_match(self) -> None:
         return None
+
+    def unit(self, quantity: str) -> Unit:
+        return {"gap": Unit("mm", 1e-3, "m"), "acceleration": Unit("g", 9.80665, "m/s2")}[quantity]
 
     def building(self, point, place) -> Building:
         return self.group[place]

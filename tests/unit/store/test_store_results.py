@@ -94,6 +94,29 @@ def test_scene_table_keeps_cost_effects_and_flags(plain):
     assert np.isnan(touching.sensitivity)
 
 
+def test_accuracy_and_time_step_stand_apart(tmp_path):
+    """Fails if a time step is written where an accuracy belongs, or the other way round."""
+    plan = small_plan()
+    for name, told in (("followed", {"accuracy": 1e-5}), ("stepped", {"accuracy": np.nan, "time_step": 1e-3})):
+        solved = {digest: replace(known(scene), **told) for digest, scene in plan.scenes.items()}
+        write_results(tmp_path / f"{name}.h5", plan, solved)
+        for table in (open_results(tmp_path / f"{name}.h5").scene(), open_results(tmp_path / f"{name}.h5").accuracy()):
+            wanted = {"accuracy": np.nan, "time_step": np.nan} | told
+            assert table.iloc[0][list(wanted)].astype(float).to_dict() == pytest.approx(wanted, nan_ok=True)
+
+
+@pytest.mark.parametrize(("step", "found"), [(None, (1e-4, np.nan)), (1e-4, (np.nan, 1e-4))])
+def test_files_of_before_have_either_as_a_tolerance(plain, step, found):
+    with edited(plain) as file:
+        file["tolerance"] = np.full_like(file["accuracy"], 1e-4)
+        del file["accuracy"], file["time_step"]
+        resolved = json.loads(file["study/resolved"][()]) | {"time_step": step}
+        del file["study/resolved"]
+        file["study/resolved"] = json.dumps(resolved)
+    first = open_results(plain).accuracy().iloc[0]
+    assert (first.accuracy, first.time_step) == pytest.approx(found, nan_ok=True)
+
+
 def test_summary_agrees_with_pandas_over_the_storey_table(swept):
     results = open_results(swept)
     keys = ["impact.damping_ratio", "records.scale", "case", "analysis", "building", "storey"]
@@ -248,11 +271,19 @@ def test_what_is_not_a_results_file_is_refused(tmp_path, make, message):
     assert refused.value.problems[0].hint
 
 
-def test_another_format_version_is_refused(plain):
+@pytest.mark.parametrize(
+    ("version", "message", "hint"),
+    [
+        (2, f"has the older format version 2 \\(now {FORMAT_VERSION}\\)", "run the study again"),
+        (99, f"newer format version 99; this program reads version {FORMAT_VERSION}", "install"),
+    ],
+)
+def test_another_format_version_is_refused(plain, version, message, hint):
     with edited(plain) as file:
-        file.attrs["format_version"] = 99
-    with pytest.raises(InputError, match=f"format version 99, this program reads version {FORMAT_VERSION}"):
+        file.attrs["format_version"] = version
+    with pytest.raises(InputError, match=message) as refused:
         open_results(plain)
+    assert hint in refused.value.problems[0].hint
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(plain, monkeypatch):

@@ -166,7 +166,8 @@ function playerView() {
     const most = forces.reduce((one, other) => (Math.abs(other[1]) > Math.abs(one[1]) ? other : one), [null, 0]);
     const where = most[0] ? ` at floor ${most[0].floor}` : '';
     const soFar = scene.contacts.filter(({ from }) => from <= time).length;
-    return [['time', `${time.toFixed(3)} s`], ['ground', `${asText(scene.between(scene.ground, time))} m/s²`], ...roofs,
+    const ground = `${asText(scene.acceleration.factor * scene.between(scene.ground, time))} ${scene.acceleration.unit}`;
+    return [['time', `${time.toFixed(3)} s`], ['ground', ground], ...roofs,
       ['link force', `${asText(most[1] / 1e3)} kN${where}`], ['contacts so far', `${soFar} of ${scene.contacts.length}`]];
   }
 

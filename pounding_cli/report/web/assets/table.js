@@ -101,9 +101,12 @@ function tableView() {
 
   function save(rows) {
     const { table } = state;
-    const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-    const cell = (column, row) => (column.codes ? column.names[column.codes[row]] : column.values[row] ?? '');
-    const lines = [table.columns.map(withUnit), ...rows.map((row) => table.columns.map((column) => cell(column, row)))];
+    const quoted = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    // As texts.py does: a text that a spreadsheet would take for a formula is marked as text; numbers are left alone.
+    const asCell = (text) => (/^[=+@\t\r-]/.test(text) ? `'${text}` : text);
+    const cell = (column, row) => (column.codes ? asCell(column.names[column.codes[row]]) : column.values[row] ?? '');
+    const heads = table.columns.map((column) => asCell(withUnit(column)));
+    const lines = [heads, ...rows.map((row) => table.columns.map((column) => cell(column, row)))];
     const text = lines.map((line) => line.map((one) => quoted(String(one))).join(',')).join('\r\n');
     const link = h('a', { href: URL.createObjectURL(new Blob([`${text}\r\n`], { type: 'text/csv' })), download: `${state.name}.csv` });
     link.click();
