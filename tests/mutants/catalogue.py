@@ -296,6 +296,12 @@ METHODS = [
         f"{UNIT}/solve/test_assess.py::test_every_column_is_covered",
     ),
     Mutant(
+        "held-in-finer-runs",
+        "a base that is held fixed is resolved in the finer runs",
+        ("accuracy)", "tight)"),
+        f"{UNIT}/solve/test_assess.py::test_a_base_that_is_held_fixed_is_held_in_the_finer_runs",
+    ),
+    Mutant(
         "finer-response-is-kept",
         "a response that misses the accuracy asked is kept",
         "pass",
