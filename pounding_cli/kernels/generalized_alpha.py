@@ -13,9 +13,9 @@ import functools
 import numpy as np
 from numba import njit
 
-from pounding_cli.kernels.branches import closing_of
 from pounding_cli.kernels.cholesky import factorise, solve
-from pounding_cli.kernels.layout import CONNECTOR, INFILL, INLINE, NOT_FINITE, OPTIONS
+from pounding_cli.kernels.layout import INLINE, NOT_FINITE, OPTIONS
+from pounding_cli.kernels.link_force import branch_at, closing_of, stiffness_and_dashpot
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.stepping import (
@@ -59,7 +59,7 @@ def matrices_at(size: int, feet: int, links: int) -> int:
 def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
     """Slopes of storeys and links [N/m] into `tangent`, dashpots of links [N s/m]; True if any differs from before.
 
-    The slope of the infill's dashpot constant is left out: it would cost the matrix its definiteness and gains
+    The slope of a dashpot constant is left out: it would cost the matrix its definiteness and gains
     nothing.
     """
     changed = False
@@ -72,18 +72,11 @@ def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
         tangent[i] = slope
     for e in range(links.number):
         v = closing_of(links, e, u)
-        slope = links.stiffness[e]
-        damping = links.dashpot[e]
-        if links.kind[e] != CONNECTOR and v <= 0.0:
-            slope = 0.0
-            damping = 0.0
-        elif links.kind[e] == INFILL:
-            if v <= links.gap[e]:
-                slope += 3.0 * links.cubic[e] * v * v
-                damping = links.root_dashpot[e] * np.sqrt(slope)
-            else:
-                slope = links.beyond[e]
-                damping = links.beyond_dashpot[e]
+        b = branch_at(links, e, v)
+        slope = 0.0
+        damping = 0.0
+        if b >= 0:
+            slope, damping = stiffness_and_dashpot(links, b, v)
         changed = changed or slope != tangent[size + e]
         tangent[size + e] = slope
         dashpot[e] = damping

@@ -13,14 +13,15 @@ import functools
 import numpy as np
 from numba import njit
 
+from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.branches import (
-    closing_of,
     link_branch_end,
     storey_branch_end,
     switch_link,
     switch_storey,
 )
-from pounding_cli.kernels.layout import INLINE, NOTHING, OPTIONS
+from pounding_cli.kernels.layout import INLINE, OPTIONS
+from pounding_cli.kernels.link_force import closing_of
 from pounding_cli.kernels.polynomial import NEVER
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
@@ -36,9 +37,9 @@ from pounding_cli.kernels.stepping import (
     rate_of,
 )
 
-# The method's own scratch: storey and link whose branch ends with the step (-1: none), the link's event, and whether
+# The method's own scratch: storey and link whose branch ends with the step (-1: none), the guard it meets, and whether
 # any does; the scratch of polynomials; the points of three stages.
-_STOREY, _LINK, _EVENT, _ENDS, _SCRATCH, _STAGES = 0, 1, 2, 3, 4, 20
+_STOREY, _LINK, _GUARD, _ENDS, _SCRATCH, _STAGES = 0, 1, 2, 3, 4, 20
 
 
 def room_needed(size: int, feet: int, links: int) -> int:
@@ -111,7 +112,7 @@ def _first_event(scene, p, out, h, own, inelastic):
     for e in range(links.number):
         left = links.left[e]
         right = links.right[e]
-        s, kind = link_branch_end(
+        s, guard = link_branch_end(
             links, state, e, h,
             closing_of(links, e, p.u), p.v[left] - p.v[right], p.a[left] - p.a[right],
             closing_of(links, e, out.u), out.v[left] - out.v[right], out.a[left] - out.a[right],
@@ -121,7 +122,7 @@ def _first_event(scene, p, out, h, own, inelastic):
             earliest = s
             own[_STOREY] = -1.0
             own[_LINK] = e
-            own[_EVENT] = kind
+            own[_GUARD] = guard
     return earliest
 
 
@@ -143,7 +144,7 @@ def _change_branch(scene, p, own, moved, ground, inelastic):
     state = scene.state
     if moved:
         for e in range(scene.links.number):
-            state.snapped_link[e] = NOTHING
+            state.snapped_link[e] = t.NOTHING
         for i in range(scene.slots.size):
             state.snapped_storey[i] = 0
     if own[_ENDS] == 0.0:
@@ -152,7 +153,7 @@ def _change_branch(scene, p, own, moved, ground, inelastic):
         storey = int(own[_STOREY])
         switch_storey(scene.slots, state, storey, p.drift[storey])
     else:
-        switch_link(scene.links, state, scene.peaks, int(own[_LINK]), int(own[_EVENT]))
+        switch_link(scene.links, state, scene.peaks, int(own[_LINK]), int(own[_GUARD]))
     return True
 
 

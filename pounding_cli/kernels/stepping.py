@@ -15,13 +15,11 @@ import numpy as np
 from numba import njit
 
 from pounding_cli.kernels.between import raise_accelerations, raise_displacements, raise_drift, raise_links
-from pounding_cli.kernels.branches import closing_of, held_accelerations
+from pounding_cli.kernels.branches import held_accelerations
 from pounding_cli.kernels.forces import accelerations
 from pounding_cli.kernels.layout import (
-    CONNECTOR,
     DONE,
     EVENT_BOUND,
-    INFILL,
     INLINE,
     NOT_FINITE,
     OPTIONS,
@@ -32,6 +30,7 @@ from pounding_cli.kernels.layout import (
     slot_pointers,
     state_pointers,
 )
+from pounding_cli.kernels.link_force import branch_at, closing_of
 from pounding_cli.kernels.simd import further, pointer
 
 WHOLE, PART = -1, -2
@@ -128,14 +127,10 @@ def _passes_over_contact(links, peaks, p, out):
     """Whether a link opens, closes or changes its law within the step; counts those that close as impacts."""
     passed = False
     for e in range(links.number):
-        if links.kind[e] == CONNECTOR:
-            continue
-        before, after = closing_of(links, e, p.u), closing_of(links, e, out.u)
-        if before <= 0.0 and after > 0.0:
+        before, after = branch_at(links, e, closing_of(links, e, p.u)), branch_at(links, e, closing_of(links, e, out.u))
+        if before < 0 <= after:
             peaks.impacts[e] += 1
-        passed = passed or (before > 0.0) != (after > 0.0)
-        if links.kind[e] == INFILL:
-            passed = passed or (before > links.gap[e]) != (after > links.gap[e])
+        passed = passed or before != after
     return passed
 
 
