@@ -53,7 +53,7 @@ class Task:
         )
         if not self._is_assessed(scene):
             return response
-        return assess(scene, response, self.accuracy, functools.partial(self.solve, all_effects=self.all_effects))
+        return assess(scene, response, self.accuracy, self.solve, self.all_effects)
 
     def free(self, scene: Scene, accuracy: float) -> Response:
         """The response of neighbours with nothing between them, as accurate as the run a response is judged by, so that
