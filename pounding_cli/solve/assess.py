@@ -146,6 +146,11 @@ def assess(
             *flags,
             f"ill-conditioned: a motion that grows by 1e-6 on its way changes a peak by {sensitivity * NUDGE:.1e}",
         )
+    if np.isnan(error):
+        flags = (
+            *flags,
+            f"no error estimate: the run at {tight:.0e} that this one is judged by ended with: {second.status}",
+        )
     if not fixed_steps and error > accuracy:
         flags = (*flags, f"less accurate than asked: an error of about {error:.1e} is left, {accuracy:.0e} was asked")
     return dataclasses.replace(

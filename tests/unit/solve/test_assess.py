@@ -200,3 +200,18 @@ def test_all_effects_are_looked_for_in_the_finer_runs_too():
 
     assess(scene, first, ACCURACY, run, all_effects=True)
     assert asked == [True, True]
+
+
+def test_a_response_without_an_estimate_says_so():
+    """Fails if a response whose finer run did not end stands in the tables without a flag."""
+    scene = linked()
+    first = solve(scene, ACCURACY)
+
+    def run(wanted: Scene, accuracy: float, method: str):
+        return dataclasses.replace(first, status="energy does not close")
+
+    found = assess(scene, first, ACCURACY, run)
+    assert np.isnan(found.error_estimate)
+    assert found.flags == (
+        "no error estimate: the run at 1e-09 that this one is judged by ended with: energy does not close",
+    )
