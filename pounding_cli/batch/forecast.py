@@ -78,7 +78,7 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
     def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:
             parts.add(scene.digest)
-            count(PARTS if all(link.can_close for link in scene.links) else APART, scene)
+            count(PARTS if all(link.law.can_close for link in scene.links) else APART, scene)
 
     solver = _prover(plan, count_part)
     for digest in digests:

@@ -142,7 +142,7 @@ def _links(plan: Plan, case: str, width: Unit, strength: Unit) -> str:
     links = plan.scenes[row.scene].links
     if not links:
         return "no links: runs as buildings alone"
-    groups = Counter((str(link.kind), link.gap, link.stiffness) for link in links)
+    groups = Counter((link.kind, link.gap, link.law.initial_stiffness) for link in links)
     return "; ".join(
         f"{count} x {kind}, gap {width.text(gap)}, {strength.text(stiffness, 4)}"
         for (kind, gap, stiffness), count in groups.items()

@@ -21,6 +21,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import matrices, with_links
+from pounding_cli.solve.link_tables import acting_at_rest, stiffest
 from pounding_cli.solve.method import Integrator, not_linear, real_slots
 
 RADIANS = 1.5
@@ -81,8 +82,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
     acceleration = a[count : count + n].copy()
     # fault: exact-acceleration
     acceleration[:, -2] += 1.0  # total: the ground's is added
-    slope = arrays.links.stiffness[: arrays.links.number, None]
-    dashpot = arrays.links.dashpot[: arrays.links.number, None]
+    slope, dashpot = (values[:, None] for values in stiffest(arrays.links))
     moving = np.vstack((
         np.hstack((system.drift, nothing)),
         np.hstack((np.eye(n, count), nothing)),
@@ -253,7 +253,7 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     peaks.shear[:n] = arrays.slots.stiffness[:n] * peaks.drift[:n]
     peaks.displacement_max[:n], peaks.displacement_min[:n] = highest[n : 2 * n], lowest[n : 2 * n]
     peaks.closing[:links] = highest[cuts[2] : cuts[3]]
-    peaks.contact_time[:links] = starts.size * dt * (arrays.links.kind[:links] == layout.CONNECTOR)
+    peaks.contact_time[:links] = starts.size * dt * acting_at_rest(arrays.links)[:links]
 
     peaks.impulse[:links] = found.impulses @ visited
     ledger.input[0], ledger.dashpots[0], *on_links = sums.sum(axis=1)

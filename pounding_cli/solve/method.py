@@ -11,7 +11,6 @@ import numpy as np
 
 from pounding_cli.methods import Method
 from pounding_cli.model.effects import effects_of
-from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 
@@ -76,19 +75,15 @@ def integrator_of(method: Method) -> Integrator:
 
 
 def is_linear(scene: Scene) -> bool:
-    """Whether nothing in the scene can change its stiffness: no storey can yield, only connectors can close."""
-    return not effects_of(scene).yielding and all(_stays_linear(link) for link in scene.links)
-
-
-def _stays_linear(link: Link) -> bool:
-    return link.kind is Kind.CONNECTOR or not link.can_close
+    """Whether nothing in the scene can change its stiffness: no storey can yield, links are linear or never close."""
+    return not effects_of(scene).yielding and all(link.law.is_linear for link in scene.links)
 
 
 def not_linear(scene: Scene) -> str:
     """The refusal of a method that runs linear scenes only."""
     if effects_of(scene).yielding:
         return "its storeys can yield"
-    kinds = sorted({str(link.kind) for link in scene.links if not _stays_linear(link)})
+    kinds = sorted({link.kind for link in scene.links if not link.law.is_linear})
     return f"it has {' and '.join(kinds)} links" if kinds else ""
 
 

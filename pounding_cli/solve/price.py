@@ -47,4 +47,4 @@ def price(scene: Scene, method: str, time_step: float | None = None) -> float:
         return steps_a_sample(scene, time_step) * segments_of(scene) * STEP * floors
     if method == "exponential":
         return segments_of(scene) * (EXACT[0] + EXACT[1] * floors) * floors
-    return segments_of(scene) * SERIES * floors * (LINKED if any(link.can_close for link in scene.links) else 1.0)
+    return segments_of(scene) * SERIES * floors * (LINKED if any(link.law.can_close for link in scene.links) else 1.0)

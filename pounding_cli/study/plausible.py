@@ -10,7 +10,7 @@ import numpy as np
 
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.study.motions import Used
 from pounding_cli.study.problems import Faults, Path, Tree
 from pounding_cli.study.schema import BuildingSpec
@@ -141,7 +141,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, pa
     stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
     for gap in dict.fromkeys(link.gap for link in links if link.gap > 0):
         _note("gap", gap, root, _leaf(root, path, "gap"), notes)
-    kinds = dict.fromkeys((link.kind is Kind.POUNDING, link.stiffness) for link in links)
+    kinds = dict.fromkeys((not link.law.stiffness_default, link.law.initial_stiffness) for link in links)
     for pounds, stiffness in kinds if stiffest else ():
         what = f"{'impact' if pounds else 'link'} stiffness over the stiffest storey's"
         if (fits := RANGES[what]).holds(stiffness / stiffest):

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
+from pounding_cli.study.law_keys import law_keys
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
@@ -21,7 +23,10 @@ else:
 
 Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
 Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
-LinkKind = Literal["pounding", "infill", "connector", "none"]
+if TYPE_CHECKING:
+    LinkKind = str
+else:
+    LinkKind = Literal[(*link_laws(), "none")]
 AnalysisKind = Literal["elastic", "inelastic"]
 
 Length = Annotated[float, units.LENGTH]
@@ -201,7 +206,7 @@ class Impact(Model):
     )
 
 
-class LinkSpec(Model):
+class _LinkSpec(Model):
     """One link; what is not given is taken from the case around it and then from `impact`."""
 
     link: LinkKind | None = optional(None, description="what stands between the floors")
@@ -212,10 +217,12 @@ class LinkSpec(Model):
     restitution: Restitution | None = optional(None, description="coefficient of restitution e [-]")
     damping_ratio: DampingShare | None = optional(None, description="damping ratio [-], instead of restitution")
     tension_cut: bool | None = optional(None, description="no force that pulls the floors together")
-    law: Literal["continuous", "printed"] | None = optional(
-        None, description="infill beyond its thickness: continuous, or eq. (9) as printed, which jumps"
-    )
 
+
+if TYPE_CHECKING:
+    LinkSpec = _LinkSpec
+else:
+    LinkSpec = create_model("LinkSpec", __base__=_LinkSpec, __doc__=_LinkSpec.__doc__, **law_keys())
 
 LinkOrWord = Annotated[
     Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)

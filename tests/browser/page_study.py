@@ -10,8 +10,8 @@ import numpy as np
 from sealing import edited
 
 from pounding_cli.batch import run_plan
+from pounding_cli.laws.connector import Connector
 from pounding_cli.report.build import write_report
-from pounding_cli.solve.flags import CONNECTOR_STRUCK
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.store import open_results
@@ -60,11 +60,12 @@ def known(scene, accuracy=1e-6, method="taylor", **_):
         rise = factor * (1 + level) / 2 if case else 1.0
         fields = {"shear": 1e6 * rise * one, "drift": 0.01 * one, "ductility": rise * one, "acceleration": one}
         found.append(_building(building.storeys, fields))
+    method = "taylor" if method == "auto" else method  # a response names the method that solved it
     n = len(scene.links)
     number = np.arange(1, n + 1, dtype=float)
     links = LinkResponse(number, 1e6 * number, 0.005 * number, number, number)
     status, advice = ("event bound reached", "loosen the accuracy") if lost else ("done", "")
-    flags = (f"{CONNECTOR_STRUCK}: stiff | soft, floor 2, by 2 mm",) if case == "connected" else ()
+    flags = (f"{Connector.beyond_gap}: stiff | soft, floor 2, by 2 mm",) if case == "connected" else ()
     return Response(tuple(found), links, status, advice, method, accuracy, 10, 1, 1e-4, flags=flags)
 
 

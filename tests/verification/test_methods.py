@@ -174,7 +174,7 @@ def test_exact_stepping_finds_peaks_between_samples():
     closing = u[:, [0, 1, 2]] - u[:, [5, 6, 7]]
     rate = v[:, [0, 1, 2]] - v[:, [5, 6, 7]]
     link = scene.links[0]
-    force = link.stiffness * closing + link.dashpot(2e5, 2e5) * rate
+    force = link.law.stiffness * closing + link.law.branches(2e5, 2e5)[0].dashpot * rate
     assert found.links.peak_force == pytest.approx(np.abs(force).max(axis=0), rel=1e-3)
     assert found.links.impulse == pytest.approx(np.trapezoid(force, times, axis=0), rel=1e-3)
     taylor = solve(scene, 1e-12)
@@ -255,7 +255,7 @@ def test_closed_form_of_a_step_without_a_root():
         still(h, h),
         ELASTIC,
     )
-    dashpot = scene.links[0].dashpot(2e5, 2e5)
+    dashpot = scene.links[0].law.branches(2e5, 2e5)[1].dashpot
     push = 0.25 * h**2 * dashpot * v0 / 1e5  # how far the force of a closed contact moves the floors back in the step
     for inside, cut in ((0.3 * push, True), (5.0 * push, False)):
         start = inside - h * v0

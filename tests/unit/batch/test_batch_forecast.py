@@ -109,7 +109,7 @@ def shaken(tmp_path):
 
         def counting(scene, **words):
             response = solve(scene, **words)
-            apart = not all(link.can_close for link in scene.links)
+            apart = not all(link.law.can_close for link in scene.links)
             solved["apart" if apart else len(scene.buildings), response.method] += 1
             return response
 

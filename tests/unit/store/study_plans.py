@@ -9,8 +9,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from pounding_cli.errors import Problem
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
@@ -65,7 +66,7 @@ def motion(name: str, pga: float) -> Motion:
 
 
 def link(floor: int, gap: float, damping_ratio: float = 0.2) -> Link:
-    return Link(0, floor, floor, Kind.POUNDING, gap, 2e9, 2e9, damping_ratio)
+    return Link(0, floor, floor, Pounding(gap, 2e9, damping_ratio))
 
 
 def small_plan(

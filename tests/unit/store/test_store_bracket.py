@@ -27,7 +27,7 @@ def responses(plan, pull: float = 1.0):
     for digest, scene in plan.scenes.items():
         response = known(scene)
         if scene.links:
-            root = np.sqrt(scene.links[0].damping_ratio / RATIOS[1])
+            root = np.sqrt(scene.links[0].law.damping_ratio / RATIOS[1])
             buildings = tuple(
                 replace(b, acceleration=b.acceleration * root, shear=b.shear * pull**root) for b in response.buildings
             )
