@@ -161,7 +161,8 @@ class LinkLaw:
 
     name : what a study file calls it
     title : what it is, in a line
-    citation : keys of `report/references.py`, or a full citation
+    citation : (key of `report/references.py`, what it is cited for), ...
+    drawn : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
     beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
@@ -174,7 +175,8 @@ class LinkLaw:
 
     name: ClassVar[str]
     title: ClassVar[str]
-    citation: ClassVar[tuple[str, ...]] = ()
+    citation: ClassVar[tuple[tuple[str, str], ...]] = ()
+    drawn: ClassVar[str] = "gap"
     subtracts_gap: ClassVar[bool] = False
     stiffness_default: ClassVar[str] = ""
     beyond_gap: ClassVar[str] = ""
@@ -255,7 +257,7 @@ class LinkLaw:
 
     def stored(self, closing: float) -> float:
         """Energy in the spring [J] at a closing u_left - u_right [m]: its elastic force integrated from v = 0."""
-        if not self.can_close:
+        if closing <= self.free_below:
             return 0.0
         v, energy = closing - self.offset, 0.0
         for branch in self._sample:
