@@ -9,10 +9,9 @@ import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
-from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import matrices
-from pounding_cli.solve.link_tables import acting_at_rest
 from pounding_cli.solve.method import NO_ROOT, Integrator, steps_a_sample
+from pounding_cli.solve.stepping import is_inelastic, march, sizes
 
 ALPHA = 0.1
 """Share of the old forces in HHT-alpha [-]; 0 is Newmark's average acceleration, 1/3 the most."""
@@ -31,22 +30,18 @@ def family(alpha_m: float, alpha_f: float) -> tuple[float, float, float, float]:
     return 0.25 * (1 - alpha_m + alpha_f) ** 2, gamma, alpha_m, alpha_f
 
 
-def march(parameters, scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds):
+def _integrate(parameters, scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds):
     """Run a member of the family at the largest step not above `time_step` [s] that divides the motion's."""
     from pounding_cli.kernels import generalized_alpha as kernels
 
-    starts, slopes, dt = segments(scene)
-    parts = steps_a_sample(scene, time_step)
     system = matrices(arrays)
-    room = np.zeros(
-        kernels.room_needed(arrays.padded, arrays.feet.number, arrays.links.size, system.mass.size)
-    )  # fmt: skip
-    touching = acting_at_rest(arrays.links)
-    kernel = kernels.build(scene.analysis == "inelastic")
-    status, *counts = kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, system.mass, system.damping.ravel(),
-        starts, slopes, dt, parts, *parameters, MOST_CUTS,
-    )  # fmt: skip
+    unknowns = system.mass.size
+    own = np.zeros(kernels.room_needed(*sizes(arrays), unknowns))
+    step = scene.motion.dt / steps_a_sample(scene, time_step)
+    own[: kernels.PARAMETERS] = *parameters, MOST_CUTS, unknowns, step
+    own[kernels.matrices_at(*sizes(arrays)) :][: unknowns + unknowns**2] = *system.mass, *system.damping.ravel()
+    kernel = kernels.build(is_inelastic(scene))
+    status, *counts = march(kernel, own, scene, arrays, state, peaks, time_step, bounds)
     return (NO_ROOT if status == kernels.NO_ROOT else status, *counts)
 
 
@@ -57,8 +52,8 @@ def without_root(steps: int, cuts: int) -> str:
     return f"Newton found no root in {cuts} of {steps} steps, because a contact force jumps; these were cut in half"
 
 
-NEWMARK = Integrator(functools.partial(march, family(0.0, 0.0)), note=without_root)
-HHT_ALPHA = Integrator(functools.partial(march, family(0.0, ALPHA)), note=without_root)
+NEWMARK = Integrator(functools.partial(_integrate, family(0.0, 0.0)), note=without_root)
+HHT_ALPHA = Integrator(functools.partial(_integrate, family(0.0, ALPHA)), note=without_root)
 GENERALIZED_ALPHA = Integrator(
-    functools.partial(march, family((2 * RADIUS - 1) / (RADIUS + 1), RADIUS / (RADIUS + 1))), note=without_root
+    functools.partial(_integrate, family((2 * RADIUS - 1) / (RADIUS + 1), RADIUS / (RADIUS + 1))), note=without_root
 )
