@@ -42,7 +42,7 @@ def check_links(group: h5py.Group) -> None:
     for name in _names(group):
         kind = links.get_info(name).type
         if kind != h5py.h5l.TYPE_HARD:
-            raise _refused(group, name, "leads to another place or another file")
+            raise refused(group, name, "leads to another place or another file")
         item = group[name]
         if isinstance(item, h5py.Dataset):
             _check_dataset(item)
@@ -50,7 +50,7 @@ def check_links(group: h5py.Group) -> None:
             if _path(group, name) not in _LAZY:
                 check_links(item)
         else:
-            raise _refused(group, name, "is neither a dataset nor a group")
+            raise refused(group, name, "is neither a dataset nor a group")
 
 
 def check_study(file: h5py.File) -> None:
@@ -64,32 +64,45 @@ def check_study(file: h5py.File) -> None:
     swept = json.loads(file.attrs["swept"])
     axes = tuple(names[0] for names in swept)
     if not all(isinstance(name, str) for names in swept for name in names):
-        raise _refused(file, "swept", "is no list of names")
+        raise refused(file, "swept", "is no list of names")
     sizes = {dim: _size(file, dim) for dim in (*axes, *PLACE, "building", "storey", "floor")}
     for names in swept:
         for name in names[1:]:
-            _expect(file, name, (sizes[names[0]],), "")
+            expect(file, name, (sizes[names[0]],), "")
     for names in (*PLACE, "building"):
-        _expect(file, names, (sizes[names],), "s")
+        expect(file, names, (sizes[names],), "s")
     if not set(file["analysis"].asstr()[:]) <= set(ANALYSES):
-        raise _refused(file, "analysis", f"is not one of {', '.join(ANALYSES)}")
+        raise refused(file, "analysis", f"is not one of {', '.join(ANALYSES)}")
     linked = "link" in file
     if linked:
         sizes["link"] = _size(file, "link")
     for variable in (*RESPONSES, *SCENES, *STATISTICS, *LINKS):
         if linked or "link" not in variable.dims:
-            _expect(file, variable.name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)
+            expect(file, variable.name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)
     for first, *rest in (BUILDINGS, RECORDS):
         own = [scale[0].name.lstrip("/") for scale in file[first.name].dims][: -len(first.dims)]
         if not set(own) <= set(axes):
-            raise _refused(file, first.name, "has dimensions that are no swept keys")
+            raise refused(file, first.name, "has dimensions that are no swept keys")
         for variable in (first, *rest):
-            _expect(file, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
+            expect(file, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
     for name in ("study/text", "study/resolved"):
-        _expect(file, name, (), "s")
+        expect(file, name, (), "s")
+    _check_names(file)
     for name in ("scenes", "scenes_failed", "solver_seconds", "accuracy"):
         number(file.attrs, name)
     text(file.attrs, "title")
+
+
+def _check_names(file: h5py.File) -> None:
+    """Refuse names that stand twice or are not those of the study."""
+    resolved = json.loads(file["study/resolved"].asstr()[()])
+    is_swept = {name.split(".")[0] for names in json.loads(file.attrs["swept"]) for name in names}
+    for dim, key in (("building", "places"), ("case", "cases"), ("record", "")):
+        names = file[dim].asstr()[:].tolist()
+        if len(set(names)) != len(names):
+            raise refused(file, dim, "names one twice")
+        if key in resolved and "group" not in is_swept and set(names) != set(resolved[key]):
+            raise refused(file, dim, "is not that of its study")
 
 
 def number(attrs: h5py.AttributeManager, name: str) -> float:
@@ -135,28 +148,29 @@ def _names(group: h5py.Group) -> list[bytes]:
 def _check_dataset(dataset: h5py.Dataset) -> None:
     plist = dataset.id.get_create_plist()
     if plist.get_external_count() or plist.get_layout() == h5py.h5d.VIRTUAL:
-        raise _refused(dataset.parent, dataset.name, "takes its values from another file")
+        raise refused(dataset.parent, dataset.name, "takes its values from another file")
     if dataset.dtype.kind not in "fiuS" and h5py.check_string_dtype(dataset.dtype) is None:
-        raise _refused(dataset.parent, dataset.name, f"holds neither numbers nor texts ({dataset.dtype})")
+        raise refused(dataset.parent, dataset.name, f"holds neither numbers nor texts ({dataset.dtype})")
     stored = dataset.id.get_storage_size()
     most = max(_SMALL, stored * (_UNPACKED if plist.get_nfilters() else 1))
     if dataset.nbytes > most or stored > dataset.file.id.get_filesize():
-        raise _refused(dataset.parent, dataset.name, f"declares {dataset.size} values, more than the file can hold")
+        raise refused(dataset.parent, dataset.name, f"declares {dataset.size} values, more than the file can hold")
 
 
 def _size(file: h5py.File, dim: str) -> int:
     if len(file[dim].shape) != 1:
-        raise _refused(file, dim, "is no list")
+        raise refused(file, dim, "is no list")
     return int(file[dim].size)
 
 
-def _expect(file: h5py.File, name: str, shape: tuple[int, ...], kind: str) -> None:
+def expect(file: h5py.Group, name: str, shape: tuple[int, ...], kind: str) -> None:
+    """Refuse a dataset of another shape, or that holds texts (`kind` "s") where there should be none or none at all."""
     dataset = file[name]
     is_text = h5py.check_string_dtype(dataset.dtype) is not None
     if dataset.shape != shape:
-        raise _refused(file, name, f"has the shape {dataset.shape}, not {shape}")
+        raise refused(file, name, f"has the shape {dataset.shape}, not {shape}")
     if kind and is_text != (kind == "s"):
-        raise _refused(file, name, f"holds {'texts' if is_text else 'numbers'}")
+        raise refused(file, name, f"holds {'texts' if is_text else 'numbers'}")
 
 
 def _path(group: h5py.Group, name: Any) -> str:
@@ -164,5 +178,6 @@ def _path(group: h5py.Group, name: Any) -> str:
     return f"{group.name.rstrip('/')}/{own.rsplit('/', 1)[-1]}".lstrip("/")
 
 
-def _refused(group: h5py.Group, name: Any, what: str) -> InputError:
+def refused(group: h5py.Group, name: Any, what: str) -> InputError:
+    """The refusal of one thing in a file."""
     return InputError(Problem(f"its {_path(group, name)} {what}", "give a file that pound run wrote"))
