@@ -76,7 +76,7 @@ def no_longer(seconds: float) -> Iterator[None]:
     def ring(*_: object) -> None:
         raise Hang
 
-    clocks = {signal.ITIMER_PROF: (signal.SIGPROF, seconds), signal.ITIMER_REAL: (signal.SIGALRM, 12 * seconds)}
+    clocks = {signal.ITIMER_PROF: (signal.SIGPROF, seconds), signal.ITIMER_REAL: (signal.SIGALRM, 60 * seconds)}
     former = {number: signal.signal(number, ring) for number, _ in clocks.values()}
     for clock, (_, longest) in clocks.items():
         signal.setitimer(clock, longest)
