@@ -28,11 +28,12 @@ class Unit:
         """An SI value in this unit, without the last digits that the conversion leaves behind (0.7, not 0.6999...)."""
         return float(f"{value / self.factor:.12g}")
 
-    def text(self, value: Any) -> str:
-        """A value of an axis for people: "0.7 g"; texts are returned as they are."""
+    def text(self, value: Any, digits: int = 6) -> str:
+        """An SI value for people: "0.7 g"; texts are returned as they are."""
         if isinstance(value, str):
             return value
-        return f"{self.number(float(value)):.6g} {self.name}".rstrip()
+        rounded = float(f"{self.number(float(value)):.{digits}g}")
+        return f"{rounded:.10g} {self.name}".rstrip()  # 20240, not 2.024e+04
 
     def label(self, key: str) -> str:
         """A key with its unit for headings and axis titles: "cases.gap.gap [cm]"."""

@@ -35,7 +35,7 @@ def run(
     progress: Progress | None = None,
     replace: bool = False,
 ) -> Results:
-    """Run what a study still lacks and open its results.
+    """Run a study, reusing scenes solved before, and open its results.
 
     Parameters
     ----------

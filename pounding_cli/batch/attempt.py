@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -10,12 +11,12 @@ from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.assess import assess
 from pounding_cli.solve.groups import GroupSolver
-from pounding_cli.solve.methods import chosen_method
 from pounding_cli.solve.response import Response
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
-"""solve(scene, accuracy=..., method=..., all_effects=..., watch=...) -> Response"""
+"""solve(scene, accuracy=..., method=..., all_effects=..., watch=...) -> Response; with time_step=... where the
+study has one."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class Task:
     """How every scene of a run is solved; goes to the workers once.
 
     all_effects : simulate what cannot matter too, and every row of buildings whole
+    time_step : of a method that takes one [s]
     """
 
     solve: Solve
@@ -30,6 +32,7 @@ class Task:
     method: str
     estimate: str = "none"
     all_effects: bool = False
+    time_step: float | None = None
 
     def __call__(self, scene: Scene) -> Response:
         """The response; an exception becomes a failed response that names it."""
@@ -44,12 +47,13 @@ class Task:
 
     def respond(self, scene: Scene, watch: bool) -> Response:
         """The response of the scene as a whole, assessed where the study asks for that."""
+        told = {} if self.time_step is None else {"time_step": self.time_step}
         response = self.solve(
-            scene, accuracy=self.accuracy, method=self.method, all_effects=self.all_effects, watch=watch
+            scene, accuracy=self.accuracy, method=self.method, all_effects=self.all_effects, watch=watch, **told
         )
         if not self._is_assessed(scene):
             return response
-        return assess(scene, response, self.accuracy, functools.partial(self.solve, all_effects=self.all_effects))
+        return assess(scene, response, self.accuracy, self.solve, self.all_effects)
 
     def free(self, scene: Scene, accuracy: float) -> Response:
         """The response of neighbours with nothing between them, as accurate as the run a response is judged by, so that
@@ -58,7 +62,7 @@ class Task:
 
     def falls_apart(self) -> bool:
         """Whether scenes may be solved in groups: a user of fixed steps wants those steps in every scene."""
-        return not self.all_effects and not chosen_method(self.method, self.accuracy).takes_step
+        return not self.all_effects and self.time_step is None
 
     def _is_assessed(self, scene: Scene) -> bool:
         """Whether this scene is solved twice more; a sample is one scene in eight, the same ones in every run."""
@@ -67,7 +71,8 @@ class Task:
     def without(self, scene: Scene, status: str, advice: str) -> Response:
         """The response of a scene that gave none."""
         storeys = [building.storeys for building in scene.buildings]
-        return failed(storeys, len(scene.links), status, advice, self.method, self.accuracy)
+        asked = (self.accuracy, math.nan) if self.time_step is None else (math.nan, self.time_step)
+        return failed(storeys, len(scene.links), status, advice, self.method, *asked)
 
 
 @functools.lru_cache(maxsize=1)

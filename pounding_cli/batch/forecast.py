@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.families import order_of
+from pounding_cli.methods import AUTO
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.choice import AUTO
 from pounding_cli.solve.groups import GroupSolver, sure_parts
-from pounding_cli.solve.methods import TAYLOR
 from pounding_cli.solve.price import ASSESSED, BESIDE, method_of, price
 from pounding_cli.solve.response import Response
 
@@ -74,12 +73,12 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
         method = _method(plan, scene)
         found.scenes[what, method] += every
         times = 1 if what == APART else runs
-        found.seconds[what, method] += every * (times * price(scene, method, plan.accuracy) + BESIDE)
+        found.seconds[what, method] += every * (times * price(scene, method, plan.time_step) + BESIDE)
 
     def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:
             parts.add(scene.digest)
-            count(PARTS if all(link.can_close for link in scene.links) else APART, scene)
+            count(PARTS if all(link.law.can_close for link in scene.links) else APART, scene)
 
     solver = _prover(plan, count_part)
     for digest in digests:
@@ -108,14 +107,14 @@ def methods_needed(plan: Plan) -> set[str]:
     baselines = {digest for row in plan.rows for digest in row.baselines}
     some = itertools.chain(_looked_at(plan), *order_of(plan, ()).samples.values())
     methods = {digest: _method(plan, plan.scenes[digest]) for digest in some}
-    in_series = [digest for digest, method in methods.items() if method == TAYLOR.name]
+    in_series = [digest for digest, method in methods.items() if method == "taylor"]
     needed, solver = set(methods.values()), _prover(plan)
     if solver is None or plan.method != AUTO or not baselines.isdisjoint(in_series):
         return needed
     answers = (solver.by_proof(plan.scenes[digest]) for digest in in_series)
-    if any(answer is None or TAYLOR.name in answer.methods for answer in answers):
+    if any(answer is None or "taylor" in answer.methods for answer in answers):
         return needed
-    return needed - {TAYLOR.name}
+    return needed - {"taylor"}
 
 
 def _every(plan: Plan) -> int:
@@ -131,14 +130,14 @@ def _method(plan: Plan, scene: Scene) -> str:
     """Key in METHODS of what solves a scene that is not answered by proof."""
     if plan.method != AUTO:
         return plan.method
-    return TAYLOR.name if plan.all_effects else method_of(scene)
+    return "taylor" if plan.all_effects else method_of(scene)
 
 
 def _prover(plan: Plan, tell: Callable[[Scene], None] = lambda scene: None) -> GroupSolver | None:
     """What proves that a row falls apart, as a run does, telling what it solves; None where a run keeps rows whole."""
     from pounding_cli.solve import solve
 
-    task = Task(solve, plan.accuracy, plan.method, all_effects=plan.all_effects)
+    task = Task(solve, plan.accuracy, plan.method, all_effects=plan.all_effects, time_step=plan.time_step)
 
     def respond(scene: Scene, watch: bool) -> Response:
         tell(scene)
@@ -155,5 +154,5 @@ def _count_effects(found: Forecast, plan: Plan, scene: Scene) -> None:
     effects = effects_of(scene)
     found.kept.update(effects.kept)
     found.dropped.update(effects.dropped)
-    if not plan.all_effects:
+    if not plan.all_effects and plan.time_step is None:
         found.dropped.update(condensed(scene, plan.accuracy)[1])

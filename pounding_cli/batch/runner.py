@@ -76,7 +76,7 @@ def run_plan(
     progress = progress or Quiet()
     chosen = engine(engine_name, workers or _cores(), scheduler)
     check_output(output, [plan.study.path], lambda path, _: is_results(path))
-    key = solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects)
+    key = solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step)
     parts = PartStore(output, key)
     if not replace and is_current(output, plan):
         _tidy(output, parts)
@@ -141,7 +141,7 @@ def _solve_missing(
 
     Returns the engine's name and the time in the solver, all workers together [s].
     """
-    task = Task(solve or _default_solve(), plan.accuracy, plan.method, plan.estimate, plan.all_effects)
+    task = Task(solve or _default_solve(), plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step)
     spent, saved = 0.0, time.monotonic()
 
     def keep(finished: Finished, small: bool = True) -> None:

@@ -41,8 +41,8 @@ def command(study: Path, methods: str, cases: str, records: str, budget: str, ou
     """Measure what accuracy costs on the scenes of STUDY.
 
     Every method runs every scene it can at several settings. The reference is two methods that agree; their
-    difference is printed. Compiling is not timed; of repeats the fastest counts. Writes accuracy.md (the page),
-    accuracy.csv (every run) and the diagrams. Of a sweep its first point is taken.
+    difference is printed. Compiling is not timed; the fastest of several repeats counts. Writes accuracy.md (the page),
+    accuracy.csv (every run) and the diagrams. Of a sweep only the first point is run.
 
     \b
     Example:

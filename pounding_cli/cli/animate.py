@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     help="x.gif, x.mp4, or x.png for one picture; a GIF named like the scene unless given.",
 )
 @click.option("--scale", default="auto", show_default=True, metavar="FACTOR", help="Of displacements and gaps.")
-@click.option("--slow", default=4.0, show_default=True, metavar="FACTOR", help="How much slower than life.")
+@click.option("--slow", default=4.0, show_default=True, metavar="FACTOR", help="How many times slower than real time.")
 @click.option("--from", "begin", metavar="TIME", help="Where to begin, e.g. 2 s; at the start unless given.")
 @click.option("--to", "end", metavar="TIME", help="Where to stop; at the end unless given.")
 @click.option("--rate", type=click.IntRange(1, 60), default=25, show_default=True, help="Frames a second.")
@@ -55,7 +55,8 @@ def command(
     """Show a scene as a film: its floors at a displacement scale, links that flash as they push, the ground below.
 
     FILE.h5 must keep the scene's history (`keep: histories` in the study). Given a STUDY instead, the one scene is
-    run for it, whatever the study keeps. Options that leave one scene need not be given.
+    run for it, whatever the study keeps. --case, --analysis, --record and --at choose the scene; those not needed
+    for that may be left out.
     Displacements and gaps are drawn at one scale, so that floors touch in the film when they touch in the scene.
 
     \b
@@ -73,9 +74,7 @@ def command(
     if output is not None:
         check_film(output, [file])
     if not slow > 0:
-        raise InputError(
-            Problem(f"--slow {slow:g}: it must be above zero", "write e.g. --slow 4; 1 is as fast as life")
-        )
+        raise InputError(Problem(f"--slow {slow:g}: it must be above zero", "write e.g. --slow 4; 1 is real time"))
     read = _from_study if file.suffix.lower() in (".yaml", ".yml") else _from_results
     history, picture, name = read(file, place)
     path = output or Path(f"{file_name(name)}.gif")
@@ -117,7 +116,6 @@ def _from_study(file: Path, place: dict[str, Any]) -> tuple[History, Picture, st
     from pounding_cli.solve.histories import history
     from pounding_cli.study import expand, load_study
     from pounding_cli.study.keep import meant_rows
-    from pounding_cli.study.schema import ADAPTIVE
 
     plan = expand(load_study(file))
     rows = meant_rows(plan, place)
@@ -129,11 +127,10 @@ def _from_study(file: Path, place: dict[str, Any]) -> tuple[History, Picture, st
         raise InputError(Problem(what, f"say one with --case, --analysis, --record, --at: {listed}", str(file)))
     ((row, _),) = rows
     scene = plan.scenes[row.scene]
-    accuracy = plan.accuracy if plan.method in ADAPTIVE else 1e-6
     named = {"case": row.case, "analysis": row.analysis, "record": row.record}
     words = in_words(plan.shown(row), named, scene.motion.source)
-    picture = picture_of_scene(scene, plan.study.title, words)
-    return history(scene, accuracy, plan.every), picture, "-".join((file.stem, row.case, row.analysis, row.record))
+    picture = picture_of_scene(scene, plan.study.title, words, plan.study.unit("acceleration"))
+    return history(scene, plan.accuracy, plan.every), picture, "-".join((file.stem, row.case, row.analysis, row.record))
 
 
 def _shown(frames: Iterable[np.ndarray], count: int, quiet: bool) -> Iterator[np.ndarray]:

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pounding_cli.words import counted
+
+if TYPE_CHECKING:
+    from pounding_cli.study.connector_study import ConnectorStudy
+    from pounding_cli.study.wall_study import WallStudy
 
 MOST_ROWS = 50_000
 """Rows of a study whose combinations of swept values are looked at too."""
@@ -29,7 +34,11 @@ def command(study: Path) -> None:
 
     name = shortened(study)
     if (kind := kind_of_file(study)) != "run":
-        click.echo(f"OK: {name}: a study of `pound {kind}`, {_points(study, kind)} to compute")
+        loaded = _loaded(study, kind)
+        for warning in loaded.warnings:
+            click.echo(f"warning: {warning}", err=True)
+        count = counted(len(loaded.points), "point")
+        click.echo(f"OK: {name}: a study of `pound {kind}`, {count} to compute")
         return
     read = load_study(study)
     model = read.model
@@ -50,14 +59,12 @@ def command(study: Path) -> None:
         click.echo("Each value of the sweep was looked at, not their combinations: `pound plan` does that.")
 
 
-def _points(study: Path, kind: str) -> str:
-    """How many points a study of another system has, once it is found sound."""
+def _loaded(study: Path, kind: str) -> ConnectorStudy | WallStudy:
+    """A study of another system."""
     if kind == "connector":
         from pounding_cli.study.connector_study import load_connector_study
 
-        count = len(load_connector_study(study).points)
-    else:
-        from pounding_cli.study.wall_study import load_wall_study
+        return load_connector_study(study)
+    from pounding_cli.study.wall_study import load_wall_study
 
-        count = len(load_wall_study(study).points)
-    return counted(count, "point")
+    return load_wall_study(study)

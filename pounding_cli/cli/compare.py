@@ -27,7 +27,7 @@ def command(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
 
     A number counts as changed where it differs by more than the errors that both files estimate for its scene.
     Exit code 0: the same; 1: they differ in study, scenes or numbers; 2: a file was refused. Wording, comments,
-    versions and times are told where they differ, but make no difference.
+    versions and times that differ are reported, but do not count.
 
     \b
     Example:

@@ -16,7 +16,7 @@ import click
 def command(study: Path, output: Path | None, replace: bool, no_figures: bool, quiet: bool) -> None:
     """How a spring (and dashpot) between two oscillators changes their largest displacements.
 
-    Prints the peak ratios and where they stand, writes FILE.h5 (results/STUDY.h5 unless told) and the figure
+    Prints the peak ratios and where they stand, writes FILE.h5 (results/STUDY.h5 unless -o is given) and the figure
     beside it.
 
     \b
@@ -28,6 +28,8 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
     from pounding_cli.study.connector_study import load_connector_study
 
     loaded = load_connector_study(study)
+    for warning in () if quiet else loaded.warnings:
+        click.echo(f"warning: {warning}", err=True)
     path = output or Path("results") / f"{study.stem}.h5"
     check_results(path, loaded, "connector", replace)
     found = write_connector(loaded, path)
@@ -40,10 +42,9 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
         return
     click.echo(loaded.title)
     for point, result in zip(loaded.points, found, strict=True):
-        where = ", ".join(f"{name} = {value}" for name, value in point.values.items())
         low, high = result.frequencies
-        if where:
-            click.echo(where)
+        if point.label:
+            click.echo(point.label)
         click.echo(f"  |R1| at most {result.peak1:.3f} at Omega/omega10 = {result.at1:.3f}")
         click.echo(f"  |R2| at most {result.peak2:.3f} at Omega/omega10 = {result.at2:.3f}")
         click.echo(f"  coupled frequencies over omega10: {low:.4f}, {high:.4f} (alone: 1, {point.pair.p:.4f})")

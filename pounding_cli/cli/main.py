@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import errno
 import importlib
+import os
 import re
-import shlex
 import sys
-import traceback
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -17,10 +15,13 @@ from pounding_cli import __version__
 from pounding_cli.cli import streams
 from pounding_cli.errors import InputError
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
 COMMANDS = {
     "init": ("pounding_cli.cli.init", "Write a commented study to start from."),
     "check": ("pounding_cli.cli.check", "Validate a study file only."),
-    "run": ("pounding_cli.cli.run", "Run what a study still lacks and print its summary."),
+    "run": ("pounding_cli.cli.run", "Run a study and print its summary."),
     "show": ("pounding_cli.cli.show", "Print a table of a results file."),
     "report": ("pounding_cli.cli.report", "Draw the figures and write the tables and the claims."),
     "animate": ("pounding_cli.cli.animate", "Show a scene over time as a film."),
@@ -94,7 +95,7 @@ def _meant(word: str) -> str:
     for suffixes, name in (((".yaml", ".yml"), "run"), ((".h5", ".hdf5"), "show")):
         if word.lower().endswith(suffixes):
             return f" Did you mean `pound {name} {word}`?"
-    near = difflib.get_close_matches(word.lower(), COMMANDS, n=1, cutoff=0.5)
+    near = _nearest(word, COMMANDS)
     return f" Did you mean `pound {near[0]}`?" if near else " `pound --help` lists them."
 
 
@@ -104,8 +105,15 @@ def _meant_choice(error: click.ClickException) -> str:
     given = re.match(r"'(.+?)' is not one of", error.message)
     if not isinstance(kind, click.Choice) or given is None:
         return ""
-    near = difflib.get_close_matches(given[1].lower(), [str(choice) for choice in kind.choices], n=1, cutoff=0.5)
+    near = _nearest(given[1], [str(choice) for choice in kind.choices])
     return f"Did you mean '{near[0]}'?\n" if near else ""
+
+
+def _nearest(word: str, among: Iterable[str]) -> list[str]:
+    """The word among those that is most like the given one, in a list; an empty list where none is."""
+    import difflib  # here, as whatever is needed for an error only: `pound --help` stays fast
+
+    return difflib.get_close_matches(word.lower(), among, n=1, cutoff=0.5)
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -123,13 +131,14 @@ def cli(debug: bool) -> None:
     \b
     Exit codes: 0 done; 1 some scenes failed, or results differ (compare);
     2 the input or the output was refused; 70 a fault of the program;
-    130 stopped by Ctrl-C; 141 the reader of the output has gone.
+    130 stopped by Ctrl-C; 141 the program that read the output has closed.
     """
 
 
 def main() -> None:
     """Run `pound`; whatever happens ends with a sentence and an exit code, a traceback is shown to who asks for it."""
     streams.prepare()
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for some reads a file of every package
     try:
         code = cli(standalone_mode=False)
         sys.stdout.flush()
@@ -163,6 +172,9 @@ def _unforeseen(error: Exception) -> int:
         return REFUSED
     first = (str(error).splitlines() or [""])[0]
     what = f"error: a fault of the program: {type(error).__name__}: {first[:300]}"
+    import shlex
+    import traceback
+
     if "--debug" in sys.argv[1:2]:
         traceback.print_exception(error)
         click.echo(f"{what}\n    please report it with this traceback and the study file", err=True)

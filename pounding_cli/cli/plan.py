@@ -13,6 +13,7 @@ from pounding_cli.words import counted
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
     from pounding_cli.study import Plan
+    from pounding_cli.words import Unit
 
 
 WORTH_PROVING = 5.0
@@ -50,7 +51,6 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
 
 def _lines(plan: Plan, prove: bool | None) -> list[str]:
     from pounding_cli.batch.forecast import GROUP, PARTS, forecast
-    from pounding_cli.study.schema import ADAPTIVE
 
     found = forecast(plan, prove=bool(prove))
     proof = sum(seconds for (what, _), seconds in found.seconds.items() if what != GROUP)
@@ -59,7 +59,8 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
     baselines = {digest for row in plan.rows for digest in row.baselines}
     wanted = sum(len(row.baselines) for row in plan.rows)
     repeated = len(plan.rows) - len({row.scene for row in plan.rows})
-    setting = "accuracy" if plan.method in ADAPTIVE else "time step [s]"
+    step = "" if plan.time_step is None else f"time step {plan.study.unit('time step').text(plan.time_step)}"
+    setting = step or f"accuracy {plan.accuracy:g}"
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
@@ -70,7 +71,7 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
         listed = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
         lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
     lines += [
-        f"method     {plan.method}, {setting} {plan.accuracy:g}",
+        f"method     {plan.method}, {setting}",
         f"scenes     {len(plan.scenes)}, on one core about {_time(found.total)} with estimate: {plan.estimate}"
         " (reference core; stiff links take longer)",
     ]
@@ -80,21 +81,23 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
         lines.append(f"  run      {count:6d} {what}, {method}, about {_time(found.seconds[what, method])}")
     who = "the buildings alone" + (" and smaller groups" if any(what == PARTS for what, _ in found.scenes) else "")
     for case, count in found.spared.items():
-        lines.append(f"  spared   {count:6d} of {case}: gaps that {who} never close")
+        lines.append(f"  not run  {count:6d} of {case}: gaps that {who} never close")
     lines.append(
         f"  shared   {counted(wanted, 'baseline')} asked for, {len(baselines)} run; "
         f"{counted(repeated, 'row repeats', 'rows repeat')} another's scene"
     )
-    if not found.proven and not plan.all_effects and plan.method in ADAPTIVE:
-        lines.append("  more scenes may be spared: --prove runs the buildings alone to find out")
+    if not found.proven and not plan.all_effects and plan.time_step is None:
+        lines.append("  more scenes may need no run: --prove runs the buildings alone to find out")
     lines.append("cases")
-    lines += [f"  {case:<16} {_links(plan, case)}" for case in plan.cases]
+    units = plan.study.unit("gap"), plan.study.unit("link stiffness")
+    lines += [f"  {case:<16} {_links(plan, case, *units)}" for case in plan.cases]
     lines.append("effects    (in scenes of the group)")
     lines += _effects(found)
     lines.append("motions    (as used)")
+    unit = plan.study.unit("acceleration")
     lines += [
         f"  {use.name:<16} {use.source}, first {use.window:g} s x {use.scale:.3f}: "
-        f"peak {use.pga:.2f} m/s2, Arias {use.arias:.3f} m/s"
+        f"peak {unit.text(use.pga, 3)}, Arias {use.arias:.3f} m/s"
         for use in plan.motions
     ]
     if (match := plan.study.spectrum_match()) is not None:
@@ -133,14 +136,14 @@ def _effects(found: Forecast) -> list[str]:
     return lines
 
 
-def _links(plan: Plan, case: str) -> str:
+def _links(plan: Plan, case: str, width: Unit, strength: Unit) -> str:
     """The links of a case at the first point of the sweep, in words."""
     row = next(row for row in plan.rows if row.case == case)
     links = plan.scenes[row.scene].links
     if not links:
         return "no links: runs as buildings alone"
-    groups = Counter((str(link.kind), link.gap, link.stiffness) for link in links)
+    groups = Counter((link.kind, link.gap, link.law.initial_stiffness) for link in links)
     return "; ".join(
-        f"{count} x {kind}, gap {gap * 100:g} cm, {stiffness / 1e6:.4g} MN/m"
+        f"{count} x {kind}, gap {width.text(gap)}, {strength.text(stiffness, 4)}"
         for (kind, gap, stiffness), count in groups.items()
     )

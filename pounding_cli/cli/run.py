@@ -1,4 +1,4 @@
-"""`pound run`: run what a study still lacks and print its summary."""
+"""`pound run`: run a study, reusing scenes solved before, and print its summary."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MEANINGLESS = "!"
 """Stands beside every number that means nothing, because a scene behind it left the range of its model."""
 
 
-@click.command("run", short_help="Run what a study still lacks and print its summary.")
+@click.command("run", short_help="Run a study and print its summary.")
 @click.argument("study", type=click.Path(path_type=Path))
 @click.option(
     "-o",
@@ -73,11 +73,11 @@ def command(
     replace: bool,
     log_json: bool,
 ) -> None:
-    """Run what STUDY still lacks, write one results file, print a summary.
+    """Run STUDY, write one results file, print a summary.
 
     Scenes that an earlier run solved are reused, also after the study was changed, and the count is printed.
     A file that holds another study is refused unless --replace is said.
-    Ctrl-C keeps what is solved; the same command goes on from there, also after a crash or a full disk.
+    After Ctrl-C, a crash or a full disk the same command continues from what was solved.
     Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
 
     \b
@@ -215,8 +215,8 @@ def _print(found: Overview, outcome: Outcome) -> None:
     for group in found.flags:
         click.echo(f"{f'Meaningless ({MEANINGLESS})' if group.meaningless else 'Note'}: {group}")
     if found.spared:
-        spared = counted(found.spared, "scene")
-        click.echo(f"Spared, {spared}: gaps that never close, so the buildings alone are the answer")
+        which = "scene, whose gaps never close" if found.spared == 1 else "scenes, whose gaps never close"
+        click.echo(f"Not simulated: {found.spared} {which}; the buildings alone, or smaller groups, give the results")
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
     worthless = f", {counted(found.meaningless, 'row')} meaningless ({MEANINGLESS})" if found.meaningless else ""
     click.echo(

@@ -26,7 +26,7 @@ _ASIDE = {
     "scene": ("advice", "effects", "dropped", "_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
     "records": ("digest",),
 }
-"""Ends of the columns that the eye can do without, by table."""
+"""Endings of the columns left out of the printed table unless --wide is given, by table."""
 
 
 @click.command("show", short_help="Print a table of a results file.")
@@ -38,9 +38,9 @@ _ASIDE = {
     type=click.Choice(("table", "csv", "json")),
     default="table",
     show_default=True,
-    help="Columns for the eye, or all digits as CSV or JSON (SI).",
+    help="Aligned columns in the units of the study, or all digits in SI as CSV or JSON.",
 )
-@click.option("--wide", is_flag=True, help="Every column, also those that summary, scene and records keep aside.")
+@click.option("--wide", is_flag=True, help="Every column, including those that summary, scene and records leave out.")
 @click.option("--case", multiple=True, help="Only this case; may be given more than once.")
 @click.option("--analysis", multiple=True, help="Only this analysis.")
 @click.option("--record", multiple=True, help="Only this record.")
@@ -65,7 +65,7 @@ def command(
 ) -> None:
     """Print TABLE of a results file: storey, floor, link, scene, flagged, accuracy, summary, records or buildings.
 
-    summary holds means over the records, accuracy the error and the price of every scene; all columns are
+    summary holds means over the records, accuracy the error and the cost of every scene; all columns are
     described in docs/results.md.
 
     \b

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def command(study: Path, output: Path | None, replace: bool, no_figures: bool, quiet: bool) -> None:
     """A floor strikes a concrete building on its bumper wall: force, separation, stresses.
 
-    Prints peak force and stresses, writes FILE.h5 (results/STUDY.h5 unless told), the figures beside it and
+    Prints peak force and stresses, writes FILE.h5 (results/STUDY.h5 unless -o is given), the figures beside it and
     the fields for ParaView in a folder named like it.
 
     \b
@@ -34,6 +34,8 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
     from pounding_cli.study.wall_study import load_wall_study
 
     loaded = load_wall_study(study)
+    for warning in () if quiet else loaded.warnings:
+        click.echo(f"warning: {warning}", err=True)
     path = output or Path("results") / f"{study.stem}.h5"
     check_results(path, loaded, "wall", replace)
     if not quiet:
@@ -49,9 +51,8 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
 
 
 def _summary(point: WallPoint, response: WallResponse) -> None:
-    where = ", ".join(f"{name} = {value}" for name, value in point.values.items())
-    if where:
-        click.echo(where)
+    if point.label:
+        click.echo(point.label)
     left = f"{1e3 * response.separation:.1f} ms" if math.isfinite(response.separation) else "not reached"
     click.echo(
         f"  peak force {response.peak_force / 1e6:.2f} MN at {1e3 * response.peak_time:.1f} ms, "

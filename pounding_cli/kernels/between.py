@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.kernels.branches import closing_of, held_force_rate
+from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.hermite import cubic, quintic
-from pounding_cli.kernels.layout import CONNECTOR, CUBIC, INFILL, INLINE, LINEAR, OPEN, POUNDING
+from pounding_cli.kernels.layout import INLINE
+from pounding_cli.kernels.link_force import branch_at, closing_of, held_force_rate
+from pounding_cli.kernels.link_table import branch
 from pounding_cli.kernels.polynomial import highest
 
 SHORTEST = 1e-7
@@ -88,22 +90,22 @@ def raise_links(links, state, peaks, scratch, h, u0, v0, a0, u1, v1, a1, force0,
             peaks.closing[e] = highest(scratch, 5, 1.0, peaks.closing[e], False)
         c0 = closing_of(links, e, u0)
         c1 = closing_of(links, e, u1)
-        if located or links.kind[e] == CONNECTOR:
-            branch = state.link_branch[e]
-            smooth = branch != OPEN and state.link_cut[e] == 0
+        if located:
+            b = state.link_branch[e]
+            smooth = branch(links, b, t.ACTS) != 0.0
             acting = 1.0 if smooth else 0.0
         else:
-            smooth = c0 > 0.0 and c1 > 0.0 and force0[e] != 0.0 and force1[e] != 0.0
-            acting = 0.5 * ((1.0 if force0[e] != 0.0 else 0.0) + (1.0 if force1[e] != 0.0 else 0.0))
-            branch = CUBIC if links.kind[e] == INFILL and c1 <= links.gap[e] else LINEAR
-            smooth = smooth and (links.kind[e] == POUNDING or (c0 <= links.gap[e]) == (c1 <= links.gap[e]))
+            b = branch_at(links, e, c1)
+            acts = (1 if force0[e] != 0.0 else 0) + (1 if force1[e] != 0.0 else 0)
+            smooth = b >= 0 and b == branch_at(links, e, c0) and (acts == 2 or branch(links, b, t.CUTS) == 0.0)
+            acting = 1.0 if smooth else 0.5 * acts
         peaks.contact_time[e] += acting * h
         if not smooth:
             if not located:
                 peaks.impulse[e] += 0.5 * h * (force0[e] + force1[e])
             continue
-        g0 = held_force_rate(links, e, branch, c0, r0, q0)
-        g1 = held_force_rate(links, e, branch, c1, r1, q1)
+        g0 = held_force_rate(links, b, c0, r0, q0)
+        g1 = held_force_rate(links, b, c1, r1, q1)
         peaks.impulse[e] += 0.5 * h * (force0[e] + force1[e]) + h * h / 12.0 * (g0 - g1)
         if max(abs(force0[e]), abs(force1[e])) + h * (abs(g0) + abs(g1)) > peaks.force[e]:
             cubic(scratch, h, force0[e], g0, force1[e], g1)

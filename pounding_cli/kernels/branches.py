@@ -6,55 +6,15 @@ those of `forces`, corrected where the branch differs from them."""
 
 from __future__ import annotations
 
-import math
-
 from numba import njit
 
-from pounding_cli.kernels.crossings import CLOSES, OPENS, PULLS, PUSHES, SOFTENS, STIFFENS
-from pounding_cli.kernels.forces import accelerations, link_force
+from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels.forces import accelerations
 from pounding_cli.kernels.hermite import cubic, quintic
-from pounding_cli.kernels.layout import (
-    AT_GAP,
-    AT_ZERO,
-    CONNECTOR,
-    CUBIC,
-    INFILL,
-    INLINE,
-    LINEAR,
-    NO_FORCE,
-    OPEN,
-    POUNDING,
-)
+from pounding_cli.kernels.layout import INLINE
+from pounding_cli.kernels.link_force import closing_of, held_force, held_force_rate, link_force
+from pounding_cli.kernels.link_table import branch, guard
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-
-
-@njit(**INLINE)
-def held_force(links, e, branch, v, rate):
-    """Force of link e [N] on its branch, whatever v [m]; a tension cut-off is not applied."""
-    if branch == OPEN:
-        return 0.0
-    if branch == CUBIC:
-        slope = max(links.stiffness[e] + 3.0 * links.cubic[e] * v * v, 0.0)
-        return links.cubic[e] * v**3 + links.stiffness[e] * v + links.root_dashpot[e] * math.sqrt(slope) * rate
-    if links.kind[e] == INFILL:
-        return links.beyond[e] * v + links.beyond_force[e] + links.beyond_dashpot[e] * rate
-    return links.stiffness[e] * v + links.dashpot[e] * rate
-
-
-@njit(**INLINE)
-def held_force_rate(links, e, branch, v, rate, acceleration):
-    """Time derivative of `held_force` [N/s]."""
-    if branch == OPEN:
-        return 0.0
-    if branch == CUBIC:
-        slope = links.stiffness[e] + 3.0 * links.cubic[e] * v * v
-        root = math.sqrt(slope)
-        dashpot = links.root_dashpot[e] * root
-        dashpot_rate = links.root_dashpot[e] * 3.0 * links.cubic[e] * v * rate / root
-        return slope * rate + dashpot_rate * rate + dashpot * acceleration
-    if links.kind[e] == INFILL:
-        return links.beyond[e] * rate + links.beyond_dashpot[e] * acceleration
-    return links.stiffness[e] * rate + links.dashpot[e] * acceleration
 
 
 @njit(**INLINE)
@@ -65,13 +25,6 @@ def held_shear(slots, state, i, drift):
     if state.line[i] != 0.0:
         return a * k * drift + state.line[i] * slots.plateau[i]
     return k * (drift - (1.0 - a) * state.plastic[i])
-
-
-@njit(**INLINE)
-def closing_of(links, e, u):
-    """Closing of link e as its law takes it [m]: the gap is subtracted for pounding."""
-    v = u[links.left[e]] - u[links.right[e]]
-    return v - links.gap[e] if links.kind[e] == POUNDING else v
 
 
 @njit(**INLINE)
@@ -100,7 +53,8 @@ def held_accelerations(
         right = links.right[e]
         closing = closing_of(links, e, u)
         rate = v[left] - v[right]
-        held = 0.0 if state.link_cut[e] == 1 else held_force(links, e, state.link_branch[e], closing, rate)
+        b = state.link_branch[e]
+        held = held_force(links, b, closing, rate) * branch(links, b, t.ACTS)
         excess = held - link_force(links, e, closing, rate)
         force[size + e] = held
         out[left] -= excess * slots.inverse_mass[left]
@@ -145,53 +99,38 @@ def _leaves_zero(c, from_rest):
 
 @njit(**INLINE)
 def link_branch_end(links, state, e, h, v0, r0, q0, v1, r1, q1, scratch):
-    """(s, event) of the first change of link e in a step h; closing, its rate and acceleration at both ends."""
-    if links.kind[e] == CONNECTOR:
-        return NEVER, CLOSES
-    branch = state.link_branch[e]
-    snapped = state.snapped_link[e]
+    """(s, guard) of the first guard that link e meets in a step h; closing, its rate and acceleration at both ends."""
+    b = state.link_branch[e]
     swing = 0.5 * h * (abs(r0) + abs(r1))
-    from_rest = snapped == AT_ZERO and r0 == 0.0 and q0 == 0.0
-    if branch == OPEN:
-        if max(v0, v1) < -swing:
-            return NEVER, CLOSES
-        quintic(scratch, h, -v0, -r0, -q0, -v1, -r1, -q1)
-        if snapped == AT_ZERO:
-            scratch[0] = 0.0
-        return _leaves_zero(scratch, from_rest), CLOSES
     earliest = NEVER
-    event = OPENS
-    infill = links.kind[e] == INFILL
-    if branch == CUBIC or not infill:
-        quintic(scratch, h, v0, r0, q0, v1, r1, q1)
-        if snapped == AT_ZERO:
-            scratch[0] = 0.0
-        earliest = _leaves_zero(scratch, from_rest)
-    if infill:
-        sign = -1.0 if branch == CUBIC else 1.0
-        gap = links.gap[e]
-        quintic(scratch, h, sign * (v0 - gap), sign * r0, sign * q0, sign * (v1 - gap), sign * r1, sign * q1)
-        if snapped == AT_GAP:
-            scratch[0] = 0.0
-        s = first_crossing(scratch, 5, 1.0)
+    first = -1
+    for g in range(int(branch(links, b, t.FIRST_GUARD)), int(branch(links, b, t.LAST_GUARD))):
+        side = guard(links, g, t.SIDE)
+        at = guard(links, g, t.AT)
+        known = state.snapped_link[e] == guard(links, g, t.QUANTITY)
+        if guard(links, g, t.QUANTITY) == t.CLOSING:
+            room0 = side * (v0 - at)
+            room1 = side * (v1 - at)
+            known = known and state.link_at[e] == at
+            if not known and min(room0, room1) > swing:
+                continue
+            quintic(scratch, h, room0, side * r0, side * q0, room1, side * r1, side * q1)
+            if known:
+                scratch[0] = 0.0
+            s = _leaves_zero(scratch, known and r0 == 0.0 and q0 == 0.0)
+        else:
+            f0 = held_force(links, b, v0, r0)
+            f1 = held_force(links, b, v1, r1)
+            g0 = held_force_rate(links, b, v0, r0, q0)
+            g1 = held_force_rate(links, b, v1, r1, q1)
+            cubic(scratch, h, side * f0, side * g0, side * f1, side * g1)
+            if known:
+                scratch[0] = 0.0
+            s = first_crossing(scratch, 3, 1.0)
         if s < earliest:
             earliest = s
-            event = STIFFENS if branch == CUBIC else SOFTENS
-    if links.tension_cut[e] == 1:
-        cut = state.link_cut[e] == 1
-        sign = -1.0 if cut else 1.0
-        f0 = held_force(links, e, branch, v0, r0)
-        f1 = held_force(links, e, branch, v1, r1)
-        g0 = held_force_rate(links, e, branch, v0, r0, q0)
-        g1 = held_force_rate(links, e, branch, v1, r1, q1)
-        cubic(scratch, h, sign * f0, sign * g0, sign * f1, sign * g1)
-        if snapped == NO_FORCE:
-            scratch[0] = 0.0
-        s = first_crossing(scratch, 3, 1.0)
-        if s < earliest:
-            earliest = s
-            event = PUSHES if cut else PULLS
-    return earliest, event
+            first = g
+    return earliest, first
 
 
 @njit(**INLINE)
@@ -208,19 +147,9 @@ def switch_storey(slots, state, i, drift):
 
 
 @njit(**INLINE)
-def switch_link(links, state, peaks, e, event):
-    """Link e changes its branch; a closing counts as an impact."""
-    if event == CLOSES:
-        state.link_branch[e] = CUBIC if links.kind[e] == INFILL else LINEAR
-        state.snapped_link[e] = AT_ZERO
-        peaks.impacts[e] += 1
-    elif event == OPENS:
-        state.link_branch[e] = OPEN
-        state.link_cut[e] = 0
-        state.snapped_link[e] = AT_ZERO
-    elif event in (STIFFENS, SOFTENS):
-        state.link_branch[e] = LINEAR if event == STIFFENS else CUBIC
-        state.snapped_link[e] = AT_GAP
-    else:
-        state.link_cut[e] = 1 if event == PULLS else 0
-        state.snapped_link[e] = NO_FORCE
+def switch_link(links, state, peaks, e, g):
+    """Link e has met guard g: the branch that follows, what is known exactly now, and whether that was a blow."""
+    state.link_branch[e] = int(guard(links, g, t.NEXT))
+    state.snapped_link[e] = int(guard(links, g, t.QUANTITY))
+    state.link_at[e] = guard(links, g, t.AT)
+    peaks.impacts[e] += int(guard(links, g, t.IMPACT))

@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
+from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.cells import of, of_link, of_tie
-from pounding_cli.kernels.clock import END, EVENT, LINK
-from pounding_cli.kernels.crossings import CLOSES, OPENS, PULLS, PUSHES, SOFTENS, STIFFENS
-from pounding_cli.kernels.layout import AT_GAP, AT_ZERO, CALLED, CUBIC, INFILL, LINEAR, NO_FORCE, NOTHING, OPEN, PART
+from pounding_cli.kernels.clock import END, GUARD, LINK
+from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import set_law
 from pounding_cli.kernels.recurrence import restencil
 from pounding_cli.kernels.simd import stand_alone
@@ -76,34 +76,13 @@ def link_event(run):
     """Change the branch of the link whose event comes first."""
     stand_alone()
     e = run.tally[LINK]
-    event = run.tally[EVENT]
-    infill = run.ties[of_tie(e, c.KIND)] == INFILL
-    branch = run.ties[of_tie(e, c.BRANCH)]
-    cut = run.ties[of_tie(e, c.CUT)]
-    exact = AT_ZERO
-    if event == CLOSES:
-        branch = CUBIC if infill else LINEAR
-        run.ties[of_tie(e, c.IMPACTS)] += 1
-    elif event == OPENS:
-        branch = OPEN
-        cut = 0
-    elif event == STIFFENS:
-        branch = LINEAR
-        exact = AT_GAP
-    elif event == SOFTENS:
-        branch = CUBIC
-        exact = AT_GAP
-    elif event == PULLS:
-        cut = 1
-        exact = NO_FORCE
-    elif event == PUSHES:
-        cut = 0
-        exact = NO_FORCE
-    run.ties[of_tie(e, c.BRANCH)] = branch
-    run.ties[of_tie(e, c.CUT)] = cut
-    run.ties[of_tie(e, c.SNAPPED)] = exact
-    set_law(run, e)
+    g = run.tally[GUARD]
+    run.ties[of_tie(e, c.BRANCH)] = int(t.guard(run, g, t.NEXT))
+    run.ties[of_tie(e, c.SNAPPED)] = int(t.guard(run, g, t.QUANTITY))
+    run.links[of_link(e, c.EXACTLY)] = t.guard(run, g, t.AT)
+    run.ties[of_tie(e, c.IMPACTS)] += int(t.guard(run, g, t.IMPACT))
     run.links[of_link(e, c.TURNS)] += 1.0
+    set_law(run, e)
 
 
 @njit(**CALLED)
@@ -111,7 +90,7 @@ def unsnap(run):
     """Time goes on: nothing is exactly zero any more."""
     stand_alone()
     for e in range(run.first, run.last):
-        run.ties[of_tie(e, c.SNAPPED)] = NOTHING
+        run.ties[of_tie(e, c.SNAPPED)] = t.NOTHING
         run.links[of_link(e, c.TURNS)] = 0.0
     for i in range(run.low, run.high):
         run.snapped[i] = 0

@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit, types
 
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
-from pounding_cli.kernels.layout import CALLED, NO_LINK, PART
+from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.link_table import NO_LINK
 from pounding_cli.kernels.simd import stand_alone
 
 # A slot: what it is, in the order of `layout.Slots`; its stencils (`recurrence`); what a step leaves to the next: its
@@ -27,22 +28,20 @@ _SLOT = 49  # one more than there are: an odd number of cache lines spreads them
 SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE  # fault: island-slots-put-back
 """The fields that a step leaves to the next, from the first to before the second; stencils follow from the branch."""
 
-# A link: its parameters, as in `layout.Links`; what a step leaves to the next: the law of its branch (`link_series`),
-# peaks and work; what a step is told by: its start.
+# A link: what its closing leaves out; what a step leaves to the next: the law of its branch (`link_series`), the
+# closing known exactly, events at this instant, peaks and work; what a step is told by: its start.
 (
-    GAP, SPRING, DAMPER, BEYOND, BEYOND_FORCE, BEYOND_DAMPER, CUBE, ROOT_DAMPER, LINEAR_LAW, CUBIC_LAW, OFFSET_LAW,
-    RATE_LAW, ROOT_LAW, APPLIED, CLOSED, LOW, HIGH, THICKNESS, TURNS, MOST_CLOSING, MOST_FORCE, IMPULSE, CONTACT,
-    WORK_DONE, CLOSING, SIZE, DAMPING, HALF,
-) = range(0, 8 * 28, 8)  # fmt: skip
-_LINK = 29  # an odd number again
+    LEAVES_OUT, LINEAR_LAW, CUBIC_LAW, OFFSET_LAW, RATE_LAW, ROOT_LAW, APPLIED, CLOSED, LOW, HIGH, EXACTLY, TURNS,
+    MOST_CLOSING, MOST_FORCE, IMPULSE, CONTACT, WORK_DONE, CLOSING, SIZE, DAMPING, HALF,
+) = range(0, 8 * 21, 8)  # fmt: skip
+_LINK = 21  # an odd number again
 LINK_LEFT, LINK_LEFT_END = LINEAR_LAW, CLOSING
 """Likewise."""
 
-# A link in integers: its slots, kind, whether tension is cut off; what a step leaves: branch, cut and what is exactly
-# zero; impacts.
-LEFT_SLOT, RIGHT_SLOT, KIND, CUTS, BRANCH, CUT, SNAPPED, IMPACTS = range(0, 8 * 8, 8)
-_TIE = 8
-TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * _TIE  # fault: island-links-put-back
+# A link in integers: its slots; what a step leaves: branch, what is known exactly, impacts.
+LEFT_SLOT, RIGHT_SLOT, BRANCH, SNAPPED, IMPACTS = range(0, 8 * 5, 8)
+TIE = 5  # integers a link
+TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * TIE  # fault: island-links-put-back
 """Likewise."""
 
 # The series of a link, by order: closing [m], its rate [m/s], force [N]; the infill's v^2 and sqrt(s_cur).
@@ -51,7 +50,8 @@ _TERM = 5
 
 _POINTERS = {
     "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "snapped": INTEGERS, "links": DOUBLES, "ties": INTEGERS,
-    "gains": INTEGERS, "losses": INTEGERS, "pushed": DOUBLES, "series": DOUBLES, "rule": DOUBLES,
+    "branches": DOUBLES, "guards": DOUBLES, "gains": INTEGERS, "losses": INTEGERS, "pushed": DOUBLES,
+    "series": DOUBLES, "rule": DOUBLES,
     "reciprocal": DOUBLES, "clock": DOUBLES, "tally": INTEGERS, "scratch": DOUBLES, "tilt": DOUBLES,
 }  # fmt: skip
 RUN = Frame(
@@ -63,7 +63,8 @@ RUN = Frame(
 padded, linked: places in all; rounds: see `layout.Row`; feet: number of foundations. W: coefficients of velocity by
 order and place [m/s], after a row of displacements at the step's start [m]. ends: rows of displacements at the step's
 end, of their strays (`summary`), and of what they stay below and above in this segment [m]. slots, links, ties, series:
-records as above; snapped: of storeys, as in `layout.State`; gains, losses: by round and place, the link that pushes the
+records as above; snapped: of storeys, as in `layout.State`; branches, guards: the tables of the links' laws
+(`link_table`); gains, losses: by round and place, the link that pushes the
 slot to the right and to the left, or `linked`, the first of eight zeros behind one order's link forces, `pushed` [N];
 where rounds is 0, the first of eight links. rule: the ledger's points and weights. reciprocal[k] = 1 / k. clock, tally:
 see `clock`. scratch: one polynomial. tilt: storey height times rocking rate by order and place, after a row of the same
@@ -100,13 +101,13 @@ def of_link(e, field):
 @njit(**PART)
 def at_tie(b, field):
     """Where an integer of eight links begins."""
-    return b * _TIE + field
+    return b * TIE + field
 
 
 @njit(**PART)
 def of_tie(e, field):
     """Where the integer of one link is."""
-    return (e & -8) * _TIE + field + (e & 7)
+    return (e & -8) * TIE + field + (e & 7)
 
 
 @njit(**PART)
@@ -123,7 +124,7 @@ def of_term(run, k, e, field):
 
 def room_for(padded: int, links: int, orders: int) -> tuple[int, int]:
     """Doubles and integers of the records of so many slots and links, padding included."""
-    return _SLOT * padded + (_LINK + orders * _TERM) * links, padded + _TIE * links
+    return _SLOT * padded + (_LINK + orders * _TERM) * links, padded + TIE * links
 
 
 @njit(**PART)
@@ -222,7 +223,7 @@ def take_links(run, row, links, state, peaks, ledger):
     c = run.links
     n = run.ties
     for e in range(run.linked):
-        n[of_tie(e, KIND)] = NO_LINK
+        n[of_tie(e, BRANCH)] = NO_LINK
         c[of_link(e, MOST_CLOSING)] = np.inf
     for i in range(max(run.rounds, 1) * run.padded):
         run.gains[i] = run.linked
@@ -231,14 +232,8 @@ def take_links(run, row, links, state, peaks, ledger):
         _pair_up(run, row)
     for link in range(row.links):
         e = row.seats[link]
-        c[of_link(e, GAP)] = links.gap[link]
-        c[of_link(e, SPRING)] = links.stiffness[link]
-        c[of_link(e, DAMPER)] = links.dashpot[link]
-        c[of_link(e, BEYOND)] = links.beyond[link]
-        c[of_link(e, BEYOND_FORCE)] = links.beyond_force[link]
-        c[of_link(e, BEYOND_DAMPER)] = links.beyond_dashpot[link]
-        c[of_link(e, CUBE)] = links.cubic[link]
-        c[of_link(e, ROOT_DAMPER)] = links.root_dashpot[link]
+        c[of_link(e, LEAVES_OUT)] = links.offset[link]
+        c[of_link(e, EXACTLY)] = state.link_at[link]
         c[of_link(e, TURNS)] = 0.0
         c[of_link(e, MOST_CLOSING)] = peaks.closing[link]
         c[of_link(e, MOST_FORCE)] = peaks.force[link]
@@ -250,10 +245,7 @@ def take_links(run, row, links, state, peaks, ledger):
             n[of_tie(e, RIGHT_SLOT)] = row.spots[links.right[link]]
             _list(run, run.gains, n[of_tie(e, RIGHT_SLOT)], e)
             _list(run, run.losses, n[of_tie(e, LEFT_SLOT)], e)
-        n[of_tie(e, KIND)] = links.kind[link]
-        n[of_tie(e, CUTS)] = links.tension_cut[link]
         n[of_tie(e, BRANCH)] = state.link_branch[link]
-        n[of_tie(e, CUT)] = state.link_cut[link]
         n[of_tie(e, SNAPPED)] = state.snapped_link[link]
         n[of_tie(e, IMPACTS)] = peaks.impacts[link]
 
@@ -272,6 +264,6 @@ def give_links(run, row, state, peaks, ledger):
         peaks.contact_time[link] = c[of_link(e, CONTACT)]
         ledger.links[link] = c[of_link(e, WORK_DONE)]
         state.link_branch[link] = n[of_tie(e, BRANCH)]
-        state.link_cut[link] = n[of_tie(e, CUT)]
         state.snapped_link[link] = n[of_tie(e, SNAPPED)]
+        state.link_at[link] = c[of_link(e, EXACTLY)]
         peaks.impacts[link] = n[of_tie(e, IMPACTS)]

@@ -9,99 +9,54 @@ from __future__ import annotations
 
 import functools
 
-import numpy as np
 from numba import njit
 
-from pounding_cli.kernels.forces import accelerations
-from pounding_cli.kernels.layout import (
-    DONE,
-    NOT_FINITE,
-    OPTIONS,
-    foot_pointers,
-    link_pointers,
-    peak_pointers,
-    slot_pointers,
-    state_pointers,
-)
-from pounding_cli.kernels.sampling import sample
-from pounding_cli.kernels.simd import pointer
+from pounding_cli.kernels.layout import INLINE, OPTIONS
+from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
+from pounding_cli.kernels.stepping import WHOLE, causes, march, nothing_after
+
+
+def room_needed(size: int, feet: int, links: int) -> int:
+    """Doubles of the method's own scratch: whether a half step has been, and its velocities."""
+    return 1 + size + feet
+
+
+@njit(**INLINE)
+def _kick(count, half, h, kick, u, v, a, out_u, out_v):
+    """Half-step velocities, displacements and extrapolated velocities of a step."""
+    for i in range(count):
+        before = half[i] if kick == h else v[i]
+        half[i] = before + kick * a[i]
+        out_u[i] = u[i] + h * half[i]
+        out_v[i] = 1.5 * half[i] - 0.5 * before  # fault: central-difference-velocity
+
+
+@njit(**INLINE)
+def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
+    size, count = scene.slots.size, scene.feet.number
+    kick = h if own[0] != 0.0 else 0.5 * h
+    own[0] = 1.0
+    half = further(own, 1)
+    _kick(size, half, h, kick, p.u, p.v, p.a, out.u, out.v)
+    _kick(count, further(half, size), h, kick, p.phi, p.phi_v, p.turn, out.phi, out.phi_v)
+    for i in range(size):
+        out.plastic[i] = p.plastic[i]
+    causes(scene, out, ground + h * slope, inelastic, False)
+    return h, WHOLE
 
 
 @functools.cache
 def build(inelastic: bool):
-    """The method for elastic or inelastic storeys, compiled on first use."""
+    """The method for elastic or inelastic storeys, compiled on first use; arguments as `stepping.march`."""
     source = source_digest()
 
     @njit(**OPTIONS)
-    def integrate(
-        slot_arrays,
-        foot_arrays,
-        link_arrays,
-        state_arrays,
-        peak_arrays,
-        room,
-        touching,
-        starts,
-        slopes,
-        dt,
-        parts,
-    ):
-        """March through all segments, each cut into `parts` steps; `room` holds 8 rows of slots, feet and links.
-
-        Fills state and peaks in place; returns (status, steps, 0, 0, time reached [s]).
-        """
+    def integrate(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
-        slots, feet, links = (
-            slot_pointers(slot_arrays),
-            foot_pointers(foot_arrays),
-            link_pointers(link_arrays),
-        )
-        state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
-        size = slots.size
-        count = feet.number
-        acceleration, drift, shear, force = (
-            pointer(room[0]),
-            pointer(room[1]),
-            pointer(room[2]),
-            pointer(room[3]),
-        )
-        half, before, turn, turn_half = pointer(room[4]), pointer(room[5]), pointer(room[6]), pointer(room[7])
-        turn_before = pointer(room[8])
-        h = dt / parts
-        for i in range(size):
-            half[i] = state.v[i]
-            before[i] = state.v[i]
-        for f in range(count):
-            turn_half[f] = state.phi_v[f]
-            turn_before[f] = state.phi_v[f]
-        steps = starts.size * parts
-        for step in range(steps + 1):  # the last one only looks at where the others have led
-            segment = min(step // parts, starts.size - 1)
-            ground = starts[segment] + slopes[segment] * (step - segment * parts) * h
-            accelerations(
-                slots, feet, links, state.plastic, state.u, state.v, state.phi, state.phi_v, ground, inelastic,
-                acceleration, turn, drift, shear, force,
-            )  # fmt: skip
-            sample(
-                slots, feet, links, peaks, touching, state.u, state.phi, ground, acceleration, drift, shear, force,
-                h if step < steps else 0.0,
-            )  # fmt: skip
-            if not np.isfinite(state.u[0]) or abs(state.u[0]) > 1e6:
-                return NOT_FINITE, step, 0, 0, step * h
-            if step == steps:
-                break
-            kick = h if step > 0 else 0.5 * h
-            for i in range(size):
-                before[i] = half[i]
-                half[i] += kick * acceleration[i]
-                state.u[i] += h * half[i]
-                state.v[i] = 1.5 * half[i] - 0.5 * before[i]  # fault: central-difference-velocity
-            for f in range(count):
-                turn_before[f] = turn_half[f]
-                turn_half[f] += kick * turn[f]
-                state.phi[f] += h * turn_half[f]
-                state.phi_v[f] = 1.5 * turn_half[f] - 0.5 * turn_before[f]
-        return DONE, steps, 0, 0, starts.size * dt
+        return march(
+            _advance, nothing_after, False, False, inelastic, slots, feet, links, state, peaks, room, tally, starts,
+            slopes, dt, parts, most_events,
+        )  # fmt: skip
 
     return integrate

@@ -9,7 +9,7 @@ from __future__ import annotations
 H, PER_H, GROUND, CHANGE, QUIET, LENGTH, SINCE, END, START, SLOPE, PACE = range(11)
 CLOCK = 16
 
-# Integers: order of the series; segment; place and kind of the next link event; events in a row without time going on;
+# Integers: order of the series; segment; link and guard of the next link event; events in a row without time going on;
 # steps, events, orders so far.
-ORDER, SEGMENT, LINK, EVENT, STANDING, STEPS, EVENTS, ORDERS = range(8)
+ORDER, SEGMENT, LINK, GUARD, STANDING, STEPS, EVENTS, ORDERS = range(8)
 TALLY = 8

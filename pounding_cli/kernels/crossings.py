@@ -1,4 +1,4 @@
-"""The first event of a step: a storey yields or unloads, a link opens, closes, changes its law or starts to pull.
+"""The first event of a step: a storey yields or unloads, a link meets a guard of its branch.
 
 Bounds settle most places eight at a time; what they do not exclude is looked at one by one."""
 
@@ -7,9 +7,10 @@ from __future__ import annotations
 from numba import njit
 
 from pounding_cli.kernels import cells as c
+from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.cells import at, at_link, of, of_link, of_term, of_tie
-from pounding_cli.kernels.clock import END, EVENT, LINK, ORDER, PER_H, H
-from pounding_cli.kernels.layout import AT_GAP, CALLED, CUBIC, INFILL, NO_FORCE, OPEN, PART
+from pounding_cli.kernels.clock import END, GUARD, LINK, ORDER, PER_H, H
+from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, link_end
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
 from pounding_cli.kernels.simd import (
@@ -25,11 +26,8 @@ from pounding_cli.kernels.simd import (
 )
 from pounding_cli.kernels.summary import bends, drift_series, rate_term
 
-STOREY, CLOSES, OPENS, STIFFENS, SOFTENS, PULLS, PUSHES = 0, 1, 2, 3, 4, 5, 6
-"""Kinds of event."""
-
 MOST_TURNS = 2
-"""Events of a link at one instant after which it stays open, or its force as it is, until time goes on: one that undoes
+"""Events of a link at one instant after which some guards are asked no more until time goes on: an event that undoes
 itself at once is rounding (floors that part from rest at a high order of their motion, say)."""
 
 
@@ -113,48 +111,33 @@ def _closing_series(run, e, first, factor):
 
 
 @njit(**CALLED)
-def _open_link_crossing(run, e, end):
-    """First s where an open link closes."""
-    stand_alone()
-    _closing_series(run, e, run.links[of_link(e, c.CLOSING)], -1.0)
-    return first_crossing(run.scratch, run.tally[ORDER], end)  # fault: contact-begins
-
-
-@njit(**CALLED)
-def _closed_link_crossing(run, e, end):
-    """(s, event) of the first change of a closed link."""
+def _link_crossing(run, e, end):
+    """(s, guard) of the first guard of its branch that link e meets in [0, end]; NEVER if there is none."""
     stand_alone()
     scratch = run.scratch
     order = run.tally[ORDER]
     earliest = NEVER
-    event = OPENS
-    infill = run.ties[of_tie(e, c.KIND)] == INFILL
-    cubic = run.ties[of_tie(e, c.BRANCH)] == CUBIC
-    snapped = run.ties[of_tie(e, c.SNAPPED)]
+    first = -1
+    b = run.ties[of_tie(e, c.BRANCH)]
     closing = run.links[of_link(e, c.CLOSING)]
-    if cubic or not infill:  # v falls back to zero
-        _closing_series(run, e, closing, 1.0)
-        earliest = first_crossing(scratch, order, end)
-    if infill:  # v passes the infill's thickness, one way or the other
-        beyond = 0.0 if snapped == AT_GAP else closing - run.links[of_link(e, c.GAP)]
-        _closing_series(run, e, beyond, -1.0 if cubic else 1.0)
-        s = first_crossing(scratch, order, min(end, earliest))
+    for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
+        if t.guard(run, g, t.ONCE) != 0.0 and run.links[of_link(e, c.TURNS)] >= MOST_TURNS:
+            continue
+        side = t.guard(run, g, t.SIDE)
+        n = order
+        if t.guard(run, g, t.QUANTITY) == t.CLOSING:
+            _closing_series(run, e, closing - t.guard(run, g, t.AT), side)
+        else:
+            n = order - 1
+            for k in range(order):
+                scratch[k] = side * run.series[of_term(run, k, e, c.F_TERM)]
+            if run.ties[of_tie(e, c.SNAPPED)] == t.FORCE:
+                scratch[0] = 0.0
+        s = first_crossing(scratch, n, min(end, earliest))  # fault: contact-begins
         if s < earliest:
             earliest = s
-            event = STIFFENS if cubic else SOFTENS  # fault: infill-guard
-    # fault: tension-guard
-    if run.ties[of_tie(e, c.CUTS)] == 1 and run.links[of_link(e, c.TURNS)] < MOST_TURNS:  # the force changes sign
-        cut = run.ties[of_tie(e, c.CUT)] == 1
-        sign = -1.0 if cut else 1.0
-        for k in range(order):
-            scratch[k] = sign * run.series[of_term(run, k, e, c.F_TERM)]
-        if snapped == NO_FORCE:
-            scratch[0] = 0.0
-        s = first_crossing(scratch, order - 1, min(end, earliest))
-        if s < earliest:
-            earliest = s
-            event = PUSHES if cut else PULLS
-    return earliest, event
+            first = g
+    return earliest, first
 
 
 @njit(**PART)
@@ -173,28 +156,22 @@ def _may_leave(run, b, first, last, stray):
 
 @njit(**CALLED)
 def first_link_event(run):
-    """Whether a link event comes before what stands in END: its place goes there, link and event into the tally."""
+    """Whether a link event comes before what stands in END: its place goes there, link and guard into the tally."""
     stand_alone()
     found = False
     for b in range(run.first, run.last, 8):
         first = load(run.links, at_link(b, c.CLOSING))
         last, stray = link_end(run, b)
-        last = last - load(run.links, at_link(b, c.THICKNESS))
+        last = last - load(run.links, at_link(b, c.LEAVES_OUT))
         suspects = _may_leave(run, b, first, last, stray)
         while suspects != 0:
             e = b + lowest(suspects)
             suspects &= suspects - 1
             end = min(run.clock[END], 1.0)
-            event = CLOSES
-            if run.ties[of_tie(e, c.BRANCH)] != OPEN:
-                s, event = _closed_link_crossing(run, e, end)
-            elif run.links[of_link(e, c.TURNS)] < MOST_TURNS:
-                s = _open_link_crossing(run, e, end)
-            else:
-                continue
+            s, guard = _link_crossing(run, e, end)
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
                 run.tally[LINK] = e
-                run.tally[EVENT] = event
+                run.tally[GUARD] = guard
                 found = True
     return found

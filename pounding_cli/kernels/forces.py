@@ -6,27 +6,10 @@ sample lies beyond it."""
 
 from __future__ import annotations
 
-import math
-
 from numba import njit
 
-from pounding_cli.kernels.layout import CONNECTOR, INFILL, INLINE, POUNDING
-
-
-@njit(**INLINE)
-def link_force(links, e, v, rate):
-    """Force of link e [N] at closing v (gap subtracted for pounding) [m] and its rate [m/s]; 0 when it is open."""
-    kind = links.kind[e]
-    if kind != CONNECTOR and v <= 0.0:
-        return 0.0
-    if kind != INFILL:
-        force = links.stiffness[e] * v + links.dashpot[e] * rate
-    elif v <= links.gap[e]:
-        slope = links.stiffness[e] + 3.0 * links.cubic[e] * v * v
-        force = links.cubic[e] * v**3 + links.stiffness[e] * v + links.root_dashpot[e] * math.sqrt(slope) * rate
-    else:
-        force = links.beyond[e] * v + links.beyond_force[e] + links.beyond_dashpot[e] * rate
-    return max(force, 0.0) if links.tension_cut[e] == 1 else force
+from pounding_cli.kernels.layout import INLINE
+from pounding_cli.kernels.link_force import closing_of, link_force
 
 
 @njit(**INLINE)
@@ -83,10 +66,7 @@ def accelerations(slots, feet, links, plastic, u, v, phi, phi_v, ground, inelast
     for e in range(links.number):
         left = links.left[e]
         right = links.right[e]
-        closing = u[left] - u[right]
-        if links.kind[e] == POUNDING:
-            closing -= links.gap[e]
-        pushing = link_force(links, e, closing, v[left] - v[right])
+        pushing = link_force(links, e, closing_of(links, e, u), v[left] - v[right])
         force[size + e] = pushing
         out[left] -= pushing
         out[right] += pushing

@@ -13,25 +13,21 @@ import functools
 import numpy as np
 from numba import njit
 
-from pounding_cli.kernels.branches import closing_of
 from pounding_cli.kernels.cholesky import factorise, solve
-from pounding_cli.kernels.forces import accelerations
-from pounding_cli.kernels.layout import (
-    CONNECTOR,
-    DONE,
-    INFILL,
-    INLINE,
-    NOT_FINITE,
-    OPTIONS,
-    foot_pointers,
-    link_pointers,
-    peak_pointers,
-    slot_pointers,
-    state_pointers,
-)
-from pounding_cli.kernels.sampling import sample
-from pounding_cli.kernels.simd import further, pointer
+from pounding_cli.kernels.layout import INLINE, NOT_FINITE, OPTIONS
+from pounding_cli.kernels.link_force import branch_at, closing_of, stiffness_and_dashpot
+from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
+from pounding_cli.kernels.stepping import (
+    EVENTS,
+    FURTHEST,
+    ITERATIONS,
+    PART,
+    WHOLE,
+    causes,
+    march,
+    nothing_after,
+)
 
 NO_ROOT = 10
 """Outcome: a step had no root however short it was made."""
@@ -41,16 +37,29 @@ CONVERGED = 1e-12
 """Largest change of a displacement in the last iteration, over the largest displacement."""
 
 
+# The method's own scratch begins with its parameters beta, gamma, alpha_m, alpha_f, the most cuts in a row, the number
+# of unknowns and the length of a whole step [s], which whoever calls fills in; then come the part of the step that is
+# done and how often it is cut in half, both exact, and one more than the cuts the matrix was factored for. The rest is
+# as in `_scratch`.
+_BETA, _GAMMA, _ALPHA_M, _ALPHA_F, _MOST_CUTS, _UNKNOWNS, _STEP, _DONE, _LEVEL, _FACTORED = range(10)
+PARAMETERS = _DONE
+
+
 def room_needed(size: int, feet: int, links: int, unknowns: int) -> int:
-    """Doubles of scratch that `integrate` needs."""
-    return 14 * size + 12 * feet + 5 * links + 2 * unknowns * unknowns + 2 * unknowns
+    """Doubles of the method's own scratch."""
+    return matrices_at(size, feet, links) + 2 * unknowns * unknowns + 2 * unknowns
+
+
+def matrices_at(size: int, feet: int, links: int) -> int:
+    """Where in it mass (N,) and damping (N N, row by row) stand, without links; whoever calls fills them in."""
+    return 10 + 3 * size + 2 * feet + 2 * links
 
 
 @njit(**INLINE)
 def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
     """Slopes of storeys and links [N/m] into `tangent`, dashpots of links [N s/m]; True if any differs from before.
 
-    The slope of the infill's dashpot constant is left out: it would cost the matrix its definiteness and gains
+    The slope of a dashpot constant is left out: it would cost the matrix its definiteness and gains
     nothing.
     """
     changed = False
@@ -63,18 +72,11 @@ def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
         tangent[i] = slope
     for e in range(links.number):
         v = closing_of(links, e, u)
-        slope = links.stiffness[e]
-        damping = links.dashpot[e]
-        if links.kind[e] != CONNECTOR and v <= 0.0:
-            slope = 0.0
-            damping = 0.0
-        elif links.kind[e] == INFILL:
-            if v <= links.gap[e]:
-                slope += 3.0 * links.cubic[e] * v * v
-                damping = links.root_dashpot[e] * np.sqrt(slope)
-            else:
-                slope = links.beyond[e]
-                damping = links.beyond_dashpot[e]
+        b = branch_at(links, e, v)
+        slope = 0.0
+        damping = 0.0
+        if b >= 0:
+            slope, damping = stiffness_and_dashpot(links, b, v)
         changed = changed or slope != tangent[size + e]
         tangent[size + e] = slope
         dashpot[e] = damping
@@ -109,155 +111,126 @@ def _add_tangents(slots, feet, links, matrix, n, unknowns, tangent, dashpot, sha
         matrix[max(left, right) * unknowns + min(left, right)] -= stiff
 
 
+@njit(**INLINE)
+def _try(scene, p, out, own, tally, h, ground, inelastic):
+    """Newton's iterations towards the point h after p, whose ground acceleration is `ground`: 1 when they converge, 0
+    when they do not, -1 when the matrix is not positive."""
+    slots, feet, links = scene.slots, scene.feet, scene.links
+    size, count, unknowns = slots.size, feet.number, int(own[_UNKNOWNS])
+    n = unknowns - count
+    beta, gamma, alpha_m, alpha_f = own[_BETA], own[_GAMMA], own[_ALPHA_M], own[_ALPHA_F]
+    a0, turn0, a, turn, tangent, dashpot, mass, damping, matrix, right_side = _scratch(own, slots, feet, links)
+    mass_share = (1.0 - alpha_m) / (beta * h * h)
+    rate_share = (1.0 - alpha_f) * gamma / (beta * h)
+    share = 1.0 - alpha_f
+    for i in range(size):
+        out.u[i] = p.u[i] + h * p.v[i] + 0.5 * h * h * (p.a[i] + a0[i])
+    for f in range(count):
+        out.phi[f] = p.phi[f] + h * p.phi_v[f] + 0.5 * h * h * (p.turn[f] + turn0[f])
+    for _iteration in range(MOST_ITERATIONS):
+        tally[ITERATIONS] += 1
+        for i in range(size):
+            last = p.a[i] + a0[i]
+            a[i] = (out.u[i] - p.u[i] - h * p.v[i] - h * h * (0.5 - beta) * last) / (beta * h * h)
+            out.v[i] = p.v[i] + h * ((1.0 - gamma) * last + gamma * a[i])
+            out.plastic[i] = p.plastic[i]
+        for f in range(count):
+            last = p.turn[f] + turn0[f]
+            turn[f] = (out.phi[f] - p.phi[f] - h * p.phi_v[f] - h * h * (0.5 - beta) * last) / (beta * h * h)
+            out.phi_v[f] = p.phi_v[f] + h * ((1.0 - gamma) * last + gamma * turn[f])
+        causes(scene, out, ground, inelastic, False)
+        changed = _tangents(slots, links, out.plastic, out.drift, out.u, inelastic, tangent, dashpot)
+        if changed or own[_FACTORED] != own[_LEVEL] + 1.0:
+            for k in range(unknowns * unknowns):
+                matrix[k] = rate_share * damping[k]
+            for i in range(unknowns):
+                matrix[i * unknowns + i] += mass_share * mass[i]
+            for f in range(count):
+                matrix[(n + f) * (unknowns + 1)] += share * feet.stiffness[f]
+            _add_tangents(slots, feet, links, matrix, n, unknowns, tangent, dashpot, share, rate_share)
+            own[_FACTORED] = own[_LEVEL] + 1.0
+            if not factorise(matrix, unknowns):
+                return -1
+        for i in range(n):
+            lack = (1.0 - alpha_m) * a[i] + alpha_m * (p.a[i] + a0[i]) - share * out.a[i] - alpha_f * p.a[i]
+            right_side[i] = -mass[i] * lack
+        for f in range(count):
+            lack = (1.0 - alpha_m) * turn[f] + alpha_m * (p.turn[f] + turn0[f])
+            lack -= share * out.turn[f] + alpha_f * p.turn[f]
+            right_side[n + f] = -mass[n + f] * lack
+        solve(matrix, unknowns, right_side)
+        largest = 0.0
+        moved = 0.0
+        for i in range(n):
+            largest = max(largest, abs(out.u[i]), abs(h * out.v[i]))
+            moved = max(moved, abs(right_side[i]))
+        if moved <= CONVERGED * largest:
+            return 1
+        for i in range(n):
+            out.u[i] += right_side[i]
+        for f in range(count):
+            out.phi[f] += right_side[n + f]
+    return 0
+
+
+@njit(**INLINE)
+def _scratch(own, slots, feet, links):
+    """Places in the method's scratch: what the last step's accelerations have beyond the forces', this one's, tangents,
+    the scene's matrices."""
+    size, count, unknowns = slots.size, feet.number, int(own[_UNKNOWNS])
+    a0 = further(own, 10)
+    turn0 = further(a0, size)
+    a = further(turn0, count)
+    turn = further(a, size)
+    tangent = further(turn, count)
+    dashpot = further(tangent, size + links.size)
+    mass = further(dashpot, links.size)
+    damping = further(mass, unknowns)
+    matrix = further(damping, unknowns * unknowns)
+    return a0, turn0, a, turn, tangent, dashpot, mass, damping, matrix, further(matrix, unknowns * unknowns)
+
+
+@njit(**INLINE)
+def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
+    a0, turn0, a, turn, _, _, _, _, _, _ = _scratch(own, scene.slots, scene.feet, scene.links)
+    while True:
+        fraction = 0.5 ** own[_LEVEL]
+        taken = own[_STEP] * fraction
+        found = _try(scene, p, out, own, tally, taken, ground + slope * taken, inelastic)
+        if found == 1:
+            break
+        if found == -1 or not np.isfinite(out.u[0]) or abs(out.u[0]) > FURTHEST:
+            return 0.0, NOT_FINITE
+        tally[EVENTS] += 1
+        own[_LEVEL] += 1.0
+        if own[_LEVEL] > own[_MOST_CUTS]:
+            return 0.0, NO_ROOT
+    for i in range(scene.slots.size):
+        a0[i] = a[i] - out.a[i]
+    for f in range(scene.feet.number):
+        turn0[f] = turn[f] - out.turn[f]
+    own[_DONE] += fraction
+    while own[_LEVEL] > 0.0 and own[_DONE] * 0.5 ** (1.0 - own[_LEVEL]) == np.floor(
+        own[_DONE] * 0.5 ** (1.0 - own[_LEVEL])
+    ):
+        own[_LEVEL] -= 1.0
+    if own[_DONE] < 1.0:
+        return taken, PART
+    own[_DONE] = 0.0
+    return taken, WHOLE
+
+
 @functools.cache
 def build(inelastic: bool):
-    """The family for elastic or inelastic storeys, compiled on first use."""
+    """The family for elastic or inelastic storeys, compiled on first use; arguments as `stepping.march`."""
     source = source_digest()
 
     @njit(**OPTIONS)
-    def integrate(
-        slot_arrays, foot_arrays, link_arrays, state_arrays, peak_arrays, room, touching, mass, damping, starts, slopes,
-        dt, parts, beta, gamma, alpha_m, alpha_f, most_cuts,
-    ):  # fmt: skip
-        """March through all segments, each cut into `parts` steps.
-
-        `mass` (N,) and `damping` (N N, row by row) are the scene's without links; `room` is scratch
-        (`room_needed`). Fills state and peaks in place; returns (status, steps, cuts, Newton iterations, time reached
-        [s]).
-        """
+    def integrate(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
-        slots, feet, links = slot_pointers(slot_arrays), foot_pointers(foot_arrays), link_pointers(link_arrays)
-        state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
-        size = slots.size
-        count = feet.number
-        unknowns = mass.size
-        n = unknowns - count
-        place = pointer(room)
-        drift, shear, force = place, further(place, size), further(place, 2 * size)
-        place = further(force, size + links.size)
-        u, v, a, pushed, pushed0, plastic = (
-            place, further(place, size), further(place, 2 * size), further(place, 3 * size), further(place, 4 * size),
-            further(place, 5 * size),
+        return march(
+            _advance, nothing_after, False, False, inelastic, slots, feet, links, state, peaks, room, tally, starts,
+            slopes, dt, parts, most_events,
         )  # fmt: skip
-        place = further(place, 6 * size)
-        tangent, dashpot = place, further(place, size + links.size)
-        place = further(dashpot, links.size)
-        phi, phi_v, turn, turned, turned0, turn0 = (
-            place, further(place, count), further(place, 2 * count), further(place, 3 * count),
-            further(place, 4 * count), further(place, 5 * count),
-        )  # fmt: skip
-        a0 = further(place, 6 * count)
-        matrix = further(a0, size)
-        right_side = further(matrix, unknowns * unknowns)
-        whole = dt / parts
-        steps = 0
-        cuts = 0
-        iterations = 0
-        accelerations(
-            slots, feet, links, state.plastic, state.u, state.v, state.phi, state.phi_v, starts[0], inelastic, a0,
-            turn0, drift, shear, force,
-        )  # fmt: skip
-        sample(slots, feet, links, peaks, touching, state.u, state.phi, starts[0], a0, drift, shear, force, 0.0)
-        for i in range(size):
-            pushed0[i] = a0[i]
-        for f in range(count):
-            turned0[f] = turn0[f]
-        factored = -1
-        for segment in range(starts.size):
-            if segment > 0 and starts[segment] != starts[segment - 1] + dt * slopes[segment - 1]:
-                # The ground jumps where a tail begins, and with it the accelerations.
-                jump = starts[segment] - (starts[segment - 1] + dt * slopes[segment - 1])
-                for i in range(size):
-                    a0[i] -= jump * slots.real[i]
-                    pushed0[i] -= jump * slots.real[i]
-            for part in range(parts):
-                level = 0
-                reached = 0.0  # of this step, in exact binary fractions
-                while reached < 1.0:
-                    fraction = 0.5**level
-                    h = whole * fraction
-                    ground = starts[segment] + slopes[segment] * whole * (part + reached + fraction)
-                    mass_share = (1.0 - alpha_m) / (beta * h * h)
-                    rate_share = (1.0 - alpha_f) * gamma / (beta * h)
-                    share = 1.0 - alpha_f
-                    for i in range(size):
-                        u[i] = state.u[i] + h * state.v[i] + 0.5 * h * h * a0[i]
-                    for f in range(count):
-                        phi[f] = state.phi[f] + h * state.phi_v[f] + 0.5 * h * h * turn0[f]
-                    converged = False
-                    for _iteration in range(MOST_ITERATIONS):
-                        iterations += 1
-                        for i in range(size):
-                            gone = u[i] - state.u[i] - h * state.v[i] - h * h * (0.5 - beta) * a0[i]
-                            a[i] = gone / (beta * h * h)
-                            v[i] = state.v[i] + h * ((1.0 - gamma) * a0[i] + gamma * a[i])
-                            plastic[i] = state.plastic[i]
-                        for f in range(count):
-                            gone = phi[f] - state.phi[f] - h * state.phi_v[f] - h * h * (0.5 - beta) * turn0[f]
-                            turn[f] = gone / (beta * h * h)
-                            phi_v[f] = state.phi_v[f] + h * ((1.0 - gamma) * turn0[f] + gamma * turn[f])
-                        accelerations(
-                            slots, feet, links, plastic, u, v, phi, phi_v, ground, inelastic, pushed, turned, drift,
-                            shear, force,
-                        )  # fmt: skip
-                        changed = _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot)
-                        if changed or factored != level:
-                            for k in range(unknowns * unknowns):
-                                matrix[k] = rate_share * damping[k]
-                            for i in range(unknowns):
-                                matrix[i * unknowns + i] += mass_share * mass[i]
-                            for f in range(count):
-                                matrix[(n + f) * (unknowns + 1)] += share * feet.stiffness[f]
-                            _add_tangents(
-                                slots, feet, links, matrix, n, unknowns, tangent, dashpot, share, rate_share
-                            )  # fmt: skip
-                            factored = level
-                            if not factorise(matrix, unknowns):
-                                return NOT_FINITE, steps, cuts, iterations, segment * dt
-                        for i in range(n):
-                            lack = (1.0 - alpha_m) * a[i] + alpha_m * a0[i] - share * pushed[i] - alpha_f * pushed0[i]
-                            right_side[i] = -mass[i] * lack
-                        for f in range(count):
-                            lack = (1.0 - alpha_m) * turn[f] + alpha_m * turn0[f]
-                            lack -= share * turned[f] + alpha_f * turned0[f]
-                            right_side[n + f] = -mass[n + f] * lack
-                        solve(matrix, unknowns, right_side)
-                        largest = 0.0
-                        moved = 0.0
-                        for i in range(n):
-                            largest = max(largest, abs(u[i]), abs(h * v[i]))
-                            moved = max(moved, abs(right_side[i]))
-                        if moved <= CONVERGED * largest:
-                            converged = True
-                            break
-                        for i in range(n):
-                            u[i] += right_side[i]
-                        for f in range(count):
-                            phi[f] += right_side[n + f]
-                    if not converged:
-                        if not np.isfinite(u[0]) or abs(u[0]) > 1e6:
-                            return NOT_FINITE, steps, cuts, iterations, segment * dt
-                        cuts += 1
-                        level += 1
-                        if level > most_cuts:
-                            return NO_ROOT, steps, cuts, iterations, segment * dt + part * whole
-                        continue
-                    steps += 1
-                    for i in range(size):
-                        state.u[i] = u[i]
-                        state.v[i] = v[i]
-                        state.plastic[i] = plastic[i]
-                        a0[i] = a[i]
-                        pushed0[i] = pushed[i]
-                    for f in range(count):
-                        state.phi[f] = phi[f]
-                        state.phi_v[f] = phi_v[f]
-                        turn0[f] = turn[f]
-                        turned0[f] = turned[f]
-                    sample(slots, feet, links, peaks, touching, u, phi, ground, pushed, drift, shear, force, h)
-                    reached += fraction
-                    while level > 0 and reached * 0.5 ** (1 - level) == np.floor(reached * 0.5 ** (1 - level)):
-                        level -= 1
-        return DONE, steps, cuts, iterations, starts.size * dt
 
     return integrate

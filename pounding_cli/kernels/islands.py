@@ -65,7 +65,7 @@ def touch(run, row, b):
 @njit(**PART)
 def _closes(run, e, reach):
     """Lanes whose open link may close, or come closer than ever before, where the closing is `reach` at most."""
-    open_ = greater(load(run.links, at_link(e, c.HIGH)), reach - load(run.links, at_link(e, c.THICKNESS)))
+    open_ = greater(load(run.links, at_link(e, c.HIGH)), reach - load(run.links, at_link(e, c.LEAVES_OUT)))
     return (~open_ & 255) | greater(reach, load(run.links, at_link(e, c.MOST_CLOSING)))
 
 

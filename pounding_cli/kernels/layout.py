@@ -36,15 +36,6 @@ PART: dict[str, Any] = {**PLAIN, "cache": False, "forceinline": True, **PIECE}
 CALLED: dict[str, Any] = {**PLAIN, "cache": False, **PIECE}
 """A piece that is called, not copied: large, and rarely needed (with `simd.stand_alone`)."""
 
-OPEN, LINEAR, CUBIC = 0, 1, 2
-"""Link branches: no contact; F = s v + F0 + c v'; the infill's cubic with its square-root dashpot."""
-
-NO_LINK, POUNDING, INFILL, CONNECTOR = -1, 0, 1, 2
-"""Link kinds; the first fills up the eight places of a vector."""
-
-NOTHING, AT_ZERO, AT_GAP, NO_FORCE = 0, 1, 2, 3
-"""What is known to be exactly zero after a link event: v, v - d, or the force."""
-
 DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED = 0, 1, 2, 3, 4
 """How a run ended."""
 
@@ -62,15 +53,10 @@ Feet = namedtuple("Feet", "number first stop base inertia stiffness dashpot alph
 """number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway),
 inertia [kg m2] (inf: no rocking), rocking stiffness [N m/rad], rocking dashpot [N m s/rad], alpha [1/s]."""
 
-Links = namedtuple(
-    "Links",
-    "number size left right kind gap stiffness dashpot beyond beyond_force beyond_dashpot cubic "
-    "root_dashpot tension_cut",
-)
-"""number of links and the same padded to a multiple of eight; per link, shape (size,): slots left and right, kind,
-gap d [m], stiffness s [N/m] (infill: s_mat), dashpot [N s/m]; for an infill beyond its thickness F = beyond v +
-beyond_force + beyond_dashpot v'; cubic p = (s_imp - s_mat) / (3 d^2) [N/m3]; root_dashpot 2 xi sqrt(m') so that
-c_cur = root_dashpot sqrt(s_cur); tension_cut 0 or 1."""
+Links = namedtuple("Links", "number size left right offset first last branches guards")
+"""number of links and the same padded to a multiple of eight; per link, shape (size,): slots left and right; offset,
+what its closing v leaves out of u_l - u_r [m]; its branches in the table of them, the first and one more than the last;
+the tables of branches and of guards (`link_table`)."""
 
 Row = namedtuple("Row", "number slots links rounds first joints spots seats")
 """How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
@@ -80,10 +66,11 @@ where the links of two neighbours stand like the places they join; by building: 
 more, the number of places), the place of the first link to its right neighbour (the last is the number of these
 places); by slot and by link of the arrays: their places."""
 
-State = namedtuple("State", "u v line plastic snapped_storey link_branch link_cut snapped_link phi phi_v")
+State = namedtuple("State", "u v line plastic snapped_storey link_branch snapped_link link_at phi phi_v")
 """What evolves: u [m], v [m/s]; per storey: line (0 between the yield lines, +1 or -1 on the upper or lower one),
-plastic drift [m] (inf on a line), snapped_storey (+1, -1: exactly on that line and at rest); link branch,
-link cut (1: pulling, so no force), what is exactly zero of a link, rocking angle [rad] and its rate."""
+plastic drift [m] (inf on a line), snapped_storey (+1, -1: exactly on that line and at rest); of a link its branch, what
+is known exactly (its closing, or that its force is zero) and the closing it then has [m]; rocking angle [rad] and its
+rate."""
 
 Peaks = namedtuple(
     "Peaks",
@@ -120,9 +107,8 @@ def foot_pointers(a):
 def link_pointers(a):
     """Links of pointers from Links of arrays."""
     return Links(
-        a.number, a.size, pointer(a.left), pointer(a.right), pointer(a.kind), pointer(a.gap), pointer(a.stiffness),
-        pointer(a.dashpot), pointer(a.beyond), pointer(a.beyond_force), pointer(a.beyond_dashpot), pointer(a.cubic),
-        pointer(a.root_dashpot), pointer(a.tension_cut),
+        a.number, a.size, pointer(a.left), pointer(a.right), pointer(a.offset), pointer(a.first), pointer(a.last),
+        pointer(a.branches), pointer(a.guards),
     )  # fmt: skip
 
 
@@ -139,7 +125,7 @@ def state_pointers(a):
     """State of pointers from State of arrays."""
     return State(
         pointer(a.u), pointer(a.v), pointer(a.line), pointer(a.plastic), pointer(a.snapped_storey),
-        pointer(a.link_branch), pointer(a.link_cut), pointer(a.snapped_link), pointer(a.phi), pointer(a.phi_v),
+        pointer(a.link_branch), pointer(a.snapped_link), pointer(a.link_at), pointer(a.phi), pointer(a.phi_v),
     )  # fmt: skip
 
 

@@ -1,19 +1,19 @@
 """The force of every link, order by order, eight links at a time.
 
-One law serves all branches, its coefficients set place by place when a branch changes (`set_law`):
+One form serves all branches, its coefficients set place by place when a branch changes (`set_law`):
     F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v'.
-The infill's cubic with its square-root dashpot (eq. 9) needs products of series; where no link is on it, none of that
-is done."""
+A cubic with its square-root dashpot (the infill's, eq. 9) needs products of series; where no link is on such a branch,
+none of that is done."""
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
+from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.cells import at_link, at_term, at_tie, of_link, of_term, of_tie
 from pounding_cli.kernels.clock import PER_H
-from pounding_cli.kernels.layout import AT_GAP, AT_ZERO, CALLED, CONNECTOR, CUBIC, INFILL, NO_LINK, OPEN, PART, POUNDING
+from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.simd import (
     choose,
     fused,
@@ -57,53 +57,18 @@ def differences(a, b, size):
 
 @njit(**PART)
 def set_law(run, e):
-    """The law of link e's present branch, zero while it is open, and the closings between which the branch holds."""
+    """The law of link e's present branch, and the closings between which no guard has to be asked."""
     links = run.links
-    branch = run.ties[of_tie(e, c.BRANCH)]
-    kind = run.ties[of_tie(e, c.KIND)]
-    if kind == NO_LINK:  # no event is ever expected of it
-        links[of_link(e, c.LOW)] = -np.inf
-        links[of_link(e, c.HIGH)] = np.inf
-        return
-    gap = links[of_link(e, c.GAP)]
-    closed = branch != OPEN
-    linear = 0.0
-    cubic = 0.0
-    offset = 0.0
-    dashpot = 0.0
-    root = 0.0
-    low = -np.inf
-    high = np.inf
-    if branch == CUBIC:
-        linear = links[of_link(e, c.SPRING)]
-        cubic = links[of_link(e, c.CUBE)]
-        root = links[of_link(e, c.ROOT_DAMPER)]
-        low = 0.0
-        high = gap
-    elif not closed:
-        high = 0.0
-    elif kind == INFILL:
-        linear = links[of_link(e, c.BEYOND)]
-        offset = links[of_link(e, c.BEYOND_FORCE)]
-        dashpot = links[of_link(e, c.BEYOND_DAMPER)]
-        low = gap
-    else:
-        linear = links[of_link(e, c.SPRING)]
-        dashpot = links[of_link(e, c.DAMPER)]
-        if kind != CONNECTOR:
-            low = 0.0
-    if closed and run.ties[of_tie(e, c.CUTS)] == 1:
-        low = np.inf  # its force has to be looked at in any case
-    links[of_link(e, c.LINEAR_LAW)] = linear
-    links[of_link(e, c.CUBIC_LAW)] = cubic
-    links[of_link(e, c.OFFSET_LAW)] = offset
-    links[of_link(e, c.RATE_LAW)] = dashpot
-    links[of_link(e, c.ROOT_LAW)] = root
-    links[of_link(e, c.APPLIED)] = 1.0 if closed and run.ties[of_tie(e, c.CUT)] == 0 else 0.0
-    links[of_link(e, c.CLOSED)] = 1.0 if closed else 0.0
-    links[of_link(e, c.LOW)] = low
-    links[of_link(e, c.HIGH)] = high
-    links[of_link(e, c.THICKNESS)] = gap if kind == POUNDING else 0.0  # fault: gap-in-closing
+    b = run.ties[of_tie(e, c.BRANCH)]
+    links[of_link(e, c.LINEAR_LAW)] = t.branch(run, b, t.LINEAR)
+    links[of_link(e, c.CUBIC_LAW)] = t.branch(run, b, t.CUBIC)
+    links[of_link(e, c.OFFSET_LAW)] = t.branch(run, b, t.OFFSET)
+    links[of_link(e, c.RATE_LAW)] = t.branch(run, b, t.DASHPOT)
+    links[of_link(e, c.ROOT_LAW)] = t.branch(run, b, t.ROOT)
+    links[of_link(e, c.APPLIED)] = t.branch(run, b, t.ACTS)
+    links[of_link(e, c.CLOSED)] = t.branch(run, b, t.CLOSED)
+    links[of_link(e, c.LOW)] = t.branch(run, b, t.LOW)
+    links[of_link(e, c.HIGH)] = t.branch(run, b, t.HIGH)
 
 
 @njit(**PART)
@@ -137,8 +102,8 @@ def link_end(run, b):
 
 @njit(**CALLED)
 def closings(run, snapped):
-    """Order 0 of v, exactly zero (or d) where an event has just put it there; returns (which of eight
-    links are not open, which on the infill's cubic, whose force is cut off)."""
+    """Order 0 of v, known exactly where an event has just put it there; returns (which of eight links are not open,
+    which on a curved branch, whose force is cut off)."""
     stand_alone()
     busy = 0
     curved = 0
@@ -149,7 +114,7 @@ def closings(run, snapped):
     for b in range(run.first, run.last, 8):
         left = beside(run, run.W, start, b, c.LEFT_SLOT)
         right = beside(run, run.W, start, b, c.RIGHT_SLOT)
-        v = differences(left - load(links, at_link(b, c.THICKNESS)), right, zero)
+        v = differences(left - load(links, at_link(b, c.LEAVES_OUT)), right, zero)
         closed = closed_at(run, b)
         busy |= closed
         cut |= closed & ~greater(load(links, at_link(b, c.APPLIED)), zero)
@@ -161,12 +126,10 @@ def closings(run, snapped):
         store(run.pushed, b, zero)
     if snapped:
         for e in range(run.first, run.last):
-            exact = run.ties[of_tie(e, c.SNAPPED)]
-            if exact in (AT_ZERO, AT_GAP):
-                v_exact = links[of_link(e, c.GAP)] if exact == AT_GAP else 0.0
+            if run.ties[of_tie(e, c.SNAPPED)] == t.CLOSING:
+                v_exact = links[of_link(e, c.EXACTLY)]
                 links[of_link(e, c.CLOSING)] = v_exact
-                closed_link = run.ties[of_tie(e, c.BRANCH)] != OPEN
-                run.series[of_term(run, 0, e, c.V_TERM)] = v_exact if closed_link else 0.0
+                run.series[of_term(run, 0, e, c.V_TERM)] = v_exact * links[of_link(e, c.CLOSED)]
     return busy, curved, cut
 
 
@@ -225,7 +188,7 @@ def _exact_rate(run, row, b, rate):
 
 @njit(**PART)
 def _cubic(run, k, b, v, known):
-    """What the infill's cubic and its dashpot add to order k of the force, but for the newest rate: at k = 0 the
+    """What a cubic and its dashpot add to order k of the force, but for the newest rate: at k = 0 the
     dashpot that multiplies that is set."""
     links = run.links
     series = run.series

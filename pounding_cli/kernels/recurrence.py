@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels.cells import at, of, of_term, of_tie
+from pounding_cli.kernels.cells import at, of, of_link, of_term, of_tie
 from pounding_cli.kernels.clock import CHANGE, GROUND, ORDER, PER_H, QUIET, H
 from pounding_cli.kernels.foundations import expand_feet, feet_exceed, rescale_feet, top_of
 from pounding_cli.kernels.layout import CALLED, PART
@@ -102,7 +102,8 @@ def _largest_cut_term(run, k):
     stand_alone()
     largest = 0.0
     for e in range(run.first, run.last):
-        if run.ties[of_tie(e, c.CUT)] == 1:
+        closed = run.links[of_link(e, c.CLOSED)] != 0.0
+        if closed and run.links[of_link(e, c.APPLIED)] == 0.0:
             allowed = np.inf
             for side in (c.LEFT_SLOT, c.RIGHT_SLOT):
                 i = run.ties[of_tie(e, side)]

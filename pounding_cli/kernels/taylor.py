@@ -19,6 +19,7 @@ from numba import njit, types
 
 from pounding_cli.kernels.branching import link_event, settle, storey_events, unsnap
 from pounding_cli.kernels.cells import (
+    TIE,
     V_END,
     at,
     give_links,
@@ -138,7 +139,7 @@ def room_needed(padded: int, feet: int, links: int, rounds: int, buildings: int)
 
 
 @njit(**PART)
-def _carve(feet, row, room, integers):
+def _carve(feet, links, row, room, integers):
     """The scratch of a run as records and rows, whole vectors first; returns (run, row, room for two
     more frames, the room left for foundations)."""
     padded, linked = row.first[row.number], row.joints[row.number - 1]
@@ -155,17 +156,18 @@ def _carve(feet, row, room, integers):
     scratch = further(reciprocal, _ROWS)
     tilt = further(scratch, _ROWS)
     ties = further(integers, TALLY)
-    snapped = further(ties, 8 * linked)
+    snapped = further(ties, TIE * linked)
     gains = further(snapped, padded)
     losses = further(gains, max(row.rounds, 1) * padded)
     shelved = further(losses, max(row.rounds, 1) * padded)
-    notes = further(shelved, padded + 8 * linked)
+    notes = further(shelved, padded + TIE * linked)
     reciprocal[0] = 0.0
     for k in range(1, _ROWS):
         reciprocal[k] = 1.0 / k
     run = run_frame(further(notes, NOTES * row.number), (
         0, padded, 0, linked, padded, linked, row.rounds, feet.number, further(room, padded), ends, records, snapped,
-        link_records, ties, gains, losses, pushed, series, rule, reciprocal, clock, integers, scratch, tilt,
+        link_records, ties, links.branches, links.guards, gains, losses, pushed, series,
+        rule, reciprocal, clock, integers, scratch, tilt,
     ))  # fmt: skip
     frames = further(notes, NOTES * row.number + FRAMES)
     lined_up = row_frame(frames, (
@@ -403,7 +405,7 @@ def build():
         state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
         ledger = ledger_pointers(ledger_arrays)
         accelerations, rates = pointer(starts), pointer(slopes)
-        run, row, frames, rest = _carve(given_feet, row_pointers(row_arrays), pointer(room), pointer(integers))
+        run, row, frames, rest = _carve(given_feet, links, row_pointers(row_arrays), pointer(room), pointer(integers))
         feet = footing_of(frames, given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
         founded = 1 if run.feet > 0 else 0
         settings = _settings_frame(further(frames, FRAMES), (

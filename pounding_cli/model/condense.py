@@ -21,7 +21,7 @@ def condensed(scene: Scene, accuracy: float) -> tuple[Scene, tuple[str, ...]]:
     a drift D is held at zero.
     """
     said: list[str] = []
-    link = max((max(link.stiffness, link.impact_stiffness) for link in scene.links), default=0.0)
+    link = max((link.law.stiffest for link in scene.links), default=0.0)
     buildings = tuple(_condensed(building, link, SHARE * accuracy, said) for building in scene.buildings)
     return (dataclasses.replace(scene, buildings=buildings), tuple(said)) if said else (scene, ())
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding_cli.model.links import Kind
+from pounding_cli.laws import link_laws
 from pounding_cli.model.scene import Analysis, Scene
 
 
@@ -48,13 +48,13 @@ def effects_of(scene: Scene) -> Effects:
     decide(any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed")
     decide(any(b.alpha > 0 for b in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(b.beta > 0 for b in buildings), "stiffness-proportional damping", "beta is 0")
-    for kind in Kind:
+    for kind in link_laws():
         decide(kind in kinds, f"{kind} links", "the case has none")
     if links:
-        damped = any(link.damping_ratio > 0 for link in links)
+        damped = any(link.law.damped for link in links)
         decide(damped, "link dashpots", "restitution is 1")
-        cut = any(link.tension_cut and link.damping_ratio > 0 for link in links)
-        asked = any(link.tension_cut for link in links)
+        cut = any(link.law.cut for link in links)
+        asked = any(getattr(link.law, "tension_cut", False) for link in links)
         decide(
             cut,
             "tension cut-off",

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from pounding_cli.methods import METHODS
 from pounding_cli.report.style import Look, caption, new_figure, save, styled
-from pounding_cli.solve import METHODS
 from pounding_cli.solve.work_precision import QUANTITIES, Run, WorkPrecision
 from pounding_cli.words import counted
 
@@ -31,6 +31,9 @@ LOOKS = {
     "generalized-alpha": Look("#7B3294", (0, (3, 1)), "X"),
     "exponential": Look("#666666", "-", "*"),
 }
+
+ANY_OTHER = Look("#999999", (0, (1, 1)), "h")
+"""Of a method that is not this program's own."""
 
 LOWEST = 1e-13
 """Errors below this are drawn at it: they are rounding."""
@@ -91,7 +94,7 @@ def _panel(ax: Axes, runs: list[Run], quantity: str, methods: list[str]) -> None
             worst = max(run.errors[quantity] for run in mine)
             points.append((1e3 * float(np.mean([run.seconds for run in mine])), worst))
         if any(error > 0 for _, error in points):  # a quantity that no run has, such as a force without contact
-            look = LOOKS[name]
+            look = LOOKS.get(name, ANY_OTHER)
             times, errors = np.array(points).T
             errors = np.maximum(errors, LOWEST)
             ax.plot(times, errors, color=look.color, linestyle=look.line, marker=look.marker, ms=3.5, lw=1.2)
@@ -99,6 +102,6 @@ def _panel(ax: Axes, runs: list[Run], quantity: str, methods: list[str]) -> None
 
 
 def _handle(name: str) -> Line2D:
-    look = LOOKS[name]
+    look = LOOKS.get(name, ANY_OTHER)
     title = METHODS[name].title
     return Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, ms=4.5, lw=1.4, label=title)

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pounding_cli.methods import METHODS
 from pounding_cli.report.style import unwritable
-from pounding_cli.solve import METHODS
 from pounding_cli.solve.work_precision import QUANTITIES, REFERENCE, SECOND, Run, WorkPrecision
 from pounding_cli.texts import cells, write_markdown
 from pounding_cli.words import counted
@@ -84,7 +84,7 @@ def cheapest(lines: Sequence[Line], wanted: float, scenes: int) -> Line | None:
 
 def setting_text(line: Line) -> str:
     """A setting with its unit."""
-    return f"{line.setting:g} s" if METHODS[line.method].takes_step else f"{line.setting:g}"
+    return METHODS[line.method].setting.text(line.setting)
 
 
 def in_words(found: WorkPrecision, wishes: Sequence[float] = (1e-2, 1e-3, 1e-4)) -> list[str]:
@@ -123,8 +123,7 @@ def in_words(found: WorkPrecision, wishes: Sequence[float] = (1e-2, 1e-3, 1e-4))
 
 
 def _use(line: Line) -> str:
-    what = "a time step of" if METHODS[line.method].takes_step else "accuracy"
-    return f"{line.method} with {what} {setting_text(line)}"
+    return f"{line.method} with {METHODS[line.method].setting.said(line.setting)}"
 
 
 def reference_in_words(found: WorkPrecision) -> str:
@@ -148,9 +147,8 @@ def aborted_in_words(found: WorkPrecision) -> list[str]:
         if run.status != "done":
             key = (run.method, run.setting, run.status, run.advice)
             groups[key] = groups.get(key, 0) + 1
-    unit = {name: " s" if method.takes_step else "" for name, method in METHODS.items()}
     return [
-        f"{method} at {setting:g}{unit[method]}: {status} on {counted(count, 'scene')}"
+        f"{method} at {METHODS[method].setting.text(setting)}: {status} on {counted(count, 'scene')}"
         + (f" ({advice})" if advice else "")
         for (method, setting, status, advice), count in groups.items()
     ]

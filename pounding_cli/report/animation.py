@@ -34,7 +34,8 @@ CALM, YIELDED, PUSH, PULL = "#2b2b2b", "#e08e00", "#c8102e", "#0b62a4"
 
 @dataclass(frozen=True)
 class Film:
-    """How it is shown: times [s] of the scene, slower than life, frames a second, scale of displacements and gaps."""
+    """How it is shown: from `begin` to `end` [s] of the scene, `slow` times slower than real time, `rate` frames a
+    second, displacements and gaps `scale` times their size."""
 
     begin: float
     end: float
@@ -45,7 +46,7 @@ class Film:
     @property
     def words(self) -> str:
         """Scale and speed, as the picture says them."""
-        speed = f"{self.slow:g} times slower than life" if self.slow != 1 else "as fast as in life"
+        speed = f"{self.slow:g} times slower than real time" if self.slow != 1 else "in real time"
         return f"displacements and gaps × {self.scale:g}, {speed}"
 
     @property
@@ -117,7 +118,9 @@ class _Stage:
         shown = (history.time >= film.begin - 1e-9) & (history.time <= film.end + 1e-9)
         forces = np.nan_to_num(history.link_force)
         pushing = np.where(forces > 0, forces, 0).sum(axis=1)
-        series = (history.ground_acceleration, "ground\n[m/s²]", "0.25"), (pushing / 1e6, "links push\n[MN]", PUSH)
+        unit = self.picture.acceleration
+        ground = history.ground_acceleration / unit.factor
+        series = (ground, f"ground\n[{unit.name}]", "0.25"), (pushing / 1e6, "links push\n[MN]", PUSH)
         for ax, (values, label, color) in zip(self.strips, series, strict=True):
             ax.plot(history.time[shown], values[shown], color=color, lw=0.7)
             ax.set(xlim=(film.begin, film.end), ylabel=label)

@@ -45,7 +45,7 @@ def write_report(
         figures |= draw_all(part)
     match = results.spectrum_match
     if match is not None and formats:
-        figures["target-spectrum"] = draw_spectra(match, results.title)
+        figures["target-spectrum"] = draw_spectra(match, results.title, shown.unit("acceleration"))
     files = save(figures, folder, formats)
     judgements = judge(shown)
     try:

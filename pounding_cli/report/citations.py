@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pounding_cli.methods import METHODS
 from pounding_cli.records import Entry, catalogue
 from pounding_cli.report.references import REFERENCES, Reference, named_in
-from pounding_cli.solve.methods import METHODS, TAYLOR
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def _methods(names: Collection[str], estimated: bool, used) -> None:
     for method in (METHODS[name] for name in names):
         for reference in named_in(method.source):
             used(reference.key, f"the method of solution, {method.title}")
-        judge = TAYLOR if method.takes_step else method  # as solve.assess has it
+        judge = METHODS["taylor"] if method.takes_step else method  # as solve.assess has it
         for reference in named_in(judge.source) if estimated else ():
             used(reference.key, "the finer runs that error and sensitivity are estimated by")
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from pounding_cli.store.layout import COORDINATES, VARIABLES
+from pounding_cli.words import Unit
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,14 @@ _RELATIVE = ("error", "sensitivity")
 """Statistics without the unit of their column."""
 
 
-def shown(key: str) -> Shown:
-    """What is known of a column; of one that is not, its own name."""
+def shown(key: str, units: Mapping[str, Unit] | None = None) -> Shown:
+    """What is known of a column; of one that is not, its own name.
+
+    units : column -> the unit the study writes it in (`Results.units`); it comes before the usual one
+    """
+    if units and key in units:
+        written = units[key]
+        return replace(shown(key), unit=written.name.replace("m/s2", "m/s²"), factor=1 / written.factor)
     base, _, statistic = key.rpartition("_")
     if statistic in _STATISTICS and base in VARIABLES:
         of = shown(base)

@@ -13,6 +13,7 @@ import pandas as pd
 
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.store.flagged import FlagGroup, flag_groups_of
+from pounding_cli.store.layout import VARIABLES
 from pounding_cli.words import Unit
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
@@ -55,7 +56,7 @@ class Evidence:
     """The tables at one point of the sweep, without the swept columns; names are in the order of the file.
 
     point : swept key -> value there; empty where nothing is swept
-    units : swept key -> the unit the study wrote it in
+    units : column -> the unit the study wrote it in: swept keys, gaps, accelerations
     storey, floor, link, scene, records, buildings : frames as in docs/architecture.md
     """
 
@@ -74,6 +75,10 @@ class Evidence:
     def label(self) -> str:
         """The point in words and the units of the study: "cases.gap.gap = 5 cm"; empty where nothing is swept."""
         return ", ".join(f"{key} = {self.units.get(key, Unit()).text(value)}" for key, value in self.point.items())
+
+    def unit(self, column: str) -> Unit:
+        """The unit a column is shown in: that of the study, SI where it is not known."""
+        return self.units.get(column, Unit(VARIABLES[column].unit))
 
     @cached_property
     def cases(self) -> list[str]:

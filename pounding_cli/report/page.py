@@ -52,15 +52,16 @@ def summary(
 
 def motions(evidence: Evidence) -> list[str]:
     """The motions used, real or stand-in, with what they measure as used."""
+    unit = evidence.unit("acceleration")
     rows = [
         [
             row["record"],
             row["source"],
-            *(_number(value) for value in (row["scale"], row["window"], row["pga"] / 9.80665, row["arias"])),
+            *(_number(value) for value in (row["scale"], row["window"], unit.number(row["pga"]), row["arias"])),
         ]
         for _, row in evidence.records.iterrows()
     ]
-    head = ["motion", "source", "scale", "duration [s]", "peak as used [g]", "Arias intensity as used [m/s]"]
+    head = ["motion", "source", "scale", "duration [s]", f"peak as used [{unit.name}]", "Arias intensity as used [m/s]"]
     return ["## Motions", "", motion_sentence(evidence.records), "", *markdown(head, rows)]
 
 

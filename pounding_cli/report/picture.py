@@ -10,6 +10,7 @@ import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.histories import History
+from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,6 +36,7 @@ class Picture:
     elevation : of the floors [m]; yield_drift : of the storeys [m], inf where they stay elastic
     links : one for each column of the history's forces, None where the scene has none
     title, words : above the picture: the study; case, analysis, motion
+    acceleration : the unit that of the ground is shown in
     """
 
     elevation: tuple[np.ndarray, ...]
@@ -42,9 +44,10 @@ class Picture:
     links: tuple[DrawnLink | None, ...]
     title: str
     words: str
+    acceleration: Unit
 
 
-def picture_of_scene(scene: Scene, title: str, words: str) -> Picture:
+def picture_of_scene(scene: Scene, title: str, words: str, acceleration: Unit) -> Picture:
     """The picture of a scene, links in its order."""
     elastic = scene.analysis == "elastic"
     return Picture(
@@ -53,6 +56,7 @@ def picture_of_scene(scene: Scene, title: str, words: str) -> Picture:
         tuple(DrawnLink(k.left, k.left_floor, k.right_floor, str(k.kind), k.gap) for k in scene.links),
         title,
         words,
+        acceleration,
     )
 
 
@@ -80,6 +84,7 @@ def picture_of_results(results: Results, place: Mapping[str, Any], history: Hist
         tuple(links.get(label) for label in history.links),
         results.title,
         in_words({name: results.value_label(name, place[name]) for name in results.axes}, place, source),
+        results.units["acceleration"],
     )
 
 

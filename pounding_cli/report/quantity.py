@@ -143,7 +143,7 @@ def over_sweep(
     void_of = numbers.groupby(["point", *level], sort=False)["void"].sum()
     found["void"] = void_of.reindex(pd.MultiIndex.from_frame(found[["point", *level]])).to_numpy()
     worst = largest(found, ["point"])
-    look = shown(choice.quantity)
+    look = shown(choice.quantity, results.units)
 
     def spread(values: np.ndarray, empty: object, kind: object = float) -> np.ndarray:
         whole = np.full(int(np.prod(shape)), empty, dtype=kind)  # type: ignore[call-overload]

@@ -10,14 +10,37 @@ from typing import Any
 import h5py
 import pandas as pd
 
-from pounding_cli.report.connector_figures import connector_claims, draw_connector
+from pounding_cli.report.columns import Shown
+from pounding_cli.report.connector_figures import connector_claims, draw_connector, point_label
 from pounding_cli.report.style import FORMATS, unwritable
 from pounding_cli.report.wall_claims import mesh_convergence, wall_claims
 from pounding_cli.report.wall_figures import draw_wall
 from pounding_cli.report.web import write_system_page
 from pounding_cli.store.files import kind_of, opened_kind
 from pounding_cli.store.swept import axes_of, coordinate
+from pounding_cli.store.swept import written as unit_of
 from pounding_cli.texts import cells, write_markdown
+
+_READ = {
+    "N": ("kN", 1e-3),
+    "s": ("ms", 1e3),
+    "N s": ("kN s", 1e-3),
+    "N m": ("kN m", 1e-3),
+    "N/m2": ("N/mm²", 1e-6),
+    "1": ("–", 1.0),
+}
+"""SI unit -> the unit that numbers are read in, and its factor."""
+
+_LABELS = {
+    "peak1": "largest |R1|", "at1": "at Ω/ω10", "peak2": "largest |R2|", "at2": "at Ω/ω10",
+    "frequency_low": "lower coupled frequency/ω10", "frequency_high": "higher coupled frequency/ω10",
+    "p": "p = ω20/ω10",
+}  # fmt: skip
+
+_HEADINGS = {
+    "history": "Contact force, speed of the striker, energy, and stress at the struck face",
+    "accuracy": "Error of the peaks against processor time",
+}
 
 _ANCHOR = {"connector": "peak1", "wall": "peak_force"}
 """A variable that lies over the swept dimensions alone."""
@@ -67,11 +90,43 @@ def write_system_report(
         written += [folder / "numbers.csv", folder / "summary.md"]
         if with_page:
             convergence = mesh_convergence(path) if kind == "wall" else []
-            figures = sorted(written, key=lambda file: file != _main(written))
-            written.append(write_system_page(title, study, folder, claims, convergence, figures, found))
+            drawn = sorted((f for f in written if f.suffix == ".png"), key=lambda file: file != _main(written))
+            figures = {file: _heading(path, kind, file.stem) for file in drawn}
+            looks = _looks(path, kind)
+            written.append(write_system_page(title, study, folder, claims, convergence, figures, found, looks))
     except OSError as error:
         raise unwritable(folder, error) from error
     return written
+
+
+def _looks(path: Path, kind: str) -> dict[str, Shown]:
+    """How the page shows the columns of `numbers`: swept keys in the units of the study, others in usual ones."""
+    with opened_kind(path, kind) as file:
+        swept = {name: unit_of(file[name]) for name in axes_of(file, _ANCHOR[kind])}
+        looks = {name: Shown(name, unit.name, 1 / unit.factor) for name, unit in swept.items()}
+        for name, item in file.items():
+            if isinstance(item, h5py.Dataset) and name not in looks and "long_name" in item.attrs:
+                unit = str(item.attrs["units"])
+                label = _LABELS.get(name, name.replace("_", " "))
+                looks[name] = Shown(label, *_READ.get(unit, (unit, 1.0)), str(item.attrs["long_name"]))
+    return looks
+
+
+def _heading(path: Path, kind: str, stem: str) -> str:
+    """The heading of a figure by its file name."""
+    if kind == "connector":
+        return "Largest displacements over those alone, against the frequency of the ground"
+    what = stem.removeprefix(f"{path.stem}-")
+    if what in _HEADINGS:
+        return _HEADINGS[what]
+    with opened_kind(path, kind) as file:
+        axes = axes_of(file, _ANCHOR[kind])
+        if what == "stress":
+            return "Stress in the wall"
+        if what.startswith("stress-"):
+            return f"Stress in the wall, {point_label(file, axes, tuple(map(int, what.split('-')[1:])))}"
+        key = next((axis for axis in axes if axis.replace(".", "-") == what), what)
+    return f"Peaks against {key}"
 
 
 def _main(files: Sequence[Path]) -> Path | None:

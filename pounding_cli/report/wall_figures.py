@@ -169,9 +169,9 @@ def sweep_figure(file: h5py.File, axis: int) -> Figure:
         panels.ravel(),
         (
             "peak force [MN]",
-            f"peak stress, mean over {side:g} m [N/mm²]",
-            "peak stress of an element [N/mm²]",
-            "distance at which half of it is left [m]",
+            f"stress, mean over {side:g} m [N/mm²]",
+            "stress of an element [N/mm²]",
+            "distance to half of it [m]",
         ),
         strict=True,
     ):

@@ -11,8 +11,9 @@ import sys
 import types
 from typing import Any
 
+from pounding_cli.methods import METHODS
 from pounding_cli.solve.assess import assess
-from pounding_cli.solve.methods import METHODS, is_compiled, solve
+from pounding_cli.solve.methods import is_compiled, solve
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 
 __all__ = ["METHODS", "BuildingResponse", "LinkResponse", "Response", "assess", "is_compiled", "solve"]

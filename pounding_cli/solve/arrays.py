@@ -8,20 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding_cli.kernels import layout
 from pounding_cli.kernels.layout import Feet, Links, Peaks, Slots, State
 from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
-from pounding_cli.model.links import InfillLaw, Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.solve import link_tables
+from pounding_cli.solve.link_tables import LANES
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
-
-LANES = 8
-FAR = 1e100
-"""What stands for a gap without end [m]: kernels take differences of it, and inf - inf is none."""
-
-KINDS = {Kind.POUNDING: layout.POUNDING, Kind.INFILL: layout.INFILL, Kind.CONNECTOR: layout.CONNECTOR}
 
 
 @dataclass(frozen=True)
@@ -120,55 +115,20 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         dashpot=np.array([f.rocking_damping if f.rocks else 0.0 for *_, f in grounds], float),
         alpha=np.array([b.alpha for _, _, b, _ in grounds], float),
     )
-    packed_links = _pack_links(buildings, links, floors)
+    packed_links = link_tables.pack_links(buildings, links, floors)
     return Arrays(slots, foot_arrays, packed_links, tuple(floors), tuple(bases), tuple(feet_of))
-
-
-def _pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: list[slice]) -> Links:
-    padded = -(-len(given) // LANES) * LANES
-    integers = ("kind", "tension_cut")
-    fields = rows((name for name in Links._fields[4:] if name not in integers), padded)
-    fields |= {name: np.zeros(padded, np.int64) for name in integers}
-    left = np.array([floors[link.left].start + link.left_floor - 1 for link in given], np.int64)
-    right = np.array([floors[link.left + 1].start + link.right_floor - 1 for link in given], np.int64)
-    fill = np.zeros(padded - left.size, np.int64)
-    links = Links(
-        len(given), padded, np.concatenate((left, fill)), np.concatenate((right, fill)), **fields,
-    )  # fmt: skip
-    for e, link in enumerate(given):
-        left_mass = buildings[link.left].mass[link.left_floor - 1]
-        right_mass = buildings[link.left + 1].mass[link.right_floor - 1]
-        mass = link.dashpot_mass(left_mass, right_mass)
-        links.kind[e] = KINDS[link.kind]
-        links.gap[e] = min(link.gap, FAR)
-        links.stiffness[e] = link.stiffness if link.can_close else 0.0
-        links.dashpot[e] = link.dashpot(left_mass, right_mass) if link.can_close else 0.0
-        # fault: tension-cut-as-given
-        links.tension_cut[e] = int(link.tension_cut and link.damping_ratio > 0 and link.kind is not Kind.CONNECTOR)
-        if link.kind is Kind.INFILL:
-            links.cubic[e] = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)  # fault: infill-cubic
-            links.root_dashpot[e] = 2 * link.damping_ratio * np.sqrt(mass)  # fault: infill-root-dashpot
-            links.beyond[e] = link.impact_stiffness
-            links.beyond_dashpot[e] = links.root_dashpot[e] * np.sqrt(link.impact_stiffness)
-            # fault: infill-stiffened
-            if link.infill_law is InfillLaw.CONTINUOUS:  # F(d) + s_imp (v - d)
-                at_gap = links.cubic[e] * link.gap**3 + link.stiffness * link.gap
-                links.beyond_force[e] = at_gap - link.impact_stiffness * link.gap
-    return links
 
 
 def at_rest(arrays: Arrays) -> State:
     """The state before the motion: at rest, touching links exactly at v = 0."""
-    padded, feet, count = arrays.padded, arrays.feet.number, arrays.links.size
-    kind = arrays.links.kind
-    touching = (kind == layout.INFILL) | ((kind == layout.POUNDING) & (arrays.links.gap == 0))
+    padded, feet = arrays.padded, arrays.feet.number
+    branch, known, at = link_tables.at_rest(arrays.links)
     return State(
         **rows(("u", "v", "line", "plastic"), padded),
         snapped_storey=np.zeros(padded, np.int64),
-        # fault: branch-at-rest
-        link_branch=np.where(kind == layout.CONNECTOR, layout.LINEAR, layout.OPEN).astype(np.int64),
-        link_cut=np.zeros(count, np.int64),
-        snapped_link=np.where(touching, layout.AT_ZERO, layout.NOTHING).astype(np.int64),
+        link_branch=branch,
+        snapped_link=known,
+        link_at=at,
         phi=np.zeros(feet),
         phi_v=np.zeros(feet),
     )

@@ -12,9 +12,11 @@ from functools import partial
 
 import numpy as np
 
+from pounding_cli.methods import METHODS
+from pounding_cli.model.condense import condensed
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve.methods import TAYLOR, chosen_method, solve
+from pounding_cli.solve.methods import solve
 from pounding_cli.solve.response import Response
 
 NUDGE = 1e-6
@@ -94,7 +96,13 @@ def _largest(triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
     return float(np.max(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))
 
 
-def assess(scene: Scene, response: Response, accuracy: float, run: Callable[..., Response] = solve) -> Response:
+def assess(
+    scene: Scene,
+    response: Response,
+    accuracy: float,
+    run: Callable[..., Response] = solve,
+    all_effects: bool = False,
+) -> Response:
     """The response with its estimated error [-], its sensitivity [-] and flags that say so where either is too large.
 
     error_estimate : difference against a run at an accuracy a thousand times finer; of a fixed-step method, against
@@ -103,12 +111,20 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
 
     A response that misses the accuracy asked by its own estimate gives way to the finer run, which is then judged by a
     finer one still, until the estimate meets the accuracy or doubles hold no more.
+
+    Foundation motions that the accuracy asked lets be held fixed are held in the finer runs too, unless the response is
+    of `all_effects`: what that may cost is bounded beforehand (`model.condense`), and resolving them costs most where
+    they matter least. The sway and rocking of such a base are 0, and the response says so.
     """
     if response.status != "done":
         return response
-    fixed_steps = chosen_method(response.method, accuracy).takes_step
+    fixed_steps = METHODS[response.method].takes_step
     tight = BESIDE_FIXED_STEPS if fixed_steps else finer(accuracy)
-    method = TAYLOR.name if fixed_steps else response.method
+    method = "taylor" if fixed_steps else response.method
+    if all_effects:
+        run = partial(run, all_effects=True)
+    elif not fixed_steps:
+        scene, _ = condensed(scene, accuracy)  # fault: held-in-finer-runs
     if response.samples:
         run = partial(run, watch=True)
     second = run(scene, accuracy=tight, method=method)
@@ -116,6 +132,7 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
     error, sensitivity = difference(response, second), change(second, nudged) / NUDGE  # fault: estimated-error
     seconds = response.seconds
     while not fixed_steps and error > accuracy and second.status == "done":
+        second = dataclasses.replace(second, dropped=response.dropped)
         response = second  # fault: finer-response-is-kept
         seconds += second.seconds
         if tight <= FINEST:
@@ -129,8 +146,18 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
             *flags,
             f"ill-conditioned: a motion that grows by 1e-6 on its way changes a peak by {sensitivity * NUDGE:.1e}",
         )
+    if np.isnan(error):
+        flags = (
+            *flags,
+            f"no error estimate: the run at {tight:.0e} that this one is judged by ended with: {second.status}",
+        )
     if not fixed_steps and error > accuracy:
         flags = (*flags, f"less accurate than asked: an error of about {error:.1e} is left, {accuracy:.0e} was asked")
     return dataclasses.replace(
-        response, tolerance=accuracy, seconds=seconds, error_estimate=error, sensitivity=sensitivity, flags=flags
+        response,
+        accuracy=response.accuracy if fixed_steps else accuracy,
+        seconds=seconds,
+        error_estimate=error,
+        sensitivity=sensitivity,
+        flags=flags,
     )

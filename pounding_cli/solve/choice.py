@@ -7,9 +7,6 @@ from pounding_cli.solve import exponential
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.method import is_linear
 
-AUTO = "auto"
-"""Of every scene the cheapest that keeps the accuracy."""
-
 
 def cheapest_method(scene: Scene, arrays: Arrays) -> str:
     """Key in METHODS of the cheapest method that meets any accuracy asked.

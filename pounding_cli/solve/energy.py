@@ -6,7 +6,6 @@ import numpy as np
 
 from pounding_cli.kernels.layout import State
 from pounding_cli.kernels.ledger import Ledger
-from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, drift_of
 
@@ -29,28 +28,16 @@ def held(scene: Scene, arrays: Arrays, state: State) -> dict[str, float]:
         if np.isfinite(feet.inertia[f]):
             kinetic += 0.5 * float(feet.inertia[f]) * float(state.phi_v[f]) ** 2
             stored += 0.5 * float(feet.stiffness[f]) * float(state.phi[f]) ** 2
-    links = 0.0
+    return {"kinetic": kinetic, "stored": stored, "links_stored": _in_links(scene, arrays, state)}
+
+
+def _in_links(scene: Scene, arrays: Arrays, state: State) -> float:
+    """Energy in the springs of all links [J]."""
+    total = 0.0
     for e, link in enumerate(scene.links):
-        links += potential(link, float(state.u[arrays.links.left[e]] - state.u[arrays.links.right[e]]))
-    return {"kinetic": kinetic, "stored": stored, "links_stored": links}
-
-
-def potential(link: Link, closing: float) -> float:
-    """Energy in a link's spring [J] at a closing u_l - u_r [m]: the integral of its elastic force."""
-    if link.kind is Kind.CONNECTOR:
-        return 0.5 * link.stiffness * closing**2
-    if link.kind is Kind.POUNDING:
-        return 0.5 * link.stiffness * max(closing - link.gap, 0.0) ** 2
-    v = max(closing, 0.0)
-    cubic = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
-    inside = min(v, link.gap)
-    energy = 0.25 * cubic * inside**4 + 0.5 * link.stiffness * inside**2
-    if v > link.gap:
-        energy += 0.5 * link.impact_stiffness * (v**2 - link.gap**2)
-        if link.infill_law == "continuous":
-            at_gap = cubic * link.gap**3 + link.stiffness * link.gap
-            energy += (at_gap - link.impact_stiffness * link.gap) * (v - link.gap)
-    return energy
+        closing = float(state.u[arrays.links.left[e]] - state.u[arrays.links.right[e]])
+        total += link.law.stored(closing)
+    return total
 
 
 def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State, ledger: Ledger) -> dict[str, float]:

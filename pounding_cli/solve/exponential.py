@@ -21,7 +21,8 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import matrices, with_links
-from pounding_cli.solve.method import Method, not_linear, real_slots
+from pounding_cli.solve.link_tables import acting_at_rest, stiffest
+from pounding_cli.solve.method import Integrator, not_linear, real_slots
 
 RADIANS = 1.5
 """Largest phase of the highest mode over one part of a sample [rad]."""
@@ -81,8 +82,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
     acceleration = a[count : count + n].copy()
     # fault: exact-acceleration
     acceleration[:, -2] += 1.0  # total: the ground's is added
-    slope = arrays.links.stiffness[: arrays.links.number, None]
-    dashpot = arrays.links.dashpot[: arrays.links.number, None]
+    slope, dashpot = (values[:, None] for values in stiffest(arrays.links))
     moving = np.vstack((
         np.hstack((system.drift, nothing)),
         np.hstack((np.eye(n, count), nothing)),
@@ -253,7 +253,7 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     peaks.shear[:n] = arrays.slots.stiffness[:n] * peaks.drift[:n]
     peaks.displacement_max[:n], peaks.displacement_min[:n] = highest[n : 2 * n], lowest[n : 2 * n]
     peaks.closing[:links] = highest[cuts[2] : cuts[3]]
-    peaks.contact_time[:links] = starts.size * dt * (arrays.links.kind[:links] == layout.CONNECTOR)
+    peaks.contact_time[:links] = starts.size * dt * acting_at_rest(arrays.links)[:links]
 
     peaks.impulse[:links] = found.impulses @ visited
     ledger.input[0], ledger.dashpots[0], *on_links = sums.sum(axis=1)
@@ -264,15 +264,4 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     return status, starts.size * found.parts, 0, 0, starts.size * dt
 
 
-EXPONENTIAL = Method(
-    "exponential",
-    "exponential",
-    0,
-    "accuracy",
-    "any time step; linear scenes only",
-    "Moler, C. & Van Loan, C. (2003). Nineteen dubious ways to compute the exponential of a matrix, twenty-five years "
-    "later. SIAM Review 45(1), methods 1 and 3.",
-    integrate,
-    refusal=not_linear,
-    keeps_ledger=True,
-)
+EXPONENTIAL = Integrator(integrate, refusal=not_linear)

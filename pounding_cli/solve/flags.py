@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-from pounding_cli.model.links import Kind
+from pounding_cli.laws import link_laws
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.response import LinkResponse
-
-INFILL_PRESSED_THROUGH = "infill compressed beyond its thickness"
-CONNECTOR_STRUCK = "connector closes more than the gap, so the floors would have struck"
-
-MEANINGLESS = (CONNECTOR_STRUCK,)
-"""Flags of scenes whose numbers say nothing about the buildings: a connector takes the place of the impact, so a
-scene in which its floors would have struck leaves out the very thing it is about. An infill pressed beyond its
-thickness stays stiff as an impact there (paper, after eq. 9): worth knowing, but the floors do strike."""
 
 
 def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
@@ -21,14 +13,13 @@ def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
     said = []
     for e, link in enumerate(scene.links):
         beyond = float(links.max_closing[e]) - link.gap
-        if beyond <= 0 or link.kind is Kind.POUNDING:
+        if beyond <= 0 or not link.law.beyond_gap:
             continue
         left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
-        what = INFILL_PRESSED_THROUGH if link.kind is Kind.INFILL else CONNECTOR_STRUCK
-        said.append(f"{what}: {left} | {right}, floor {link.left_floor}, by {beyond * 1000:.3g} mm")
+        said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond * 1000:.3g} mm")
     return tuple(said)
 
 
 def is_meaningless(flag: str) -> bool:
     """Whether a flag takes the meaning from all numbers of its scene."""
-    return flag.startswith(MEANINGLESS)
+    return flag.startswith(tuple(law.beyond_gap for law in link_laws().values() if law.meaningless))

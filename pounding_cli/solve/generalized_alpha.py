@@ -1,4 +1,4 @@
-"""HHT-alpha and generalized-alpha: implicit, with numerical damping of what no step resolves
+"""Newmark, HHT-alpha and generalized-alpha: implicit, with numerical damping of what no step resolves
 (`kernels.generalized_alpha`)."""
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
-from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import matrices
-from pounding_cli.solve.method import NO_ROOT, Method, steps_a_sample
+from pounding_cli.solve.method import NO_ROOT, Integrator, steps_a_sample
+from pounding_cli.solve.stepping import is_inelastic, march, sizes
 
 ALPHA = 0.1
 """Share of the old forces in HHT-alpha [-]; 0 is Newmark's average acceleration, 1/3 the most."""
@@ -22,8 +22,6 @@ RADIUS = 0.9
 MOST_CUTS = 14
 """Times in a row that a step without a root is cut in half before the run ends."""
 
-STABILITY = "any time step where the scene is linear; a contact may leave a step without a root"
-
 
 def family(alpha_m: float, alpha_f: float) -> tuple[float, float, float, float]:
     """(beta, gamma, alpha_m, alpha_f) of second order with the most dissipation at high frequencies (Chung & Hulbert
@@ -32,22 +30,18 @@ def family(alpha_m: float, alpha_f: float) -> tuple[float, float, float, float]:
     return 0.25 * (1 - alpha_m + alpha_f) ** 2, gamma, alpha_m, alpha_f
 
 
-def march(parameters, scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds):
+def _integrate(parameters, scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds):
     """Run a member of the family at the largest step not above `time_step` [s] that divides the motion's."""
     from pounding_cli.kernels import generalized_alpha as kernels
 
-    starts, slopes, dt = segments(scene)
-    parts = steps_a_sample(scene, time_step)
     system = matrices(arrays)
-    room = np.zeros(
-        kernels.room_needed(arrays.padded, arrays.feet.number, arrays.links.size, system.mass.size)
-    )  # fmt: skip
-    touching = np.zeros(arrays.links.size, np.int64)
-    kernel = kernels.build(scene.analysis == "inelastic")
-    status, *counts = kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, room, touching, system.mass, system.damping.ravel(),
-        starts, slopes, dt, parts, *parameters, MOST_CUTS,
-    )  # fmt: skip
+    unknowns = system.mass.size
+    own = np.zeros(kernels.room_needed(*sizes(arrays), unknowns))
+    step = scene.motion.dt / steps_a_sample(scene, time_step)
+    own[: kernels.PARAMETERS] = *parameters, MOST_CUTS, unknowns, step
+    own[kernels.matrices_at(*sizes(arrays)) :][: unknowns + unknowns**2] = *system.mass, *system.damping.ravel()
+    kernel = kernels.build(is_inelastic(scene))
+    status, *counts = march(kernel, own, scene, arrays, state, peaks, time_step, bounds)
     return (NO_ROOT if status == kernels.NO_ROOT else status, *counts)
 
 
@@ -58,25 +52,8 @@ def without_root(steps: int, cuts: int) -> str:
     return f"Newton found no root in {cuts} of {steps} steps, because a contact force jumps; these were cut in half"
 
 
-HHT_ALPHA = Method(
-    "hht-alpha",
-    "HHT-alpha",
-    2,
-    "time step",
-    STABILITY,
-    "Hilber, H. M., Hughes, T. J. R. & Taylor, R. L. (1977). Improved numerical dissipation for time integration "
-    "algorithms in structural dynamics. Earthquake Eng. Struct. Dyn. 5(3).",
-    functools.partial(march, family(0.0, ALPHA)),
-    note=without_root,
-)
-GENERALIZED_ALPHA = Method(
-    "generalized-alpha",
-    "generalized-alpha",
-    2,
-    "time step",
-    STABILITY,
-    "Chung, J. & Hulbert, G. M. (1993). A time integration algorithm for structural dynamics with improved numerical "
-    "dissipation: the generalized-alpha method. J. Appl. Mech. 60(2).",
-    functools.partial(march, family((2 * RADIUS - 1) / (RADIUS + 1), RADIUS / (RADIUS + 1))),
-    note=without_root,
+NEWMARK = Integrator(functools.partial(_integrate, family(0.0, 0.0)), note=without_root)
+HHT_ALPHA = Integrator(functools.partial(_integrate, family(0.0, ALPHA)), note=without_root)
+GENERALIZED_ALPHA = Integrator(
+    functools.partial(_integrate, family((2 * RADIUS - 1) / (RADIUS + 1), RADIUS / (RADIUS + 1))), note=without_root
 )

@@ -19,7 +19,7 @@ import numpy as np
 
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.closing import free_accuracy, kept_apart
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response, composed_method
@@ -157,13 +157,7 @@ def _rests(scene: Scene, left: range, right: range, link: Link) -> bool:
 
 def _sure_to_meet(scene: Scene) -> list[int]:
     """Pairs, by the place of the left building, with a link that a first movement may already close."""
-    return sorted(
-        {
-            link.left
-            for link in scene.links
-            if (link.kind is not Kind.POUNDING or link.gap == 0) and not _move_alike(scene, link)
-        }
-    )
+    return sorted({link.left for link in scene.links if link.law.free_below <= 0 and not _move_alike(scene, link)})
 
 
 def _first_groups(scene: Scene) -> list[range]:
@@ -197,7 +191,7 @@ def _seen_to_meet(scene: Scene, left: range, right: range, a: Response, b: Respo
         if _rests(scene, left, right, link):
             continue
         closing = a.samples[-1][:, link.left_floor - 1] - b.samples[0][:, link.right_floor - 1]
-        if link.kind is not Kind.POUNDING or closing.max(initial=0.0) >= link.gap:
+        if closing.max(initial=0.0) >= link.law.free_below:
             return True
     return False
 
@@ -230,7 +224,7 @@ def _open(
     for link in closings:
         if _rests(scene, left, right, link):
             closings[link] = 0.0
-        elif link.kind is not Kind.POUNDING or closings[link] + error >= link.gap:  # fault: gap-stays-open
+        elif closings[link] + error >= link.law.free_below:  # fault: gap-stays-open
             return None
     return Free(closings, response.methods)
 
@@ -258,7 +252,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
         "done",
         "",
         composed_method(chain(*(part.methods for part in parts), *(between.methods for between in free))),
-        parts[0].tolerance,
+        parts[0].accuracy,
         steps=0,
         events=0,
         seconds=0.0,
@@ -280,7 +274,7 @@ def _sentence(scene: Scene, closings: dict[Link, float]) -> str:
     names = " | ".join(building.name for building in scene.buildings[left : left + 2])
     if all(closing == 0 for closing in closings.values()):
         return f"links {names}: equal buildings move alike, so nothing closes"
-    least = min(link.gap - closing for link, closing in closings.items())
+    least = min(link.law.free_below - closing for link, closing in closings.items())
     return f"links {names}: the gap never closes, {least * 1000:.3g} mm of it stay open"
 
 

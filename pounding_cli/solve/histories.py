@@ -16,7 +16,7 @@ from pounding_cli.kernels import layout
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve import taylor
+from pounding_cli.solve import link_tables, taylor
 from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.methods import MOST_EVENTS, MOST_STEPS, OUTCOMES
@@ -98,13 +98,12 @@ class _States:
     line: np.ndarray
     plastic: np.ndarray
     link_branch: np.ndarray
-    link_cut: np.ndarray
     phi: np.ndarray
     phi_v: np.ndarray
     work: np.ndarray  # (t, 4): input, dashpots, hysteresis, links [J]
 
 
-_KEPT = ("u", "v", "line", "plastic", "link_branch", "link_cut", "phi", "phi_v")
+_KEPT = ("u", "v", "line", "plastic", "link_branch", "phi", "phi_v")
 
 
 def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> _States:
@@ -219,16 +218,8 @@ def _link_forces(arrays: Arrays, s: _States) -> np.ndarray:
     forces = np.zeros((s.u.shape[0], links.number))
     for e in range(links.number):
         left, right = links.left[e], links.right[e]
-        v, rate = s.u[:, left] - s.u[:, right], s.v[:, left] - s.v[:, right]
-        slope = links.stiffness[e] + 3 * links.cubic[e] * v**2
-        if links.kind[e] == layout.POUNDING:
-            v = v - links.gap[e]
-        linear = links.stiffness[e] * v + links.dashpot[e] * rate
-        if links.kind[e] == layout.INFILL:
-            linear = links.beyond[e] * v + links.beyond_force[e] + links.beyond_dashpot[e] * rate
-        cubic = links.cubic[e] * v**3 + links.stiffness[e] * v + links.root_dashpot[e] * np.sqrt(slope) * rate
-        force = np.where(s.link_branch[:, e] == layout.CUBIC, cubic, linear)
-        forces[:, e] = np.where((s.link_branch[:, e] == layout.OPEN) | (s.link_cut[:, e] == 1), 0.0, force)
+        v, rate = s.u[:, left] - s.u[:, right] - links.offset[e], s.v[:, left] - s.v[:, right]
+        forces[:, e] = link_tables.force_over_time(links, s.link_branch[:, e], v, rate)
     return forces
 
 

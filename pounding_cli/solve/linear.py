@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding_cli.kernels import layout
 from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.link_tables import stiffest
 from pounding_cli.solve.method import real_slots
 
 
@@ -67,12 +67,8 @@ def matrices(arrays: Arrays) -> Matrices:
 
 
 def with_links(arrays: Arrays, system: Matrices) -> tuple[np.ndarray, np.ndarray]:
-    """(C, K) with every link closed, an infill as stiff as it gets: the stiffest the scene can be."""
-    links = arrays.links
-    infill = links.kind == layout.INFILL
-    count = links.number
-    slope = np.where(infill, links.beyond, links.stiffness)[:count]
-    dashpot = np.where(infill, links.beyond_dashpot, links.dashpot)[:count]
+    """(C, K) with every link closed, each where its law is stiffest."""
+    slope, dashpot = stiffest(arrays.links)
     rows = system.closing
     return (
         system.damping + rows.T @ (dashpot[:, None] * rows),

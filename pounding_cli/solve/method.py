@@ -1,15 +1,16 @@
-"""What a method of the family states about itself; the table of all of them is in `methods`."""
+"""The code behind a method of `pounding_cli.methods`, and what several of them ask of a scene."""
 
 from __future__ import annotations
 
+import importlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from pounding_cli.methods import Method
 from pounding_cli.model.effects import effects_of
-from pounding_cli.model.links import Kind, Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 
@@ -44,59 +45,45 @@ def no_note(steps: int, events: int) -> str:
 
 
 @dataclass(frozen=True)
-class Method:
-    """One way to integrate the equations of motion.
+class Integrator:
+    """The code of a method (`pounding_cli.methods.Method`).
 
     Parameters
     ----------
-    name : its key in METHODS and in a study file
-    title : what tables and figures call it
-    order : of convergence in the time step where the motion is smooth [-]; 0 where it follows the accuracy asked
-    setting : "accuracy" (relative error wanted [-]) or "time step" [s]
-    stability : in words
-    source : full citation
     integrate : (scene, arrays, state, peaks, ledger, setting, bounds) -> (status, steps, events, orders, time [s]),
         filling state, peaks and, if it keeps one, the ledger
     largest_step : stability limit of the time step from the arrays [s]; inf where there is none
     refusal : why it does not run a scene, or "" when it does
     note : a sentence about a run from its counts of steps and events, or ""
-    keeps_ledger : whether it fills the energy ledger
-    located : whether the ends of a contact or a yield are steps of their own, so that the order holds there too
     """
 
-    name: str
-    title: str
-    order: int
-    setting: str
-    stability: str
-    source: str
     integrate: Callable[..., tuple[int, int, int, int, float]]
     largest_step: Callable[[Arrays], float] = any_step
     refusal: Callable[[Scene], str] = any_scene
     note: Callable[[int, int], str] = no_note
-    keeps_ledger: bool = False
-    located: bool = False
 
-    @property
-    def takes_step(self) -> bool:
-        """Whether its setting is a time step."""
-        return self.setting == "time step"
+
+def integrator_of(method: Method) -> Integrator:
+    """The code of a method, imported when it is first asked for."""
+    if isinstance(method.code, str):
+        module, _, name = method.code.partition(":")
+        found = getattr(importlib.import_module(module), name)
+    else:
+        found = method.code
+    assert isinstance(found, Integrator)
+    return found
 
 
 def is_linear(scene: Scene) -> bool:
-    """Whether nothing in the scene can change its stiffness: no storey can yield, only connectors can close."""
-    return not effects_of(scene).yielding and all(_stays_linear(link) for link in scene.links)
-
-
-def _stays_linear(link: Link) -> bool:
-    return link.kind is Kind.CONNECTOR or not link.can_close
+    """Whether nothing in the scene can change its stiffness: no storey can yield, links are linear or never close."""
+    return not effects_of(scene).yielding and all(link.law.is_linear for link in scene.links)
 
 
 def not_linear(scene: Scene) -> str:
     """The refusal of a method that runs linear scenes only."""
     if effects_of(scene).yielding:
         return "its storeys can yield"
-    kinds = sorted({str(link.kind) for link in scene.links if not _stays_linear(link)})
+    kinds = sorted({link.kind for link in scene.links if not link.law.is_linear})
     return f"it has {' and '.join(kinds)} links" if kinds else ""
 
 

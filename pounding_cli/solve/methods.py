@@ -1,4 +1,4 @@
-"""The methods by name, and `solve`: one scene in, one response out, whatever the method."""
+"""`solve`: one scene in, one response out, whatever the method."""
 
 from __future__ import annotations
 
@@ -6,67 +6,25 @@ import dataclasses
 import gc
 import time
 from collections.abc import Sequence
+from math import nan
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import kept, layout
+from pounding_cli.methods import AUTO, METHODS, Method
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve import central_difference, taylor
+from pounding_cli.solve import taylor
 from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
-from pounding_cli.solve.choice import AUTO, cheapest_method
+from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.energy import AT_REST, balance, held
-from pounding_cli.solve.exponential import EXPONENTIAL
 from pounding_cli.solve.flags import flags_of
-from pounding_cli.solve.generalized_alpha import GENERALIZED_ALPHA, HHT_ALPHA
 from pounding_cli.solve.ground import segments_of
-from pounding_cli.solve.linear import central_difference_limit
-from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Method, step_taken
-from pounding_cli.solve.newmark import NEWMARK
+from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Integrator, integrator_of, step_taken
 from pounding_cli.solve.response import Response
-from pounding_cli.solve.runge_kutta import RUNGE_KUTTA, RUNGE_KUTTA_EVENTS
-
-TAYLOR = Method(
-    "taylor",
-    "Taylor with events",
-    0,
-    "accuracy",
-    "chooses its steps itself",
-    "Jorba, A. & Zou, M. (2005). A software package for the numerical integration of ODEs by means of high-order "
-    "Taylor methods. Exp. Math. 14(1).",
-    taylor.integrate,
-    keeps_ledger=True,
-    located=True,
-)
-WITH_EVERYTHING = dataclasses.replace(TAYLOR, integrate=taylor.integrate_everything)
-CENTRAL_DIFFERENCE = Method(
-    "central-difference",
-    "central difference",
-    2,
-    "time step",
-    "time step below 2 / the largest circular frequency, all links closed; less with damping",
-    "Newmark, N. M. (1959), with beta = 0; Bathe, K. J. (1996). Finite Element Procedures, section 9.2.1.",
-    central_difference.integrate,
-    largest_step=central_difference_limit,
-)
-
-METHODS: dict[str, Method] = {
-    method.name: method
-    for method in (
-        TAYLOR,
-        RUNGE_KUTTA_EVENTS,
-        RUNGE_KUTTA,
-        CENTRAL_DIFFERENCE,
-        NEWMARK,
-        HHT_ALPHA,
-        GENERALIZED_ALPHA,
-        EXPONENTIAL,
-    )
-}
-"""The family; what each states about itself: `method.Method`."""
 
 OUTCOMES = {
     layout.DONE: ("done", ""),
@@ -116,6 +74,7 @@ def solve(
     initial: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] | None = None,
     bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
     *,
+    time_step: float | None = None,
     all_effects: bool = False,
     watch: bool = False,
 ) -> Response:
@@ -124,32 +83,35 @@ def solve(
     Parameters
     ----------
     scene : in SI units
-    accuracy : wanted relative error of the peaks [-]; for methods whose setting is a time step, that step [s]
+    accuracy : wanted relative error of the peaks [-]; a method that takes a time step has no use for it
     method : a key of METHODS, or "auto" for the cheapest that keeps the accuracy
     initial : floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; None is
         rest
     bounds : most steps, most events
+    time_step : of a method that takes one (`methods.METHODS`) [s]
     all_effects : simulate everything there is, whether or not it can matter here
     watch : keep the displacements at the end of every segment too (`Response.samples`)
 
     Raises
     ------
-    InputError : unknown method, a setting that is not above zero, or a scene that the method does not run
+    InputError : unknown method, a setting that it does not take or that is not above zero, or a scene that it does not
+        run
     """
-    chosen = chosen_method(method, accuracy)
+    chosen, setting = chosen_method(method, accuracy, time_step)
+    code = integrator_of(chosen)
     condensing: tuple[str, ...] = ()
-    if all_effects and chosen is TAYLOR:
-        chosen = WITH_EVERYTHING
+    if all_effects and code is taylor.TAYLOR:
+        code = taylor.WITH_EVERYTHING
     elif not all_effects and not chosen.takes_step:
         scene, condensing = condensed(scene, accuracy)
-    if reason := chosen.refusal(scene):
+    if reason := code.refusal(scene):
         hint = "write `method: taylor`, which runs every scene"
         raise InputError(Problem(f"method {method} does not run this scene: {reason}", hint))
     arrays = pack(scene)
-    if method == AUTO and not all_effects and cheapest_method(scene, arrays) == EXPONENTIAL.name:
-        chosen = EXPONENTIAL
+    if method == AUTO and not all_effects and (cheapest := METHODS[cheapest_method(scene, arrays)]) is not chosen:
+        chosen, code = cheapest, integrator_of(cheapest)
         condensing += ("event location: nothing in the scene can change its stiffness, so it is stepped exactly",)
-    if chosen is TAYLOR and taylor.solved_in_islands(scene, arrays):
+    if code is taylor.TAYLOR and taylor.solved_in_islands(scene, arrays):
         condensing += ("the rest of the row, while a few touch or yield: what does not touch takes steps of its own",)
     state, peaks = at_rest(arrays), no_peaks(arrays, segments_of(scene) if watch else 0)
     if initial is not None:
@@ -157,12 +119,12 @@ def solve(
             state.u[span], state.v[span] = u, v
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
     ledger, before = empty_ledger(arrays), AT_REST if initial is None else held(scene, arrays, state)
-    limit = chosen.largest_step(arrays)
+    limit = code.largest_step(arrays)
     status, steps, events, orders, seconds = UNSTABLE, 0, 0, 0, 0.0
-    if not chosen.takes_step or step_taken(scene, accuracy) <= limit:
-        _compile(chosen, scene, accuracy)
+    if not chosen.takes_step or step_taken(scene, setting) <= limit:
+        _compile(code, scene, scene.motion.dt if chosen.takes_step else setting)
         begin = time.perf_counter()
-        status, steps, events, orders, _ = chosen.integrate(scene, arrays, state, peaks, ledger, accuracy, bounds)
+        status, steps, events, orders, _ = code.integrate(scene, arrays, state, peaks, ledger, setting, bounds)
         seconds = time.perf_counter() - begin
     if status == layout.DONE and not np.isfinite(np.concatenate([peak.ravel() for peak in peaks[1:]])).all():
         status = layout.NOT_FINITE
@@ -176,11 +138,11 @@ def solve(
     buildings, links = unpack(scene, arrays, state, peaks)
     if status == UNSTABLE:
         advice = f"the motion would grow without bound: take a time step below {limit:.2g} s, or method: taylor"
-    note = chosen.note(steps, events)
+    note = code.note(steps, events)
     effects = effects_of(scene)
     return Response(
-        buildings, links, outcome, advice, chosen.name, accuracy, steps, events, seconds, orders=orders,
-        energy=energy,
+        buildings, links, outcome, advice, chosen.name, nan if chosen.takes_step else accuracy, steps, events, seconds,
+        orders=orders, time_step=setting if chosen.takes_step else nan, energy=energy,
         flags=flags_of(scene, links) + ((note,) if note else ()),
         effects=effects.kept, dropped=effects.dropped + condensing,
         final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
@@ -188,19 +150,18 @@ def solve(
     )  # fmt: skip
 
 
-def _compile(chosen: Method, scene: Scene, setting: float) -> None:
+def _compile(code: Integrator, scene: Scene, setting: float) -> None:
     """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
-    sort = (chosen, effects_of(scene).yielding)
+    sort = (code, effects_of(scene).yielding)
     if sort in _compiled:
         return
     still = Motion("still", scene.motion.dt, np.zeros(2))
     silent = dataclasses.replace(scene, motion=still, tail=0.0)
     arrays = pack(silent)
     bounds = MOST_STEPS, MOST_EVENTS
-    step = scene.motion.dt if chosen.takes_step else setting
 
     def once() -> None:
-        chosen.integrate(silent, arrays, at_rest(arrays), no_peaks(arrays), empty_ledger(arrays), step, bounds)
+        code.integrate(silent, arrays, at_rest(arrays), no_peaks(arrays), empty_ledger(arrays), setting, bounds)
 
     collecting = gc.isenabled()
     gc.disable()  # a compiler makes a million objects that all stay: looking through them takes a sixth of its time
@@ -212,18 +173,26 @@ def _compile(chosen: Method, scene: Scene, setting: float) -> None:
     _compiled.add(sort)
 
 
-def chosen_method(name: str, setting: float) -> Method:
-    """The method of that name, its setting checked; "auto" is the one that runs every scene.
+def chosen_method(name: str, accuracy: float, time_step: float | None = None) -> tuple[Method, float]:
+    """The method of that name and its setting, checked; "auto" is the one that runs every scene.
 
     Raises
     ------
-    InputError : no such method, or a setting that is not above zero
+    InputError : no such method, a setting that it does not take, or one that is not above zero
     """
-    if name == AUTO:
-        name = TAYLOR.name
-    if name not in METHODS:
+    if name != AUTO and name not in METHODS:
         raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join((AUTO, *METHODS))}"))
+    method = METHODS["taylor" if name == AUTO else name]
+    if method.takes_step and time_step is None:
+        hint = "give it one, e.g. `time_step=1e-4` [s]; an accuracy says nothing to fixed steps"
+        raise InputError(Problem(f"method {name} takes a time step", hint))
+    if time_step is not None and not method.takes_step:
+        raise InputError(
+            Problem(f"a time step says nothing to method {name}", "leave it out; `accuracy` sets the cost")
+        )
+    setting = accuracy if time_step is None else time_step
     if not (np.isfinite(setting) and setting > 0):
-        what = METHODS[name].setting
-        raise InputError(Problem(f"{what} is {setting:g}; it must be above zero", f"write e.g. `{what}: 1e-4`"))
-    return METHODS[name]
+        what = method.setting
+        hint = f"write e.g. `{what.key}: {what.example}`"
+        raise InputError(Problem(f"{what.title} is {setting:g}; it must be above zero", hint))
+    return method, setting

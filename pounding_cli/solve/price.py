@@ -7,7 +7,6 @@ from pounding_cli.solve.arrays import pack
 from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.ground import segments_of
 from pounding_cli.solve.method import steps_a_sample
-from pounding_cli.solve.methods import METHODS
 
 SERIES = 66e-9
 """Time of a Taylor run a floor and record sample [s], on one core of an AMD EPYC at an accuracy of 1e-6; median over
@@ -34,18 +33,18 @@ def method_of(scene: Scene) -> str:
     return cheapest_method(scene, pack(scene))
 
 
-def price(scene: Scene, method: str, setting: float) -> float:
+def price(scene: Scene, method: str, time_step: float | None = None) -> float:
     """Expected time of one run on one core [s].
 
     Parameters
     ----------
     scene : in SI units
     method : a key of METHODS
-    setting : accuracy [-], which hardly matters, or the time step of a fixed-step method [s], which does
+    time_step : of a method that takes one [s]; an accuracy hardly matters
     """
     floors = sum(building.storeys for building in scene.buildings)
-    if METHODS[method].takes_step:
-        return steps_a_sample(scene, setting) * segments_of(scene) * STEP * floors
+    if time_step is not None:
+        return steps_a_sample(scene, time_step) * segments_of(scene) * STEP * floors
     if method == "exponential":
         return segments_of(scene) * (EXACT[0] + EXACT[1] * floors) * floors
-    return segments_of(scene) * SERIES * floors * (LINKED if any(link.can_close for link in scene.links) else 1.0)
+    return segments_of(scene) * SERIES * floors * (LINKED if any(link.law.can_close for link in scene.links) else 1.0)

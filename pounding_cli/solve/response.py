@@ -58,8 +58,8 @@ class Response:
 
     status : "done", or a named outcome such as "event bound reached" (then the numbers are NaN)
     advice : what to do about a status other than "done"
-    method, tolerance : how it was solved, of a row that fell into groups `composed_method`; the accuracy asked [-] or
-        the time step [s]
+    method : how it was solved, of a row that fell into groups `composed_method`
+    accuracy : accuracy asked [-]; nan for a method that takes a time step
     steps, events : counts [-]
     seconds : time inside the solver [s]
     energy : ledger [J]: input, kinetic, stored, damping, hysteresis, links; residual is relative to the input [-]
@@ -68,6 +68,7 @@ class Response:
     orders : Taylor orders computed in all (0 for other methods)
     error_estimate, sensitivity : see `assess` [-]; nan where not assessed
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
+    time_step : of a method that takes one [s]; nan for the others
     samples : floor displacements at the end of every segment of the motion [m], one array (segments, n) a building,
         where the run was asked to watch them
     """
@@ -77,7 +78,7 @@ class Response:
     status: str
     advice: str
     method: str
-    tolerance: float
+    accuracy: float
     steps: int
     events: int
     seconds: float
@@ -88,6 +89,7 @@ class Response:
     orders: int = 0
     error_estimate: float = float("nan")
     sensitivity: float = float("nan")
+    time_step: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     samples: tuple[np.ndarray, ...] = ()
 

@@ -3,54 +3,24 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
-from pounding_cli.solve.ground import segments
 from pounding_cli.solve.linear import runge_kutta_limit
-from pounding_cli.solve.method import Method, steps_a_sample
+from pounding_cli.solve.method import Integrator
+from pounding_cli.solve.stepping import is_inelastic, march, sizes
 
 
-def _integrate(scene: Scene, arrays: Arrays, state, peaks, time_step: float, bounds, located: bool):
-    from pounding_cli.kernels import runge_kutta
+def _integrate(located: bool, scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds):
+    """Run at the largest step not above `time_step` [s] that divides the motion's, with event location or without."""
+    from pounding_cli.kernels import runge_kutta as kernels
 
-    starts, slopes, dt = segments(scene)
-    parts = steps_a_sample(scene, time_step)
-    room = np.zeros(runge_kutta.room_needed(arrays.padded, arrays.feet.number, arrays.links.size))
-    kernel = runge_kutta.build(scene.analysis == "inelastic", located)
-    return kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, room, starts, slopes, dt, parts, bounds[1]
-    )  # fmt: skip
+    own = np.zeros(kernels.room_needed(*sizes(arrays)))
+    return march(kernels.build(is_inelastic(scene), located), own, scene, arrays, state, peaks, time_step, bounds)
 
 
-def integrate_with_events(scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds):
-    """Run with event location, at the largest step not above `time_step` [s] that divides the motion's."""
-    return _integrate(scene, arrays, state, peaks, time_step, bounds, True)
-
-
-def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: float, bounds):
-    """Run without event location, at the largest step not above `time_step` [s] that divides the motion's."""
-    return _integrate(scene, arrays, state, peaks, time_step, bounds, False)
-
-
-STABILITY = "time step below about 2.8 / the largest circular frequency, all links closed"
-SOURCE = (
-    "Kutta, W. (1901). Beitrag zur naeherungsweisen Integration totaler Differentialgleichungen. Z. Math. Phys. 46."
-)
-
-RUNGE_KUTTA = Method(
-    "rk4", "Runge-Kutta 4", 4, "time step", STABILITY, SOURCE, integrate, largest_step=runge_kutta_limit
-)
-RUNGE_KUTTA_EVENTS = Method(
-    "rk4-events",
-    "Runge-Kutta 4 with events",
-    4,
-    "time step",
-    STABILITY,
-    SOURCE + " Events: Shampine, L. F. & Thompson, S. (2000). Event location for ordinary differential equations. "
-    "Comput. Math. Appl. 39(5-6).",
-    integrate_with_events,
-    largest_step=runge_kutta_limit,
-    located=True,
-)
+RUNGE_KUTTA = Integrator(functools.partial(_integrate, False), runge_kutta_limit)
+RUNGE_KUTTA_EVENTS = Integrator(functools.partial(_integrate, True), runge_kutta_limit)

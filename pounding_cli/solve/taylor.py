@@ -14,7 +14,7 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
-from pounding_cli.solve.method import real_slots
+from pounding_cli.solve.method import Integrator, real_slots
 
 SAFETY = 0.5
 """Local tolerance (relative, of acceleration) over the accuracy asked. Ordinary scenes come out hundreds of times
@@ -176,3 +176,7 @@ def integrate_everything(
 ) -> tuple[int, int, int, int, float]:
     """The same looking for every effect, whether or not the scene calls for it."""
     return prepare(scene, arrays, state, accuracy, bounds, everything=True)(state, peaks, ledger, *segments(scene))
+
+
+TAYLOR = Integrator(integrate)
+WITH_EVERYTHING = Integrator(integrate_everything)

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.methods import METHODS, solve
+from pounding_cli.solve.method import integrator_of
+from pounding_cli.solve.methods import solve
 from pounding_cli.solve.response import Response
 from pounding_cli.words import counted
 
@@ -24,10 +26,6 @@ QUANTITIES = ("V", "mu", "acceleration", "force")
 REFERENCE = ("taylor", 1e-12)
 SECOND = ("rk4-events", 2e-5)
 """Methods and settings of the reference and of what confirms it."""
-
-STEPS = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)
-ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
-"""Settings tried: time steps [s], accuracies [-]."""
 
 MOST_REPEATS, REPEATED = 20, 0.1
 """A run is repeated up to so often, or until its repeats took so long [s] together; the least counts."""
@@ -135,9 +133,14 @@ def chosen(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names)) or tuple(METHODS)
 
 
-def settings_of(name: str) -> tuple[float, ...]:
-    """Settings tried of a method, coarse to fine."""
-    return STEPS if METHODS[name].takes_step else ACCURACIES
+def _solved(scene: Scene, name: str, setting: float) -> Response:
+    """The response by a method at a value of its setting."""
+    told = {METHODS[name].setting.key: setting}
+    return solve(scene, method=name, **told)  # type: ignore[arg-type]
+
+
+def _refuses(name: str, scene: Scene) -> bool:
+    return bool(integrator_of(METHODS[name]).refusal(scene))
 
 
 def measure(
@@ -170,8 +173,8 @@ def measure(
         compiling += time.perf_counter() - started
         together = round_of[place:].count(round_of[place])
         started = time.perf_counter()
-        reference = solve(subject.scene, REFERENCE[1], REFERENCE[0])
-        second = solve(subject.scene, SECOND[1], SECOND[0])
+        reference = _solved(subject.scene, *REFERENCE)
+        second = _solved(subject.scene, *SECOND)
         dearest = max(dearest, time.perf_counter() - started)
         if reference.status != "done" or second.status != "done":
             without.append(f"{subject.place}: {reference.status} and {second.status}")
@@ -181,7 +184,7 @@ def measure(
         references.append(Confirmed(*where, errors_of(second, reference), impacts))
         share = (left / together - (time.perf_counter() - started)) / len(methods)
         for name in methods:
-            if METHODS[name].refusal(subject.scene):
+            if _refuses(name, subject.scene):
                 continue
             for setting, run in _settings(subject, name, reference, share, at_least_one=place == 0):
                 if run is None:
@@ -212,8 +215,8 @@ def _left_out(total: int, measured: int, dropped: Mapping[tuple[str, float], int
 def _warm_up(scene: Scene, methods: set[str]) -> None:
     short = dataclasses.replace(scene, motion=scene.motion.windowed(WARM_UP * scene.motion.dt))
     for name in methods:
-        if not METHODS[name].refusal(scene):
-            solve(short, 1e-4, name)
+        if not _refuses(name, scene):
+            _solved(short, name, 1e-4)
 
 
 def _settings(
@@ -221,7 +224,7 @@ def _settings(
 ) -> Iterator[tuple[float, Run | None]]:
     """Runs of one method from coarse to fine; None for settings that the time allowed [s] does not reach."""
     spent, last, scale = 0.0, 0.0, 1.0
-    settings = settings_of(name)
+    settings = METHODS[name].setting.tried
     for number, setting in enumerate(settings):
         if number and METHODS[name].takes_step:
             scale = settings[number - 1] / setting
@@ -229,21 +232,21 @@ def _settings(
             yield setting, None
             continue
         begin = time.perf_counter()
-        response = solve(subject.scene, setting, name)
+        response = _solved(subject.scene, name, setting)
         last = response.seconds
         seconds = [last]
         repeated = min(REPEATED, (allowed - spent) / len(settings))
         while response.status == "done" and len(seconds) < MOST_REPEATS and sum(seconds) + last < repeated:
-            seconds.append(solve(subject.scene, setting, name).seconds)
+            seconds.append(_solved(subject.scene, name, setting).seconds)
         spent += time.perf_counter() - begin
-        yield setting, _run(subject, response, reference, min(seconds))
+        yield setting, _run(subject, setting, response, reference, min(seconds))
 
 
-def _run(subject: Subject, response: Response, reference: Response, seconds: float) -> Run:
+def _run(subject: Subject, setting: float, response: Response, reference: Response, seconds: float) -> Run:
     done = response.status == "done"
     nothing = dict.fromkeys(QUANTITIES, float("nan"))
     return Run(
-        subject.case, subject.analysis, subject.record, response.method, response.tolerance, response.status,
+        subject.case, subject.analysis, subject.record, response.method, setting, response.status,
         response.advice, seconds, response.steps, response.events,
         errors_of(response, reference) if done else nothing, int(response.links.impacts.sum()),
         int(reference.links.impacts.sum()), response.energy.get("residual", float("nan")),

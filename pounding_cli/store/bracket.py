@@ -132,14 +132,18 @@ def depends(mine: Sequence[Spread]) -> list[str]:
 def advice(path: Path) -> str:
     """What is said where floors strike and the impact stiffness has one value; "" elsewhere."""
     with opened(path) as file:
-        strikes = UNKNOWN not in file and _struck(file, len(json.loads(file.attrs["swept"]))).any()
+        return _advice(file)
+
+
+def _advice(file: h5py.File) -> str:
+    strikes = UNKNOWN not in file and _struck(file, len(json.loads(file.attrs["swept"]))).any()
     return ADVICE if strikes else ""
 
 
-def said(path: Path) -> list[str]:
+def said(file: h5py.File) -> list[str]:
     """What the results owe to bracketed keys and to the impact stiffness, in lines for a terminal; none where no floor
     strikes and nothing is bracketed."""
-    found = spreads(path)
+    found = tuple(_spreads(file))
     lines = []
     for key in dict.fromkeys(spread.key for spread in found):
         mine = [spread for spread in found if spread.key == key]
@@ -150,7 +154,7 @@ def said(path: Path) -> list[str]:
         )
         lines += [f"  {spread.quantity}: {spread.ends[0]} and {spread.ends[1]}" for spread in mine]
         lines += [f"  {sentence}" for sentence in depends(mine)]
-    return [*lines, *filter(None, [advice(path)])]
+    return [*lines, *filter(None, [_advice(file)])]
 
 
 def _struck(file: h5py.File, axes: int) -> np.ndarray:

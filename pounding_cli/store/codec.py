@@ -112,9 +112,11 @@ def decode(text: str, numbers: np.ndarray) -> Response:
     return Response(buildings=buildings, links=links, energy=energy, **scalars, **words.facts)
 
 
-def failed(storeys: list[int], n_links: int, status: str, advice: str, method: str, tolerance: float) -> Response:
+def failed(
+    storeys: list[int], n_links: int, status: str, advice: str, method: str, accuracy: float, time_step: float
+) -> Response:
     """The response of a scene that gave none: NaN everywhere, and why."""
     columns: list[dict[str, Any]] = [{name: np.full(n, np.nan) for name in _BUILDING_ARRAYS} for n in storeys]
     buildings = tuple(BuildingResponse(**column) for column in columns)
     links = LinkResponse(**{name: np.full(n_links, np.nan) for name in _LINK_ARRAYS})
-    return Response(buildings, links, status, advice, method, tolerance, steps=0, events=0, seconds=0.0)
+    return Response(buildings, links, status, advice, method, accuracy, 0, 0, 0.0, time_step=time_step)

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.solve.response import methods_in
 from pounding_cli.store.results import Results
-from pounding_cli.study.schema import ADAPTIVE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -129,8 +127,7 @@ def compare(first: Results, second: Results) -> Comparison:
 def _scenes(results: Results) -> pd.DataFrame:
     """Status and errors [-] by place: `estimated` of its peaks, `asked` where the estimate does not speak."""
     frame = results.accuracy()
-    adaptive = frame["method"].map(lambda method: methods_in(method)[0] in ADAPTIVE)  # groups are, or none is
-    accuracy = frame["tolerance"].where(adaptive, 0.0)
+    accuracy = frame["accuracy"].fillna(0.0)  # none is asked of fixed steps
     frame["estimated"] = frame["error_estimate"].fillna(accuracy).clip(lower=ROUNDING / 2)
     frame["asked"] = np.maximum(frame["estimated"], accuracy)
     return frame.set_index(_named(results, _SCENE))

@@ -96,11 +96,11 @@ def opened_kind(path: Path, kind: str, any_version: bool = False) -> Iterator[h5
         yield file
 
 
-_checked: set[tuple[Callable[[h5py.File], None], bytes]] = set()
+_checked: set[tuple[Callable[[h5py.File], object], bytes]] = set()
 """Checks of structure that this process has made, and of which files: a seal stands for the whole content."""
 
 
-def _once(check: Callable[[h5py.File], None], file: h5py.File, seal: bytes) -> None:
+def _once(check: Callable[[h5py.File], object], file: h5py.File, seal: bytes) -> None:
     """Check the structure of a file, unless that was done; a report opens the same file some fifty times."""
     done = (check, seal)
     if done not in _checked:

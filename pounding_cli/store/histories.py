@@ -154,14 +154,14 @@ def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> dict[
 
 def read_history(group: h5py.Group) -> History:
     """A kept scene; links in the file's order, NaN where the scene has none.  Raises InputError: it does not fit."""
-    check_links(group)
+    forms, here = check_links(group), group.name.strip("/")
     sizes = {dim: group[dim].size for dim in ("time", "building", "storey", "floor", "link") if dim in group}
     for name, (dims, _, _) in FIELDS.items():
         if all(dim in sizes for dim in dims):
-            expect(group, name, tuple(sizes[dim] for dim in dims), "f")
+            expect(forms, f"{here}/{name}", tuple(sizes[dim] for dim in dims), "f")
     for dim in ("building", "link"):
         if dim in group and not np.array_equal(group[dim][()], group.file[dim][()]):
-            raise refused(group, dim, "is not that of the file")
+            raise refused(f"{here}/{dim}", "is not that of the file")
     texts = {dim: tuple(strings(group[dim])) if dim in group else () for dim in ("building", "link")}
     time = group["time"][()]
     arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}

@@ -1,4 +1,4 @@
-"""What a stored solution depends on besides its scene: file format, solver, method and accuracy."""
+"""What a stored solution depends on besides its scene: file format, solver, method and its setting."""
 
 from __future__ import annotations
 
@@ -37,8 +37,11 @@ def solver_version() -> str:
     return f"{package_version()}+{sha.hexdigest()[:12]}"
 
 
-def solution_key(accuracy: float, method: str, estimate: str = "none", all_effects: bool = False) -> str:
+def solution_key(
+    accuracy: float, method: str, estimate: str = "none", all_effects: bool = False, time_step: float | None = None
+) -> str:
     """The key two solutions of one scene share exactly when they are the same number for number."""
     solver = f"format {FORMAT_VERSION} | solver {solver_version()}"
     everything = " | all effects" if all_effects else ""
-    return f"{solver} | method {method} | accuracy {accuracy!r} | estimate {estimate}{everything}"
+    asked = f"accuracy {accuracy!r}" if time_step is None else f"time step {time_step!r}"
+    return f"{solver} | method {method} | {asked} | estimate {estimate}{everything}"

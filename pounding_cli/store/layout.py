@@ -56,7 +56,8 @@ SCENES = (
     Variable("status", PLACE, "", "outcome of the scene: done, or what stopped it", "s"),
     Variable("advice", PLACE, "", "what to do about an outcome other than done", "s"),
     Variable("method", PLACE, "", "method of solution, of a row that fell into groups theirs", "s"),
-    Variable("tolerance", PLACE, "1", "accuracy asked, or the time step [s] of a fixed-step method"),
+    Variable("accuracy", PLACE, "1", "accuracy asked; NaN for a method that takes a time step"),
+    Variable("time_step", PLACE, "s", "time step of a method that takes one; NaN for the others"),
     Variable("steps", PLACE, "1", "time steps", "i"),
     Variable("events", PLACE, "1", "events located", "i"),
     Variable("orders", PLACE, "1", "Taylor orders computed in all", "i"),
@@ -75,6 +76,9 @@ SCENES = (
     Variable("flags", PLACE, "", "what a reader of the numbers should know, one a line", "s"),
     Variable("scene", PLACE, "", "digest of the scene", "s"),
 )
+
+FORMERLY = {"accuracy": "tolerance", "time_step": "tolerance"}
+"""What files of before call a variable: accuracy or time step were one, the study says which."""
 
 # The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
 
@@ -121,6 +125,12 @@ STATISTICS = tuple(
         ("mean_sensitivity", "mean relative change of the peaks under a small change of the motion"),
     )
 )
+
+WRITTEN = {
+    "gap": "gap", "max_closing": "gap",
+    "acceleration": "acceleration", "acceleration0": "acceleration", "record_pga": "acceleration",
+}  # fmt: skip
+"""Variables that people read in the unit the study writes, and the quantity of `study.written.PLACES` they are."""
 
 VARIABLES = {v.name: v for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS, *RECORDS, *STATISTICS)}
 

@@ -140,7 +140,7 @@ def overview(path: Path) -> Overview:
             int(worthless.sum()),
             int(np.sum((strings(file["status"]) == "done") & (file["steps"][()] == 0))),
             _points([{name: _shown(file[name]) for name in names} for names in axes]),
-            tuple(said(path)),
+            tuple(said(file)),
             len(records),
             float(file.attrs["solver_seconds"]),
             _trust(file, (cases, analyses, records)),

@@ -16,7 +16,7 @@ from pounding_cli.solve.histories import History
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
-from pounding_cli.store.layout import PLACE, SCENES
+from pounding_cli.store.layout import FORMERLY, PLACE, SCENES, WRITTEN
 from pounding_cli.store.solutions import stored_methods
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
@@ -36,11 +36,11 @@ _FLOOR = (
 _LINK_FACTS = ("left", "right", "floor")
 _LINK = ("kind", "gap", "impacts", "peak_force", "max_closing", "impulse", "contact_time")
 _SCENE = (
-    "status", "advice", "method", "tolerance", "steps", "events", "seconds", "energy_residual",
+    "status", "advice", "method", "accuracy", "time_step", "steps", "events", "seconds", "energy_residual",
     "error_estimate", "sensitivity", "effects", "dropped", "flags",
 )  # fmt: skip
 _ACCURACY = (
-    "status", "method", "tolerance", "error_estimate", "sensitivity", "energy_residual",
+    "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity", "energy_residual",
     "steps", "events", "orders", "seconds",
 )  # fmt: skip
 _RECORD = ("source", "digest", "scale", "window", "pga", "arias")
@@ -69,7 +69,7 @@ class Results:
     title, study_text : the study as written
     resolved, resolved_text : the study with every default filled in (SI), as a mapping and as JSON
     axes : swept key -> its values (SI); keys of one axis (zipped) have the same length
-    units : swept key -> the unit the study wrote it in, to show values to people
+    units : column -> the unit the study wrote it in, to show values to people: swept keys, gaps, accelerations
     warnings : what `pound check` says of the study: what is unlikely, and floors that meet nothing
     attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
     """
@@ -91,6 +91,7 @@ class Results:
                 name: _values(file[name]).tolist() for names in self._swept for name in names
             }
             self.units: dict[str, Unit] = {name: written(file[name]) for name in self.axes}
+            self.units |= {name.removeprefix("record_"): written(file[name]) for name in WRITTEN if name in file}
 
     @cached_property
     def resolved(self) -> dict[str, Any]:
@@ -162,7 +163,7 @@ class Results:
         with opened(self.path) as file:
             shape = file["status"].shape
             columns = self._index(file, (*self._dims, *PLACE), shape)
-            columns |= {name: _values(file[name]).ravel() for name in _SCENE}
+            columns |= {name: self._asked(file, name).ravel() for name in _SCENE}
             columns |= {v.name: _values(file[v.name]).ravel() for v in SCENES if v.name.startswith("energy_")}
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
@@ -184,9 +185,16 @@ class Results:
         with opened(self.path) as file:
             shape = file["status"].shape
             columns = self._index(file, (*self._dims, *PLACE), shape)
-            columns |= {name: _values(file[name]).ravel() for name in _ACCURACY}
+            columns |= {name: self._asked(file, name).ravel() for name in _ACCURACY}
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
+
+    def _asked(self, file: h5py.File, name: str) -> np.ndarray:
+        """A variable of SCENES, as `FORMERLY` where the file is of before."""
+        if name in file or name not in FORMERLY:
+            return _values(file[name])
+        asked = "accuracy" if self.resolved.get("time_step") is None else "time_step"
+        return _values(file[FORMERLY[name]]) * (1.0 if name == asked else np.nan)
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with

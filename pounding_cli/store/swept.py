@@ -43,6 +43,8 @@ def create(path: Path) -> Iterator[h5py.File]:
         path.parent.mkdir(parents=True, exist_ok=True)
         with writing(path, track_order=True) as (file, _):
             yield file
+    except BrokenPipeError:  # of the screen, not of the file: `cli.streams` deals with it
+        raise
     except OSError as error:
         raise InputError(
             Problem(f"cannot write {path}: {error.strerror or error}", "name another file with -o FILE.h5")

@@ -24,7 +24,7 @@ from pounding_cli.store.files import damage_of, opened
 from pounding_cli.store.former import written_place
 from pounding_cli.store.histories import Kept, write_histories
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
-from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES
+from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES, WRITTEN
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.sink import writing
 from pounding_cli.store.solutions import write_solutions
@@ -93,7 +93,7 @@ def content_digest(plan: Plan) -> str:
     """SHA-256 of all that a results file says, solver included, cost and machine left out."""
     sha = hashlib.sha256()
     for part in (
-        solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects),
+        solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step),
         plan.study.title,
         plan.study.text,
         _json(plan.study.resolved()),
@@ -114,6 +114,9 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
             _dataset(file, name, dims, array, VARIABLES[name].unit, VARIABLES[name].text, scales)
     check()
     _write_tables(file, plan, responses, shape, scales, check)
+    for name, quantity in WRITTEN.items():
+        if name in file:  # where no case has a link, no gap is
+            describe_unit(file[name], plan.study.unit(quantity))
     study = file.create_group("study")
     study.attrs["title"] = plan.study.title
     study["text"] = plan.study.text
@@ -207,8 +210,9 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             "title": plan.study.title,
             "swept": json.dumps([list(axis.names) for axis in plan.axes]),
             "content": content_digest(plan),
-            "solution_key": solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects),
+            "solution_key": solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step),
             "accuracy": plan.accuracy,
+            **({} if plan.time_step is None else {"time_step": plan.time_step}),
             "method": plan.method,
             "scenes": len(plan.scenes),
             "scenes_failed": sum(not responses.words(digest).is_done for digest in plan.scenes),

@@ -22,4 +22,10 @@ def optional(default: Any, description: str, **more: Any) -> Any:
 class Model(BaseModel):
     """Base of every mapping in the file: unknown keys are refused, values are frozen."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, coerce_numbers_to_str=True, validate_default=True)
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        coerce_numbers_to_str=True,
+        validate_default=True,
+        defer_build=True,  # validators are built for whole studies, when one is read, not for each of their mappings
+    )

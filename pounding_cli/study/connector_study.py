@@ -11,9 +11,12 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError
 
 from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
+from pounding_cli.errors import Problem
 from pounding_cli.study import units
 from pounding_cli.study.kinds import refuse_other_kinds
-from pounding_cli.study.points import PointAxis, points_of, read_point_axes
+from pounding_cli.study.plausible import few
+from pounding_cli.study.plausible_systems import CONNECTOR, doubt_period, doubt_spec
+from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Faults
 from pounding_cli.study.schema import Mass, Model, Period
 from pounding_cli.study.source import Node
@@ -114,10 +117,11 @@ class ConnectorStudyModel(Model):
 
 @dataclass(frozen=True)
 class ConnectorPoint:
-    """One point of the sweep: its indices, what each swept key is there, and the pair."""
+    """One point of the sweep: its indices, what each swept key is there (SI), the same in words, and the pair."""
 
     index: tuple[int, ...]
     values: dict[str, float | str]
+    label: str
     pair: Oscillators
 
 
@@ -134,6 +138,7 @@ class ConnectorStudy:
     high: float
     count: int
     resolved: dict[str, Any]
+    warnings: tuple[Problem, ...] = ()
 
 
 def load_connector_study(path: Path) -> ConnectorStudy:
@@ -154,7 +159,7 @@ def load_connector_study(path: Path) -> ConnectorStudy:
                 )
     faults.refuse()
     points = []
-    spec = None
+    spec, notes = None, Faults(str(path))
     for index, tree in points_of(root, axes):
         try:
             spec = ConnectorStudyModel.model_validate(tree.plain())
@@ -165,12 +170,35 @@ def load_connector_study(path: Path) -> ConnectorStudy:
         _alternatives(spec, tree, faults)
         if len(faults.problems) == before:
             values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
-            points.append(ConnectorPoint(index, values, _pair(spec)))
+            points.append(ConnectorPoint(index, values, point_label(axes, values), _pair(spec)))
+            _doubt(spec, points[-1].pair, tree, notes)
     faults.refuse()
     assert spec is not None  # a study has at least one point, and a refused one did not come this far
     resolved = ConnectorStudyModel.model_validate(points_of(root, axes)[0][1].plain()).model_dump(mode="json")
     span = spec.frequencies
-    return ConnectorStudy(path, text, spec.title, axes, tuple(points), span.low, span.high, span.points, resolved)
+    return ConnectorStudy(
+        path,
+        text,
+        spec.title,
+        axes,
+        tuple(points),
+        span.low,
+        span.high,
+        span.points,
+        resolved,
+        tuple(few(notes.problems)),
+    )
+
+
+def _doubt(spec: ConnectorStudyModel, pair: Oscillators, tree: Node, notes: Faults) -> None:
+    """Note what is unlikely at a point of the sweep."""
+    doubt_spec(spec, CONNECTOR, tree, notes)
+    for who, given, mass, stiffness in (
+        ("first", spec.first.stiffness, pair.m1, pair.k1),
+        ("second", spec.second.stiffness, pair.m2, pair.k2),
+    ):
+        if given is not None:
+            doubt_period(2 * math.pi * math.sqrt(mass / stiffness), who, tree, notes)
 
 
 def _alternatives(spec: ConnectorStudyModel, tree: Node, faults: Faults) -> None:

@@ -75,7 +75,8 @@ def expand(study: Study) -> Plan:
         scenes=scenes,
         rows=rows,
         motions=tuple(used.use for used in study.motions((0,) * len(study.axes)).values()),
-        accuracy=_setting(model),
+        accuracy=_accuracy(model),
+        time_step=model.time_step,
         method=model.method,
         estimate=model.estimate,
         kept=kept,
@@ -83,13 +84,9 @@ def expand(study: Study) -> Plan:
     )
 
 
-def _setting(model: StudyModel) -> float:
-    """The accuracy [-], or the time step [s] of a fixed-step method."""
-    if model.time_step is not None:
-        return model.time_step
-    if isinstance(model.accuracy, str):
-        return cheap_accuracy()
-    return model.accuracy
+def _accuracy(model: StudyModel) -> float:
+    """The relative error wanted [-]."""
+    return cheap_accuracy() if isinstance(model.accuracy, str) else model.accuracy
 
 
 @dataclass(frozen=True)

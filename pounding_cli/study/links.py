@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from typing import Any
 
+from pounding_cli.laws import link_laws
+from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio
+from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import DashpotLaw, InfillLaw, Kind, Link, damping_ratio
+from pounding_cli.model.links import Link
+from pounding_cli.study.law_keys import own_parameters
 from pounding_cli.study.problems import Faults, Path, Tree, nearest
-from pounding_cli.study.rules import StiffnessRule
+from pounding_cli.study.rules import StiffnessRule, read_stiffness
 from pounding_cli.study.schema import CaseSpec, Impact, LinkSpec, PairSpec
 from pounding_cli.study.source import Node
 from pounding_cli.words import counted
-
-DEFAULT_MATERIAL = StiffnessRule(0.2, "mean")
-"""s_mat and s_con unless given: 1/5 of the mean storey stiffness of the stiffer building (paper)."""
-
-THINNEST = 1e-6
-"""Least thickness of an infill [m]; its cubic law has (s_imp - s_mat) / (3 d^2), which grows without bound."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +46,6 @@ class _Layer:
 
     spec: LinkSpec
     path: Path
-
-
-_Law = tuple[Kind, float, float, float, float, bool, InfillLaw, DashpotLaw]
-"""The fields of a `Link` after its ends."""
 
 
 def links_of(case: CaseSpec, street: Street, root: Node | Tree, path: Path, faults: Faults) -> tuple[Link, ...]:
@@ -125,7 +119,7 @@ class _Reader:
         for floor in by_floor:
             self._exists(place, floor, (*_where(layers, "by_floor"), str(floor)), "write floors among")
         links = []
-        found: dict[int | str, _Law | None] = {}  # floors that are spoken of together have one law
+        found: dict[int | str, LinkLaw | None] = {}  # floors that are spoken of together have one law
         for left, right in common.items():
             name = left if left in by_floor else "named" if left in named else "elsewhere"
             if name not in found:
@@ -137,7 +131,7 @@ class _Reader:
                 found[name] = self.law(inner)
             law = found[name]
             if law is not None:
-                links.append(Link(place, left, right, *law))
+                links.append(Link(place, left, right, law))
         return links
 
     def _exists(self, place: int, floor: int, path: Path, hint: str) -> None:
@@ -152,15 +146,16 @@ class _Reader:
                 f"{hint} {', '.join(map(str, floors))}",
             )
 
-    def law(self, layers: list[_Layer]) -> _Law | None:
-        """What a link is besides its ends; None where there is none, or where something is wrong."""
+    def law(self, layers: list[_Layer]) -> LinkLaw | None:
+        """The law of a link; None where there is none, or where something is wrong."""
         word = _says(layers, "link")
         if word is None:
-            self.refuse(layers[0].path, "'link' is missing", "write `link: pounding`, infill, connector or none")
+            known = ", ".join((*list(link_laws())[1:], "or none")).replace(", or", " or")
+            self.refuse(layers[0].path, "'link' is missing", f"write `link: pounding`, {known}")
             return None
         if word == "none":
             return None
-        kind = Kind(word)
+        law = link_laws()[word]
         gap = _says(layers, "gap")
         if gap is None:
             self.refuse(
@@ -169,47 +164,76 @@ class _Reader:
                 "write the distance between the buildings, e.g. `gap: 5 cm`, or `gap: 0 cm`",
             )
             return None
-        if kind is Kind.INFILL and gap < THINNEST:
-            self.refuse(
-                _where(layers, "gap"),
-                "an infill in a gap of zero has no thickness"
-                if gap == 0
-                else f"an infill {gap:g} m thick is thinner than {THINNEST:g} m: there is no such material",
-                f"write `link: pounding` for buildings in touch, or a gap of {THINNEST:g} m or more",
-            )
+        if self._conflicts(law, layers, gap=gap):
             return None
-        for layer in layers:
-            if kind is not Kind.INFILL and layer.spec.law is not None and layer.spec.link == word:
-                self.refuse(
-                    (*layer.path, "law"),
-                    f"'law' means nothing for link: {word}",
-                    "remove it; it belongs to an infill",
-                    key=True,
-                )
+        self._refuse_keys_of_others(word, law, layers)
         impact = self.value(self.street.impact.stiffness, ("impact", "stiffness"))
-        stiffness = self._stiffness(kind, layers)
+        stiffness = self._stiffness(word, law, layers)
         if impact is None or stiffness is None:
             return None
-        if kind is Kind.INFILL and stiffness > impact:
-            self.refuse(
-                _where(layers, "stiffness"),
-                f"the infill's stiffness {stiffness:.3g} N/m is above the impact stiffness {impact:.3g} N/m",
-                "an infill stiffens to impact.stiffness (paper, Fig. 3): lower the one or raise the other",
-            )
+        if self._conflicts(law, layers, gap=gap, stiffness=stiffness, impact_stiffness=impact):
             return None
         cut = _says(layers, "tension_cut")
-        return (
-            kind, gap, stiffness, impact, self._damping(layers),
-            self.street.impact.tension_cut if cut is None else cut,
-            InfillLaw(_says(layers, "law") or "continuous"), DashpotLaw(self.street.impact.dashpot),
-        )  # fmt: skip
+        given = {
+            "gap": gap,
+            "stiffness": stiffness,
+            "impact_stiffness": impact,
+            "damping_ratio": self._damping(layers),
+            "tension_cut": self.street.impact.tension_cut if cut is None else cut,
+            "dashpot": DashpotLaw(self.street.impact.dashpot),
+        }
+        values = {name: given[name] for name in law.parameters() if name in given}
+        for name in own_parameters(law):
+            own = self._own(name, law, layers)
+            if own is None:
+                return None
+            values[name] = own
+        try:
+            return law(**values)
+        except ValueError as error:
+            self.refuse(layers[0].path, str(error).removeprefix("link: "), "correct it")
+            return None
 
-    def _stiffness(self, kind: Kind, layers: list[_Layer]) -> float | None:
+    def _conflicts(self, law: type[LinkLaw], layers: list[_Layer], **values: float) -> bool:
+        """Note what a law says is wrong with values that are each in their range; whether there was something."""
+        conflict = law.conflict(**values)
+        if conflict is not None:
+            name, message, hint = conflict
+            self.refuse(_where(layers, name), message, hint)
+        return conflict is not None
+
+    def _refuse_keys_of_others(self, word: str, law: type[LinkLaw], layers: list[_Layer]) -> None:
+        """Note keys that belong to another law than the layer's own."""
+        others = {
+            name: owner.name for owner in link_laws().values() if owner is not law for name in own_parameters(owner)
+        }
+        for layer in layers:
+            for name in others.keys() & layer.spec.model_fields_set:
+                if layer.spec.link == word and getattr(layer.spec, name) is not None:
+                    owner = f"{'an' if others[name][0] in 'aeio' else 'a'} {others[name]}"
+                    message = f"'{name}' means nothing for link: {word}"
+                    self.refuse((*layer.path, name), message, f"remove it; it belongs to {owner}", key=True)
+
+    def _own(self, name: str, law: type[LinkLaw], layers: list[_Layer]) -> Any:
+        """A parameter that only this law has: as given, or its default; None where something is wrong."""
+        given = _says(layers, name)
+        if given is None:
+            default = law.parameters()[name].default
+            if default is not MISSING:
+                return default
+            self.refuse(
+                layers[0].path, f"'{name}' is missing", f"a {law.name} needs it: {own_parameters(law)[name].doc}"
+            )
+            return None
+        return self.value(given, _where(layers, name)) if isinstance(given, StiffnessRule) else given
+
+    def _stiffness(self, word: str, law: type[LinkLaw], layers: list[_Layer]) -> float | None:
         # A stiffness given around a link holds for it only where the kind is the same.
         for place, layer in enumerate(layers):
-            if layer.spec.stiffness is not None and _says(layers[place:], "link") == kind.value:
+            if layer.spec.stiffness is not None and _says(layers[place:], "link") == word:
                 return self.value(layer.spec.stiffness, (*layer.path, "stiffness"))
-        default = self.street.impact.stiffness if kind is Kind.POUNDING else DEFAULT_MATERIAL
+        rule = law.stiffness_default
+        default = read_stiffness(rule) if rule else self.street.impact.stiffness
         return self.value(default, ("impact", "stiffness"))
 
     def _damping(self, layers: list[_Layer]) -> float:

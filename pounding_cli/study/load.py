@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from pounding_cli import records
 from pounding_cli.errors import Problem
+from pounding_cli.methods import TIME_STEP, setting_of
 from pounding_cli.model.building import Building
 from pounding_cli.reading import shortened
 from pounding_cli.study import buildings as building_room
@@ -23,11 +24,15 @@ from pounding_cli.study.plan import Axis
 from pounding_cli.study.plausible import few
 from pounding_cli.study.problems import Faults, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
-from pounding_cli.study.schema import ADAPTIVE, StudyModel
+from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis, read_axes
-from pounding_cli.study.written import unit_of
+from pounding_cli.study.written import unit_in, unit_of
 from pounding_cli.study.yaml_file import read_source
+from pounding_cli.words import Unit
+
+MOST_CORNERS = 256
+"""Combinations of swept values that are looked at for what is implausible together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +77,10 @@ class Study:
         found = self.resolver.motions(point)
         assert found is not None  # the study was validated at every point
         return found
+
+    def unit(self, quantity: str) -> Unit:
+        """The unit the study writes a quantity in, to show it to people: one of `written.PLACES`, e.g. gap."""
+        return unit_in(self.resolver.root_at((0,) * len(self.axes)), quantity)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
         """The motions against the target spectrum they are scaled to, at the first point of the sweep; None without."""
@@ -155,7 +164,7 @@ def validated(path: Path, text: str, root: Node) -> Study:
     said = _said(axes, resolver)
     _refuse_twins(said, axes, faults)
     faults.refuse()
-    for point in _along_axes(axes):
+    for point in (*_along_axes(axes), *_corners(said)):
         resolver.doubt(point)
     return Study(
         path,
@@ -191,6 +200,21 @@ def _along_axes(axes: tuple[SweepAxis, ...]) -> Iterator[tuple[int, ...]]:
     for place, axis in enumerate(axes):
         for index in range(1, len(axis)):
             yield (*first[:place], index, *first[place + 1 :])
+
+
+def _corners(axes: tuple[Axis, ...]) -> Iterator[tuple[int, ...]]:
+    """The points where every axis is at an end of its values, at most MOST_CORNERS.
+
+    What is judged grows or falls with each value, so that the worst combinations stand there."""
+    ends: list[tuple[int, ...]] = []
+    for axis in axes:
+        order = sorted(range(len(axis.values)), key=lambda place: _size(axis.values[place]))
+        ends.append((order[0], order[-1]) if 2 ** len(ends) < MOST_CORNERS else (0,))
+    yield from product(*ends)
+
+
+def _size(values: tuple[float | str, ...]) -> float:
+    return next((value for value in values if not isinstance(value, str)), 0.0)
 
 
 def _text(node: Node) -> str:
@@ -250,10 +274,11 @@ def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], no
 
 def _whole_study(model: StudyModel, root: Node, faults: Faults) -> None:
     """What concerns no section alone."""
-    fixed_step = model.method not in ADAPTIVE
-    if fixed_step and model.time_step is None:
-        faults.at(root, ("method",), f"method: {model.method} needs 'time_step'", "write e.g. `time_step: 1e-4 s`")
-    if not fixed_step and model.time_step is not None:
+    setting = setting_of(model.method)
+    if setting is TIME_STEP and model.time_step is None:
+        hint = f"write e.g. `time_step: {TIME_STEP.example}`"
+        faults.at(root, ("method",), f"method: {model.method} needs 'time_step'", hint)
+    if setting is not TIME_STEP and model.time_step is not None:
         faults.at(
             root,
             ("time_step",),

@@ -79,7 +79,8 @@ class Plan:
     rows : swept axes slowest, then case, analysis, record
     buildings : names by place, left to right (soft-1, soft-2 where a type stands twice)
     motions : one per record; where the sweep changes them, those of its first point
-    accuracy : relative error wanted [-]; the time step [s] for a fixed-step method
+    accuracy : relative error wanted [-]
+    time_step : of a method that takes one [s]
     estimate : which scenes are solved twice more for error and sensitivity: none, sample or all
     all_effects : whether to simulate what cannot matter too
     kept : rows whose scenes are kept over time, every `every` seconds
@@ -100,6 +101,7 @@ class Plan:
     all_effects: bool = False
     kept: tuple[Row, ...] = ()
     every: float = 0.002
+    time_step: float | None = None
 
     def shown(self, row: Row) -> dict[str, str]:
         """The swept values of a row, by key, in the units of the study."""

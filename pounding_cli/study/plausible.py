@@ -10,10 +10,11 @@ import numpy as np
 
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.study.motions import Used
 from pounding_cli.study.problems import Faults, Path, Tree
 from pounding_cli.study.schema import BuildingSpec
+from pounding_cli.study.source import Node
 from pounding_cli.study.units import GRAVITY, NUMBER
 from pounding_cli.words import counted
 
@@ -140,7 +141,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, pa
     stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
     for gap in dict.fromkeys(link.gap for link in links if link.gap > 0):
         _note("gap", gap, root, _leaf(root, path, "gap"), notes)
-    kinds = dict.fromkeys((link.kind is Kind.POUNDING, link.stiffness) for link in links)
+    kinds = dict.fromkeys((not link.law.stiffness_default, link.law.initial_stiffness) for link in links)
     for pounds, stiffness in kinds if stiffest else ():
         what = f"{'impact' if pounds else 'link'} stiffness over the stiffest storey's"
         if (fits := RANGES[what]).holds(stiffness / stiffest):
@@ -204,8 +205,8 @@ def shown(value: float, units: Mapping[str, float]) -> str:
     return f"{_rounded(value / factor)} {unit}"
 
 
-def _note(what: str, value: float, root: Tree, path: Path, notes: Faults) -> None:
-    fits = RANGES[what]
+def doubt(what: str, fits: Plausible, value: float, root: Node | Tree, path: Path, notes: Faults) -> None:
+    """Note a value that its range does not hold, with what may have been meant."""
     if fits.holds(value):
         return
     meant = _meant(_text(root, path), value, fits, lambda read: read)
@@ -232,7 +233,11 @@ def _meant(text: str, value: float, fits: Plausible, measured: Callable[[float],
     return ""
 
 
-def _text(root: Tree, path: Path) -> str:
+def _note(what: str, value: float, root: Tree, path: Path, notes: Faults) -> None:
+    doubt(what, RANGES[what], value, root, path, notes)
+
+
+def _text(root: Node | Tree, path: Path) -> str:
     node = root.get(*path)
     return "" if node is None else node.text
 

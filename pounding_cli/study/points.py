@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 
@@ -86,6 +87,12 @@ def points_of(root: Node, axes: tuple[PointAxis, ...]) -> list[tuple[tuple[int, 
                 tree = tree.replaced(name.split("."), node)
         found.append((index, tree))
     return found
+
+
+def point_label(axes: tuple[PointAxis, ...], values: Mapping[str, float | str]) -> str:
+    """The swept values of a point in the units of the study: "mesh.size = 5 cm"; empty where nothing is swept."""
+    units = {name: unit for axis in axes for name, unit in zip(axis.names, axis.units, strict=True)}
+    return ", ".join(f"{name} = {units[name].text(value)}" for name, value in values.items())
 
 
 def _is_axis(name: str, holder: Node, root: Node, model: type[BaseModel], faults: Faults) -> bool:

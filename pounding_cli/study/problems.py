@@ -60,6 +60,10 @@ class Faults:
             self._seen.add(problem)
             self.problems.append(problem)
 
+    def knows(self, problem: Problem) -> bool:
+        """Whether a problem is noted already."""
+        return problem in self._seen
+
     def at(self, root: Node | Tree, path: Path, message: str, hint: str = "", key: bool = False) -> None:
         """Note a problem with the value (or the key) at `path`."""
         self.add(root.locate(path, key), message, hint)

@@ -319,7 +319,23 @@ class Resolver:
         self._noted("motions", point, ("records",), work)
 
     def _noted(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Faults], None]) -> None:
-        self._once(("doubt", name), point, subjects, lambda _: work(self.warnings))
+        """Take over what `work` notes; where several swept values make it together, they are named."""
+
+        def take(_: Faults) -> None:
+            own = Faults(self.file)
+            work(own)
+            swept = [
+                (axis, at) for axis, at, mine in zip(self.axes, point, self.touching(*subjects), strict=True) if mine
+            ]
+            told = [pair for axis, at in swept for pair in zip(axis.names, axis.nodes[at], strict=True)]
+            where = ", ".join(f"{key} = {node.text or node.plain()}" for key, node in told)
+            jointly = sum(at > 0 for _, at in swept) > 1
+            for problem in own.problems:
+                if jointly and not self.warnings.knows(problem):
+                    problem = replace(problem, message=f"{problem.message} (where {where})")
+                self.warnings.extend([problem])
+
+        self._once(("doubt", name), point, subjects, take)
 
     def _sketch(self, point: Point) -> Street:
         return Street((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), self._defined)

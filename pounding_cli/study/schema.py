@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.laws import link_laws
+from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
+from pounding_cli.study.law_keys import law_keys
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
 
-Method = Literal[
-    "auto",
-    "taylor",
-    "rk4-events",
-    "rk4",
-    "central-difference",
-    "newmark",
-    "hht-alpha",
-    "generalized-alpha",
-    "exponential",
-]
-ADAPTIVE = ("auto", "taylor", "exponential")
-"""Methods that take an accuracy; the others take a time step."""
+if TYPE_CHECKING:
+    Method = str
+else:
+    Method = Literal[(AUTO, *METHODS)]
 
 Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
 Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
-LinkKind = Literal["pounding", "infill", "connector", "none"]
+if TYPE_CHECKING:
+    LinkKind = str
+else:
+    LinkKind = Literal[(*link_laws(), "none")]
 AnalysisKind = Literal["elastic", "inelastic"]
 
 Length = Annotated[float, units.LENGTH]
@@ -49,6 +46,9 @@ def _list_or_one(value: Any) -> str:
     return "list" if isinstance(value, list | tuple) else "one"
 
 
+_ACCURACY_FORM = Quantity(
+    ACCURACY.title, ACCURACY.unit, ACCURACY.example, ACCURACY.low, ACCURACY.high, words=(AUTO,)
+)  # fmt: skip
 _FILLED = Field(min_length=1, max_length=10_000)
 _STOREYS = Field(min_length=1, max_length=100)
 _EITHER = Discriminator(_list_or_one)
@@ -206,7 +206,7 @@ class Impact(Model):
     )
 
 
-class LinkSpec(Model):
+class _LinkSpec(Model):
     """One link; what is not given is taken from the case around it and then from `impact`."""
 
     link: LinkKind | None = optional(None, description="what stands between the floors")
@@ -217,10 +217,12 @@ class LinkSpec(Model):
     restitution: Restitution | None = optional(None, description="coefficient of restitution e [-]")
     damping_ratio: DampingShare | None = optional(None, description="damping ratio [-], instead of restitution")
     tension_cut: bool | None = optional(None, description="no force that pulls the floors together")
-    law: Literal["continuous", "printed"] | None = optional(
-        None, description="infill beyond its thickness: continuous, or eq. (9) as printed, which jumps"
-    )
 
+
+if TYPE_CHECKING:
+    LinkSpec = _LinkSpec
+else:
+    LinkSpec = create_model("LinkSpec", __base__=_LinkSpec, __doc__=_LinkSpec.__doc__, **law_keys())
 
 LinkOrWord = Annotated[
     Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)
@@ -346,13 +348,14 @@ class StudyModel(Model):
     analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
         ("elastic", "inelastic"), description="whether storeys may yield"
     )
-    accuracy: Annotated[float | str, Quantity("accuracy", "", "1e-6", 1e-14, 0.1, words=("auto",))] = optional(
-        1e-6, description="relative error wanted of the peaks [-]; `auto`: every digit that costs next to nothing"
+    accuracy: Annotated[float | str, _ACCURACY_FORM] = optional(
+        ACCURACY.default,
+        description="relative error wanted of the peaks [-]; `auto`: every digit that costs next to nothing",
     )
     method: Method = optional(
         "auto", description="how the equations of motion are solved; `auto`: the cheapest that keeps the accuracy"
     )
-    time_step: Annotated[float, limited(units.TIME, name="time step", example="1e-4 s")] | None = optional(
+    time_step: Annotated[float, limited(units.TIME, name=TIME_STEP.title, example=TIME_STEP.example)] | None = optional(
         None, description="time step of a fixed-step method [s]"
     )
     estimate: Literal["none", "sample", "all"] = optional(

@@ -12,7 +12,9 @@ from pydantic import Field, ValidationError
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study import units
 from pounding_cli.study.kinds import refuse_other_kinds
-from pounding_cli.study.points import PointAxis, points_of, read_point_axes
+from pounding_cli.study.plausible import few
+from pounding_cli.study.plausible_systems import WALL, doubt_spec
+from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Faults
 from pounding_cli.study.schema import Length, Mass, Model
 from pounding_cli.study.source import Node
@@ -138,10 +140,11 @@ class WallStudyModel(Model):
 
 @dataclass(frozen=True)
 class WallPoint:
-    """One point of the sweep: its indices, what each swept key is there, and the model."""
+    """One point of the sweep: its indices, what each swept key is there (SI), the same in words, and the model."""
 
     index: tuple[int, ...]
     values: dict[str, float | str]
+    label: str
     model: wall.WallModel
 
 
@@ -155,6 +158,7 @@ class WallStudy:
     axes: tuple[PointAxis, ...]
     points: tuple[WallPoint, ...]
     resolved: dict[str, Any]
+    warnings: tuple[Problem, ...] = ()
 
 
 def load_wall_study(path: Path) -> WallStudy:
@@ -166,7 +170,7 @@ def load_wall_study(path: Path) -> WallStudy:
     faults.refuse()
     points = []
     resolved: dict[str, Any] = {}
-    title = ""
+    title, notes = "", Faults(str(path))
     for index, tree in points_of(root, axes):
         try:
             spec = WallStudyModel.model_validate(tree.plain())
@@ -174,15 +178,16 @@ def load_wall_study(path: Path) -> WallStudy:
             faults.validation(tree, error, WallStudyModel)
             continue
         title = spec.title
+        doubt_spec(spec, WALL, tree, notes)
         resolved = resolved or spec.model_dump(mode="json")
         values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
         try:
-            points.append(WallPoint(index, values, _model(spec)))
+            points.append(WallPoint(index, values, point_label(axes, values), _model(spec)))
         except InputError as refused:
-            where = "".join(f" ({name} = {values[name]})" for name in values)
+            where = f" ({point_label(axes, values)})" if values else ""
             faults.extend(Problem(p.message + where, p.hint, str(path), *_mark(p, tree)) for p in refused.problems)
     faults.refuse()
-    return WallStudy(path, text, title, axes, tuple(points), resolved)
+    return WallStudy(path, text, title, axes, tuple(points), resolved, tuple(few(notes.problems)))
 
 
 def _mark(problem: Problem, tree: Node) -> tuple[int, int]:

@@ -1,15 +1,16 @@
-"""The unit a swept key is written in, found from its values and the schema."""
+"""The units a study is written in: of a swept key, and of the quantities that screens and tables show."""
 
 from __future__ import annotations
 
 import types
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 from pydantic import BaseModel
 
+from pounding_cli.study.problems import Tree
 from pounding_cli.study.source import Node
-from pounding_cli.study.units import Quantity, TextForm, factor_of, written_unit
+from pounding_cli.study.units import GRAVITY, Quantity, TextForm, factor_of, written_unit
 from pounding_cli.words import Unit
 
 
@@ -26,6 +27,52 @@ def unit_of(model: type[BaseModel], path: Sequence[str], values: Sequence[Node])
         if name and (factor := factor_of(name, found.si)) is not None:
             return Unit(name, factor, found.si)
     return Unit(found.si, 1.0, found.si)
+
+
+class Place(NamedTuple):
+    """Where a study writes a quantity: at or below these sections, under any of `keys` (none: anywhere there).
+
+    usual : its unit where the study does not write the quantity
+    """
+
+    sections: tuple[tuple[str, ...], ...]
+    keys: tuple[str, ...]
+    usual: Unit
+
+
+PLACES = {
+    "gap": Place((("cases",),), ("gap",), Unit("cm", 0.01, "m")),
+    "link stiffness": Place((("cases",), ("impact",)), ("stiffness",), Unit("MN/m", 1e6, "N/m")),
+    "acceleration": Place((("records", "scale"),), ("pga", "sa", "target"), Unit("g", GRAVITY, "m/s2")),
+    "time step": Place((("time_step",),), (), Unit("s", 1.0, "s")),
+}
+"""The quantities that screens and tables show in the unit of the study."""
+
+
+def unit_in(root: Node | Tree, quantity: str) -> Unit:
+    """The unit a study writes a quantity of PLACES in: the first one found, SI where there are bare numbers only."""
+    place, bare = PLACES[quantity], False
+    for section in place.sections:
+        for node in _scalars(root.get(*section), place.keys, not place.keys):
+            name = written_unit(node.value) if isinstance(node.value, str) else ""
+            if name and (factor := factor_of(name, place.usual.si)) is not None:
+                return Unit(name, factor, place.usual.si)
+            bare = bare or isinstance(node.value, int | float)
+    return Unit(place.usual.si, 1.0, place.usual.si) if bare else place.usual
+
+
+def _scalars(node: Node | None, keys: Sequence[str], inside: bool) -> Iterator[Node]:
+    """The scalars at or below `node` that stand under one of `keys`; all of them where `inside`."""
+    if node is None:
+        return
+    if node.is_mapping:
+        for key, below in node.value.items():
+            yield from _scalars(below, keys, inside or key in keys)
+    elif node.is_list:
+        for below in node.value:
+            yield from _scalars(below, keys, inside)
+    elif inside:
+        yield node
 
 
 def quantity_of(model: type[BaseModel], path: Sequence[str]) -> Quantity | None:

@@ -7,9 +7,11 @@ import functools
 
 import numpy as np
 
+from pounding_cli.laws.dashpot import damping_ratio
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
 from pounding_cli.model.code_design import UbcDesign
-from pounding_cli.model.links import Kind, Link, damping_ratio
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.model.stiffness import rayleigh_factors, stiffness_for_period
 from pounding_cli.records.motion import Motion
@@ -67,8 +69,8 @@ def row(
     """
     group = [_building((0.072, 0.12)[place % 2] * storeys, storeys) for place in range(buildings)]
     stiffness = 20 * stiffer * max(float(b.stiffness.max()) for b in group)
-    law = (Kind.POUNDING, gap, stiffness, stiffness, damping_ratio(0.5))
-    links = [Link(left, j, j, *law) for left in range(buildings - 1) for j in range(1, storeys + 1)]
+    law = Pounding(gap, stiffness, damping_ratio(0.5))
+    links = [Link(left, j, j, law) for left in range(buildings - 1) for j in range(1, storeys + 1)]
     return Scene(tuple(group), tuple(links), noise(duration), Analysis(analysis))
 
 

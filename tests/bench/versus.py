@@ -147,7 +147,7 @@ def figures() -> Iterator[dict]:
         alone = least([in_solver(lambda s=s: solve(s, 1e-6)) for s in found], budget=6.0, fewest=8)
         (batch,) = least((together(found, 1e-6),), budget=3.0)
         median = sorted(alone)[len(alone) // 2]
-        kinds = sorted((s.links[0].kind.value, s.analysis.value, t) for s, t in zip(found, alone, strict=True))
+        kinds = sorted((s.links[0].kind, s.analysis.value, t) for s, t in zip(found, alone, strict=True))
         yield {
             "study": study, "scenes": len(found), "alone": median, "batch": batch,
             "alone_most": target[1], "batch_most": target[0],

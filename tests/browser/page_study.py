@@ -10,8 +10,8 @@ import numpy as np
 from sealing import edited
 
 from pounding_cli.batch import run_plan
+from pounding_cli.laws.connector import Connector
 from pounding_cli.report.build import write_report
-from pounding_cli.solve.flags import CONNECTOR_STRUCK
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.store import open_results
@@ -64,7 +64,7 @@ def known(scene, accuracy=1e-6, method="taylor", **_):
     number = np.arange(1, n + 1, dtype=float)
     links = LinkResponse(number, 1e6 * number, 0.005 * number, number, number)
     status, advice = ("event bound reached", "loosen the accuracy") if lost else ("done", "")
-    flags = (f"{CONNECTOR_STRUCK}: stiff | soft, floor 2, by 2 mm",) if case == "connected" else ()
+    flags = (f"{Connector.beyond_gap}: stiff | soft, floor 2, by 2 mm",) if case == "connected" else ()
     return Response(tuple(found), links, status, advice, method, accuracy, 10, 1, 1e-4, flags=flags)
 
 

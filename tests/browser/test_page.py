@@ -8,8 +8,8 @@ import re
 import pytest
 from page_study import CONTACTS, DT, FACTOR, PEAKS, refuse
 
+from pounding_cli.laws.connector import Connector
 from pounding_cli.report.web.story import digits
-from pounding_cli.solve.flags import CONNECTOR_STRUCK
 from pounding_cli.store import open_results
 
 SWEEP = "sweep: {cases.gap.gap: [1 cm, 2 cm, 3 cm], impact.restitution: [0.4, 0.6]}\n"
@@ -54,7 +54,7 @@ def test_the_page_begins_with_the_cases_side_by_side(moving):
     flags = moving.locator(".answer .flagged").all_inner_texts()
     assert flags == [
         "2 of 4 runs failed and are left out of the means",
-        f"{CONNECTOR_STRUCK}: elastic, 2 of 2 runs\n{CONNECTOR_STRUCK}: inelastic, 2 of 2 runs",
+        f"{Connector.beyond_gap}: elastic, 2 of 2 runs\n{Connector.beyond_gap}: inelastic, 2 of 2 runs",
     ]
     order = moving.eval_on_selector_all("main > header, main > section", "all => all.map(one => one.id)")
     assert order[:3] == ["overview", "explore", "motion"]
@@ -313,7 +313,7 @@ def test_player_steps_and_finds_impacts_by_key_and_button(moving):
     assert readout(moving)["link force"] == "1000 kN at floor 1"
     player.press("ArrowRight")
     assert readout(moving)["time"] == f"{CONTACTS[1][0] + DT:.3f} s"
-    assert readout(moving)["link force"] == "600.0 kN at floor 1"
+    assert readout(moving)["link force"] == "600 kN at floor 1"
     player.press("Shift+ArrowLeft")
     assert readout(moving)["time"] == "0.402 s"
     # 10 mm x 3 floors x sin(2 pi 0.402), twice as much in the second building of two floors
@@ -551,7 +551,7 @@ def test_cells_and_points_without_meaning_are_marked_with_the_reason(study, visi
     choose(page, "Case", "3", "#sweep")
     assert page.locator("#sweep-chart path.void").count() == 6
     assert page.locator("#sweep-void").is_visible()
-    assert told(page, "ArrowRight")[-1] == f"not meaningful (2 motions): {CONNECTOR_STRUCK}"
+    assert told(page, "ArrowRight")[-1] == f"not meaningful (2 motions): {Connector.beyond_gap}"
     choose(page, "Up", "-1", "#sweep")
     assert page.locator("#sweep-chart g[data-series=connected] .void").count() == 2
     assert page.locator("#sweep-chart g[data-series=gap] .void").count() == 0

@@ -30,6 +30,7 @@ def test_figure_5(tmp_path):
     assert result.exit_code == 0
     assert "|R1| at most 3.980 at Omega/omega10 = 0.701" in result.output
     assert "0.652-0.772, 1.086-1.163" in result.output
+    assert "\ndamping = 5 %\n" in result.output
     assert (tmp_path / "fig5.png").stat().st_size > 10_000
     assert "system 1" in (tmp_path / "fig5.svg").read_text()
     with xr.open_dataset(out, engine="h5netcdf") as data:

@@ -1,4 +1,4 @@
-"""`pound plan`: what runs, what is spared by proof, what is dropped and why; the same run with nothing left out."""
+"""`pound plan`: what runs, what needs no run, what is dropped and why; the same run with nothing left out."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def planned(*words: str) -> str:
     return result.output
 
 
-def test_scenes_by_method_and_what_is_spared(folder):  # noqa: F811
+def test_scenes_by_method_and_what_is_not_run(folder):  # noqa: F811
     """Four rows with a gap no building reaches. Fails if a plan says something else than the run then does."""
     (folder / "two.yaml").write_text(WIDE + "estimate: none\n")
     said = planned()
@@ -31,7 +31,7 @@ def test_scenes_by_method_and_what_is_spared(folder):  # noqa: F811
     assert re.search(r"run +4 of the group, taylor", said)
     assert re.search(r"run +2 of neighbours kept apart, exponential", said)
     assert re.search(r"run +2 of neighbours kept apart, taylor", said)
-    assert re.search(r"spared +4 of gap: gaps that the buildings alone never close", said)
+    assert re.search(r"not run +4 of gap: gaps that the buildings alone never close", said)
     assert re.search(r"shared +16 baselines asked for, 8 run; 0 rows repeat", said)
     assert re.search(r"yielding storeys +kept in 4; dropped in 4: the analysis is elastic", said)
 
@@ -46,7 +46,7 @@ def test_smaller_groups_that_rows_fall_into(folder, monkeypatch):  # noqa: F811
     assert re.search(r"run +4 of smaller groups, taylor, about", said)
     assert re.search(r"run +4 of neighbours kept apart, taylor, about", said)
     assert re.search(r"run +4 of the group, taylor", said)
-    assert re.search(r"spared +4 of gap: gaps that the buildings alone and smaller groups never close", said)
+    assert re.search(r"not run +4 of gap: gaps that the buildings alone and smaller groups never close", said)
     plan = expand(load_study("two.yaml"))
     alone = sum(time for (what, _), time in forecast(plan, prove=False).seconds.items() if what == ALONE)
     monkeypatch.setattr("pounding_cli.cli.plan.WORTH_PROVING", 1.01 * alone)
@@ -66,7 +66,39 @@ def test_all_effects_leave_nothing_out(folder):  # noqa: F811
     assert re.search(r"run +8 of a building alone, taylor", said)
     assert re.search(r"run +8 of the group, taylor", said)
     assert "exponential" not in said
-    assert "spared" not in said
+    assert "not run" not in said
+
+
+INCHES = """\
+records: {use: [elcentro], duration: 2 s, scale: {pga: 350 cm/s2}}
+buildings: {A: {storeys: 4, period: 0.5 s}, B: {storeys: 4, period: 0.3 s}}
+group: [A, B]
+cases:
+  bare: {link: pounding, gap: 0}
+  p: {link: pounding, gap: 1.5 in}
+  c: {link: connector, gap: 50.8 mm, floors: 4, stiffness: 30 kN/mm}
+analyses: [elastic]
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("", "", ("peak 350 cm/s2,", "4 x pounding, gap 1.5 in,", "1 x connector, gap 2 in, 30 kN/mm")),
+        ("350 cm/s2", "3.5", ("peak 3.5 m/s2,",)),
+        ("350 cm/s2", "0.35 g", ("peak 0.35 g,",)),
+        ("{pga: 350 cm/s2}", "2.0", (" g, Arias",)),
+        ("stiffness: 30 kN/mm", "stiffness: 1/5 mean storey", (" MN/m\n",)),
+        ("analyses", "method: newmark\ntime_step: 0.5 ms\nanalyses", ("newmark, time step 0.5 ms\n",)),
+        ("analyses", "sweep: {cases.bare.gap: [2 mm, 1 in]}\nanalyses", ("gap 38.1 mm", "gap 50.8 mm")),
+    ],
+)
+def test_values_are_shown_in_the_unit_of_the_study(folder, old, new, said):  # noqa: F811
+    """Fails if a unit is fixed, or one of the study's is not found."""
+    (folder / "two.yaml").write_text(INCHES.replace(old, new) if old else INCHES)
+    shown = planned("--no-prove")
+    for words in said:
+        assert words in shown
 
 
 def test_the_results_keep_what_was_dropped_and_all_effects_agree(folder, pound):  # noqa: F811
@@ -74,11 +106,11 @@ def test_the_results_keep_what_was_dropped_and_all_effects_agree(folder, pound):
     (folder / "two.yaml").write_text(WIDE + "estimate: none\n")
     code, out, _ = pound("run", "two.yaml", "-o", "a.h5", solve=None)
     assert code == 0
-    assert "Spared, 4 scenes" in out
+    assert "Not simulated: 4 scenes, whose gaps never close;" in out
     (folder / "b.h5").write_bytes((folder / "a.h5").read_bytes())
     code, out, _ = pound("run", "two.yaml", "-o", "b.h5", "--all-effects", solve=None)
     assert code == 0
-    assert "Spared" not in out
+    assert "Not simulated" not in out
     assert "Scenes: 16 solved, 0 reused" in out
     pruned, full = open_results("a.h5"), open_results("b.h5")
     scenes = pruned.scene()

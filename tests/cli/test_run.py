@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from pounding_cli.cli.main import main
-from pounding_cli.solve.flags import CONNECTOR_STRUCK
+from pounding_cli.laws.connector import Connector
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.store import open_results
 
@@ -121,7 +121,7 @@ def strikes(scene, accuracy=1e-6, method="taylor", **_):
     """Links across a gap are connectors that the strong motion closes entirely, where nothing yields."""
     response = known(scene, accuracy, method)
     if scene.links and scene.links[0].gap and scene.motion.pga > 2 and scene.analysis == "elastic":
-        return replace(response, flags=(f"{CONNECTOR_STRUCK}: stiff | soft, floor 2, by 3 mm",))
+        return replace(response, flags=(f"{Connector.beyond_gap}: stiff | soft, floor 2, by 3 mm",))
     return replace(response, flags=())
 
 
@@ -131,7 +131,7 @@ def test_a_case_without_meaning_is_marked_in_the_table_and_in_the_last_sentence(
     assert [row.count("!") for row in rows] == [0, 0, 3, 2]
     assert rows[2][:8] == ["gap", "!", "stiff", "2.000", "!", "2.000", "(3)", "!"]  # V/V0, and nothing of mu/mu0
     where = "stiff | soft, floor 2, by 3 mm"
-    assert f"Meaningless (!): gap, elastic, 1 of 2 scenes (strong): {CONNECTOR_STRUCK}: {where}\n" in out
+    assert f"Meaningless (!): gap, elastic, 1 of 2 scenes (strong): {Connector.beyond_gap}: {where}\n" in out
     assert "Scenes: 16 solved, 0 reused, 0 failed, 1 row meaningless (!)" in out
 
 

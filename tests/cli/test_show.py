@@ -39,6 +39,21 @@ def test_storey_csv_has_the_columns_of_the_manual_and_all_digits(shown):
     assert [float(row["V"]) for row in table] == list(exact.V)
 
 
+def test_a_table_for_the_eye_is_in_the_units_of_the_study_and_csv_in_si(shown, folder, pound):  # noqa: F811
+    """Fails if a gap is shown in m, an acceleration in m/s2, or CSV in anything but SI."""
+    _, table, _ = shown("link", "--case", "gap")
+    head, row = table.splitlines()[1:3]
+    assert "gap [cm]" in head
+    assert "max_closing [cm]" in head
+    assert row.split()[head.replace(" [", "[").split().index("gap[cm]") + 2] == "1"  # "A|B floor 1" has three words
+    assert {row["gap"] for row in rows(shown("link", "--case", "gap", "--format", "csv")[1])} == {"0.01"}
+    assert "pga [g]" in shown("records")[1]
+    assert "acceleration [g]" in shown("floor")[1]
+    (folder / "two.yaml").write_text(STUDY.replace("0 cm", "0 mm").replace("1 cm", "10 mm"))
+    pound("run", "two.yaml", "-o", "r.h5", "-q")
+    assert "gap [mm]" in shown("link")[1]
+
+
 def test_the_tables_are_those_of_a_results_file():
     assert columns.TABLES == TABLES
 
@@ -108,13 +123,15 @@ def test_accuracy_is_told_scene_by_scene(folder, pound, shown):  # noqa: F811
     (folder / "two.yaml").write_text(STUDY + "estimate: none\naccuracy: 1e-5\n")
     pound("run", "two.yaml", "-o", "r.h5", "-q")
     _, out, _ = shown("accuracy", "--case", "gap", "--format", "csv")
-    head = "case,analysis,record,status,method,tolerance,error_estimate,sensitivity,energy_residual,steps,events"
+    head = (
+        "case,analysis,record,status,method,accuracy,time_step,error_estimate,sensitivity,energy_residual,steps,events"
+    )
     assert out.splitlines()[0] == head + ",orders,seconds"
     assert [tuple(row[name] for name in ("analysis", "record")) for row in rows(out)] == [
         ("elastic", "weak"), ("elastic", "strong"), ("inelastic", "weak"), ("inelastic", "strong"),
     ]  # fmt: skip
     for row in rows(out):
-        assert (row["method"], row["tolerance"], row["steps"], row["seconds"]) == ("taylor", "1e-05", "1", "0.0001")
+        assert (row["method"], row["accuracy"], row["steps"], row["seconds"]) == ("taylor", "1e-05", "1", "0.0001")
         assert row["error_estimate"] == ""  # not asked for
     _, out, _ = shown("accuracy")
     assert "seconds [s]" in out

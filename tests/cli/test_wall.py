@@ -39,7 +39,7 @@ def small(tmp_path_factory):
 def test_summary_and_files(small):
     folder, result = small
     assert result.exit_code == 0
-    assert "contact.over = node, wall.length = 2.0\n  peak force 6.20 MN" in result.output
+    assert "contact.over = node, wall.length = 2 m\n  peak force 6.20 MN" in result.output
     assert "33.5 N/mm2 in an element" in result.output
     for name in ("small-history.png", "small-stress-0-0.svg", "small-wall-length.png"):
         assert (folder / name).stat().st_size > 5000
@@ -100,7 +100,7 @@ def test_every_study_runs_at_its_first_point(path):
 
 def test_figure_8(tmp_path):
     result = run(CONFIGS / "fig8.yaml", "-o", tmp_path / "fig8.h5", "--no-figures")
-    assert "contact.over = node, mesh.size = 0.5\n  peak force 6.20 MN at 6.9 ms" in result.output
+    assert "contact.over = node, mesh.size = 0.5 m\n  peak force 6.20 MN at 6.9 ms" in result.output
     claims = wall_claims(tmp_path / "fig8.h5")
     paper = {c["paper"]: c for c in claims if c["point"] == "contact.over = node, mesh.size = 0.5 m"}
     assert next(c for words, c in paper.items() if "33 N/mm2" in words)["holds"]

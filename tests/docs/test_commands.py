@@ -7,7 +7,7 @@ import os
 import pytest
 from pages import PAGES, ROOT, blocks, environment, loose_commands, run_block, stand_in
 
-ELSEWHERE = {"docs/results.md", "docs/architecture.md"}
+ELSEWHERE = {"docs/results.md", "docs/architecture.md", "docs/extending.md"}
 """Pages whose Python has a test of its own, or is a sketch of types."""
 
 

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from pounding_cli.laws.connector import Connector
+from pounding_cli.laws.dashpot import damping_ratio
+from pounding_cli.laws.infill import Infill
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
 from pounding_cli.model.foundation import Foundation
-from pounding_cli.model.links import Kind, Link, damping_ratio
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.model.stiffness import rayleigh_factors, stiffness_for_period
 from pounding_cli.records.motion import Motion
@@ -48,15 +53,17 @@ def _links(random: np.random.Generator, buildings: tuple[Building, ...], left: i
     two = buildings[left : left + 2]
     floors = range(1, min(b.storeys for b in two) + 1)
     common = _law(random, two) if random.random() < 0.7 else None
-    return [Link(left, j, j, *(common or _law(random, two))) for j in floors]
+    return [Link(left, j, j, common or _law(random, two)) for j in floors]
 
 
-def _law(random: np.random.Generator, two: tuple[Building, ...]) -> tuple:
-    kind = Kind(random.choice(list(Kind), p=[0.6, 0.2, 0.2]))
+def _law(random: np.random.Generator, two: tuple[Building, ...]) -> LinkLaw:
+    kind = str(random.choice(["pounding", "infill", "connector"], p=[0.6, 0.2, 0.2]))
     gap = float(random.choice([0.0, 0.0, 1e-9, 1e-5, 0.002, 0.01, 0.03, 0.1]))
     spring = max(float(b.stiffness.max()) for b in two)
     impact = spring * 10 ** random.uniform(0.3, 3)
-    stiffness = impact if kind is Kind.POUNDING else spring * 10 ** random.uniform(-2, 0)
+    stiffness = impact if kind == "pounding" else spring * 10 ** random.uniform(-2, 0)
     xi = damping_ratio(random.choice([0.01, 0.3, 0.5, 0.5, 0.8, 1.0]))
-    cut = bool(random.random() < 0.5) and kind is not Kind.CONNECTOR
-    return kind, max(gap, 1e-3) if kind is Kind.INFILL else gap, stiffness, impact, xi, cut
+    cut = bool(random.random() < 0.5)
+    if kind == "connector":
+        return Connector(gap, stiffness, xi)
+    return Infill(max(gap, 1e-3), stiffness, impact, xi, cut) if kind == "infill" else Pounding(gap, stiffness, xi, cut)

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from .estimates import look_at
 
-HARD = (12,)
+HARD = (12, 723, 857, 1038, 1058, 1167, 1203, 1290, 1550, 1701)
+"""The worst of 4000 scenes, and those whose infill or pounding floors press again after a force that was cut off."""
 
 
 def test_estimates_are_not_far_below_the_truth():
     """Fails if an estimate is more than ten times below a true error above a tenth of the accuracy asked, or if a scene
     misses the accuracy by its own estimate without a word."""
-    tally = look_at((*HARD, *range(100, 125)))
+    tally = look_at((*HARD, *range(100, 120)))
     assert tally.done >= 20
-    assert tally.mattered >= 1
+    assert tally.mattered >= 5
     assert tally.broken == []
     assert tally.missed == tally.flagged
+    assert len(tally.from_rest) <= 1  # scene 857
+
+
+def test_scenes_whose_infill_presses_again_meet_the_accuracy():
+    """Fails if their errors do not fall with the accuracy: no finer run then meets 1e-9, and they are flagged."""
+    tally = look_at((1038, 1167))
+    assert (tally.done, tally.missed, tally.mattered) == (2, 0, 0)

@@ -61,7 +61,7 @@ def fault_of(response: Response) -> str:
         if not np.isfinite(getattr(response.links, name)).all():
             return f"{name} is not finite"
     residual = response.energy["residual"]
-    if not abs(residual) <= closes_to(response.tolerance):
+    if not abs(residual) <= closes_to(response.accuracy):
         return f"energy residual {residual:.1e}"
     return ""
 
@@ -76,12 +76,12 @@ def _grouped(accuracy: float) -> GroupSolver:
 
 def unlike_the_whole(scene: Scene, parted: Response) -> str:
     """What a row that was answered by its groups has otherwise than the row simulated whole; empty if nothing."""
-    whole = solve(scene, parted.tolerance, bounds=BOUNDS)
+    whole = solve(scene, parted.accuracy, bounds=BOUNDS)
     if whole.status != "done":
         return ""
     if not np.array_equal(whole.links.impacts, parted.links.impacts):
         return "a gap that closes was called open"
-    share = max(1e-6, 10 * parted.tolerance)
+    share = max(1e-6, 10 * parted.accuracy)
     for a, b in zip(parted.buildings, whole.buildings, strict=True):
         # a drift is a difference of displacements and has no digits below the last of theirs
         last = DIGITS * max(np.max(b.displacement_max), -np.min(b.displacement_min))

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import heyoka as hy
 import numpy as np
 
-from pounding_cli.model.links import Kind
 from pounding_cli.model.scene import Scene
 
 START = 1e-4
@@ -94,12 +93,12 @@ class ElasticScene:
             mass += building.mass.tolist()
             place += building.storeys
         for e, (link, (left, right)) in enumerate(zip(self.scene.links, self.ends, strict=True)):
-            assert link.kind is Kind.POUNDING
-            assert not link.tension_cut
+            assert link.kind == "pounding"
+            assert not link.law.tension_cut
             reduced = mass[left] * mass[right] / (mass[left] + mass[right])
-            dashpot = 2 * link.damping_ratio * math.sqrt(link.stiffness * reduced)
+            dashpot = 2 * link.law.damping_ratio * math.sqrt(link.law.stiffness * reduced)
             closing = self.u[left] - self.u[right] - link.gap
-            push = hy.par[3 + e] * (link.stiffness * closing + dashpot * (self.v[left] - self.v[right]))
+            push = hy.par[3 + e] * (link.law.stiffness * closing + dashpot * (self.v[left] - self.v[right]))
             force[left], force[right] = force[left] - push, force[right] + push
         accelerations = [f / m - ground for f, m in zip(force, mass, strict=True)]
         return [*zip(self.u, self.v, strict=True), *zip(self.v, accelerations, strict=True)]

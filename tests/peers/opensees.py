@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import openseespy.opensees as ops
 
-from pounding_cli.model.links import Kind
 from pounding_cli.model.scene import Scene
 
 IMPLICIT = "Newmark"
@@ -123,7 +122,7 @@ def _buildings(scene: Scene) -> tuple[list[list[int]], list[int]]:
 def _links(scene: Scene, nodes: list[list[int]], first: int) -> list[int]:
     tags = []
     for e, link in enumerate(scene.links):
-        assert not link.tension_cut, "ViscoelasticGap pulls"
+        assert not getattr(link.law, "tension_cut", False), "ViscoelasticGap pulls"
         tag = first + e
         ends = nodes[link.left][link.left_floor - 1], nodes[link.left + 1][link.right_floor - 1]
         masses = (
@@ -131,11 +130,11 @@ def _links(scene: Scene, nodes: list[list[int]], first: int) -> list[int]:
             scene.buildings[link.left + 1].mass[link.right_floor - 1],
         )
         # Eqs (6), (7), (10) anew: c = 2 xi sqrt(s m1 m2 / (m1 + m2)).
-        dashpot = 2 * link.damping_ratio * float(np.sqrt(link.stiffness * masses[0] * masses[1] / sum(masses)))
-        if link.kind is Kind.POUNDING:
-            ops.uniaxialMaterial("ViscoelasticGap", tag, link.stiffness, dashpot, -link.gap)
-        elif link.kind is Kind.CONNECTOR:
-            ops.uniaxialMaterial("Elastic", tag, link.stiffness, dashpot)
+        dashpot = 2 * link.law.damping_ratio * float(np.sqrt(link.law.stiffness * masses[0] * masses[1] / sum(masses)))
+        if link.kind == "pounding":
+            ops.uniaxialMaterial("ViscoelasticGap", tag, link.law.stiffness, dashpot, -link.gap)
+        elif link.kind == "connector":
+            ops.uniaxialMaterial("Elastic", tag, link.law.stiffness, dashpot)
         else:
             raise AssertionError("OpenSees has no such infill")
         ops.element("zeroLength", tag, *ends, "-mat", tag, "-dir", 1)

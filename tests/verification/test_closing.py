@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import events
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, shake, shear_building
+from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, links, shake, shear_building
 
 from pounding_cli.batch.attempt import Task
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.laws.pounding import Pounding
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.closing import peak_closings
@@ -102,7 +103,7 @@ def test_closings_against_the_reference(analysis, foundation):
     left, right = (shear_building(period, foundation=foundation) for period in (0.36, 0.60))
     motion = shake(1.5)
     found = peak_closings(left, right, [(1, 1), (2, 3)], motion, analysis)
-    wide = tuple(Link(0, *pair, Kind.POUNDING, 5.0, 2e10, 2e10, 0.2) for pair in ((1, 1), (2, 3)))
+    wide = tuple(Link(0, *pair, Pounding(5.0, 2e10, 0.2)) for pair in ((1, 1), (2, 3)))
     expected = events.integrate(Scene((left, right), wide, motion, analysis))
     assert found == pytest.approx(expected.max_closing, rel=1e-8)
 
@@ -132,7 +133,7 @@ def test_the_closing_is_the_required_gap(figure):
             closing = peak_closings(*two, floors, scene.motion, scene.analysis).max()
             for share, closes in ((1 + 1e-6, False), (1 - 1e-3, True)):
                 between = (link for link in scene.links if link.left == left)
-                joined = tuple(dataclasses.replace(link, left=0, gap=closing * share) for link in between)
+                joined = tuple(dataclasses.replace(changed(link, gap=closing * share), left=0) for link in between)
                 pair = Scene(two, joined, scene.motion, scene.analysis)
                 found = task(pair)
                 assert found.status == "done"

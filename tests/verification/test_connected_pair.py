@@ -9,7 +9,8 @@ import pytest
 from reference.exponential import march
 from reference.scenes import ELASTIC, FOUNDATION, links, oscillator, shake, shear_building, still
 
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.laws.connector import Connector
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 
@@ -42,7 +43,7 @@ def test_two_free_masses_on_a_connector():
     m1, m2, s, v0 = 2e5, 3e5, 1e8, 0.3
     reduced = m1 * m2 / (m1 + m2)
     half = math.pi * math.sqrt(reduced / s)
-    link = Link(0, 1, 1, Kind.CONNECTOR, 0.05, s, s, 0.0)
+    link = Link(0, 1, 1, Connector(0.05, s, 0.0))
     scene = Scene((oscillator(m1, 1e-3), oscillator(m2, 1e-3)), (link,), still(half, half / 16), ELASTIC)
     found = solve(scene, 1e-12, initial=([[0.0], [0.0]], [[v0], [0.0]]))
     assert found.final[1][1][0] - found.final[0][1][0] == pytest.approx(v0, rel=1e-9)

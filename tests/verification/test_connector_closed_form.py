@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from pounding_cli.connector.oscillators import Oscillators, response_ratios
+from pounding_cli.laws.connector import Connector
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
@@ -47,7 +48,7 @@ def test_steady_state(ratio, xi):
     k2, k = 0.36 * k1 * 1.5, 0.2 * k1
     dashpot = 2 * xi * math.sqrt(k * 200e3 * m2 / (200e3 + m2))
     pair = Oscillators(200e3, m2, k1, k2, 0.05, 0.08, k, dashpot)
-    link = Link(0, 1, 1, Kind.CONNECTOR, gap=10.0, stiffness=k, impact_stiffness=0.0, damping_ratio=xi)
+    link = Link(0, 1, 1, Connector(gap=10.0, stiffness=k, damping_ratio=xi))
     buildings = (building("first", 200e3, k1, 0.05), building("second", m2, k2, 0.08))
     scene = Scene(buildings, (link,), sine(ratio * pair.omega10), Analysis.ELASTIC)
     joined = solve(scene, accuracy=1e-9)

@@ -8,14 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, shake, shear_building
+from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, links, shake, shear_building
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.kernels import layout
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.foundation import Foundation
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve, taylor
@@ -61,7 +62,7 @@ def _rebuilt(**changes):
 
 
 def _linked(kind="pounding", gap=0.01, **changes):
-    return tuple(dataclasses.replace(link, **changes) for link in links(kind, gap, FLOORS))
+    return tuple(changed(link, **changes) for link in links(kind, gap, FLOORS))
 
 
 RIGID = Foundation(2e5, 1e19, 0.0, 1e6, 1e21, 0.0)
@@ -164,7 +165,7 @@ def test_a_row_falls_apart_where_nothing_closes():
     """Three buildings, touching on one side, far apart on the other: two groups, whose numbers are those of the whole.
     Fails if a group keeps the places its links had in the row, or a link that stays open loses its closing."""
     near = tuple(links("pounding", 0.0, FLOORS))
-    far = tuple(dataclasses.replace(link, gap=0.5) for link in near)
+    far = tuple(changed(link, gap=0.5) for link in near)
     for row, left, right in (((STIFF, SOFT, SOFT), near, far), ((SOFT, STIFF, SOFT), far[:2], near[:3])):
         moved = tuple(dataclasses.replace(link, left=1) for link in right)
         scene = Scene(row, (*left, *moved), shake(2.0), INELASTIC)
@@ -198,9 +199,9 @@ def test_samples_are_displacements_at_the_ends_of_segments(analysis):
 def test_a_gap_is_only_called_open_when_it_is(share):
     """Gaps a little narrower and wider than the buildings' own motions need. Fails if the largest closing is one at a
     sample of the motion, or if a gap that is wide enough is simulated."""
-    one = Link(0, 5, 5, Kind.POUNDING, 10.0, 1e9, 1e9, 0.2)
+    one = Link(0, 5, 5, Pounding(10.0, 1e9, 0.2))
     reach = float(solve(Scene((STIFF, SOFT), (one,), shake(2.0), INELASTIC), 1e-10).links.max_closing[0])
-    link = dataclasses.replace(one, gap=reach * share)
+    link = changed(one, gap=reach * share)
     scene = Scene((STIFF, SOFT), (link,), shake(2.0), INELASTIC)
     found, whole = solved_in_groups(scene), solve(scene, ACCURACY, all_effects=True)
     assert found.links.impacts[0] == whole.links.impacts[0]

@@ -7,8 +7,12 @@ import pytest
 from reference.closed_forms import kelvin_voigt, oscillator_under_ramp
 from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, oscillator, pair, shake, shear_building, still
 
+from pounding_cli.laws.connector import Connector
+from pounding_cli.laws.dashpot import damping_ratio
+from pounding_cli.laws.infill import InfillLaw
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import InfillLaw, Kind, Link, damping_ratio
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
@@ -54,7 +58,7 @@ def test_loss_of_an_impact(e, cut):
     """m' v0^2 (1 - rebound^2) / 2 goes into the link. Fails if the dashpot's pull at the end is not charged."""
     m1, m2, s = 2e5, 3e5, 2e9
     reduced, xi = m1 * m2 / (m1 + m2), damping_ratio(e)
-    link = Link(0, 1, 1, Kind.POUNDING, 0.01, s, s, xi, tension_cut=cut)
+    link = Link(0, 1, 1, Pounding(0.01, s, xi, cut))
     scene = Scene((oscillator(m1, 1e-3), oscillator(m2, 1e-3)), (link,), still(0.12), ELASTIC)
     energy = solve(scene, 1e-12, initial=([[0.0], [0.0]], [[0.6], [0.0]])).energy
     rebound = kelvin_voigt(s, xi, reduced, 0.6, tension_cut=cut and e < 1).rebound
@@ -66,7 +70,7 @@ def test_connector_dashpot_and_spring():
     """Two masses on a connector alone, a damped oscillator. Fails if its spring is not stored."""
     m1, m2, s, xi, time = 2e5, 3e5, 5e7, 0.2, 0.1
     reduced = m1 * m2 / (m1 + m2)
-    link = Link(0, 1, 1, Kind.CONNECTOR, 0.1, s, s, xi)
+    link = Link(0, 1, 1, Connector(0.1, s, xi))
     scene = Scene((oscillator(m1, 1e-6), oscillator(m2, 1e-6)), (link,), still(time), ELASTIC)
     energy = solve(scene, 1e-13, initial=([[0.0], [0.0]], [[0.5], [0.0]])).energy
     v, rate = oscillator_under_ramp(0.0, 0.5, 0.0, 0.0, float(np.sqrt(s / reduced)), xi, time)
@@ -80,7 +84,7 @@ SCENES = {
     "pounding, cut": lambda a: pair("pounding", 0.002, shake(0.7), a, tension_cut=True),
     "pounding, founded": lambda a: pair("pounding", 0.0, shake(0.7), a, FOUNDATION),
     "infill": lambda a: pair("infill", 0.004, shake(0.7), a),
-    "infill, printed": lambda a: pair("infill", 0.004, shake(0.7), a, infill_law=InfillLaw.PRINTED),
+    "infill, printed": lambda a: pair("infill", 0.004, shake(0.7), a, law=InfillLaw.PRINTED),
     "infill, cut": lambda a: pair("infill", 0.004, shake(0.7), a, tension_cut=True),
     "connector, founded": lambda a: pair("connector", 0.05, shake(0.7), a, FOUNDATION),
     "three": lambda a: Scene(

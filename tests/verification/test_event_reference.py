@@ -17,7 +17,8 @@ from reference.scenes import (
     shear_building,
 )
 
-from pounding_cli.model.links import DashpotLaw, InfillLaw
+from pounding_cli.laws.dashpot import DashpotLaw
+from pounding_cli.laws.infill import InfillLaw
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 
@@ -68,12 +69,12 @@ def test_five_storeys(kind, gap, analysis):
 @pytest.mark.parametrize("law", list(InfillLaw))
 def test_infill_pressed_through(analysis, cut, law):
     """A 4 mm infill, compressed beyond its thickness. Fails if the branch at v = d is missed."""
-    agree(pair("infill", 0.004, shake(0.5), analysis, tension_cut=cut, infill_law=law))
+    agree(pair("infill", 0.004, shake(0.5), analysis, tension_cut=cut, law=law))
 
 
 def test_dashpot_as_printed():
     """Eq. (7) with the printed mass: next to no damping. Fails if an infill does without the printed law."""
-    agree(pair("infill", 0.004, shake(0.5), INELASTIC, dashpot_law=DashpotLaw.PRINTED))
+    agree(pair("infill", 0.004, shake(0.5), INELASTIC, dashpot=DashpotLaw.PRINTED))
 
 
 @pytest.mark.parametrize("kind", ["pounding", "infill"])

@@ -51,7 +51,9 @@ def test_central_difference_converges_to_the_same(study):
     for row in rows:
         scene = plan.scenes[row.scene]
         taylor = solve(scene, 1e-9)
-        coarse, fine = (change(solve(scene, step, "central-difference"), taylor) for step in (1e-4, 1e-5))
+        coarse, fine = (
+            change(solve(scene, method="central-difference", time_step=step), taylor) for step in (1e-4, 1e-5)
+        )
         if assess(scene, taylor, 1e-9).sensitivity <= ILL_CONDITIONED:
             assert fine < coarse, row
             assert fine < 1e-3, row

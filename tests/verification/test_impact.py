@@ -8,7 +8,9 @@ import pytest
 from reference.closed_forms import kelvin_voigt
 from reference.scenes import ELASTIC, oscillator, still
 
-from pounding_cli.model.links import DashpotLaw, Kind, Link, damping_ratio
+from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio
+from pounding_cli.laws.pounding import Pounding
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 
@@ -17,7 +19,7 @@ REDUCED = M1 * M2 / (M1 + M2)
 
 
 def collide(xi, tension_cut=False, **law):
-    link = Link(0, 1, 1, Kind.POUNDING, GAP, S, S, xi, tension_cut=tension_cut, **law)
+    link = Link(0, 1, 1, Pounding(GAP, S, xi, tension_cut, **law))
     scene = Scene((oscillator(M1, 1e-3), oscillator(M2, 1e-3)), (link,), still(0.12), ELASTIC)
     return solve(scene, 1e-12, initial=([[0.0], [0.0]], [[V0], [0.0]]))
 
@@ -67,7 +69,7 @@ def test_undamped_impact_loses_nothing():
 def test_dashpot_as_eq_7_is_printed():
     """2 xi sqrt(s (m1 + m2) / (m1 m2)): damping ratio xi / m'. Fails if both laws are the same."""
     xi = damping_ratio(0.5)
-    check(collide(xi, dashpot_law=DashpotLaw.PRINTED), kelvin_voigt(S, xi / REDUCED, REDUCED, V0))
+    check(collide(xi, dashpot=DashpotLaw.PRINTED), kelvin_voigt(S, xi / REDUCED, REDUCED, V0))
 
 
 def test_a_blow_within_one_step_of_the_motion():
@@ -75,7 +77,7 @@ def test_a_blow_within_one_step_of_the_motion():
 
     Fails if contact is looked for at the ends of steps."""
     swing, omega, xi, stiff = 0.05, 2 * math.pi, damping_ratio(0.5), 1e6 * S
-    link = Link(0, 1, 1, Kind.POUNDING, 0.9 * swing, stiff, stiff, xi)
+    link = Link(0, 1, 1, Pounding(0.9 * swing, stiff, xi))
     scene = Scene((oscillator(M1, M1 * omega**2), oscillator(M2, 1e-3)), (link,), still(0.6, dt=0.2), ELASTIC)
     found = solve(scene, 1e-9, initial=([[-swing], [0.0]], [[0.0], [0.0]]))
     impact = kelvin_voigt(stiff, xi, REDUCED, swing * omega * math.sqrt(1 - 0.9**2))
@@ -87,7 +89,7 @@ def test_a_gap_that_never_closes_never_presses():
     """Fails if the gap is ignored."""
     scene = Scene(
         (oscillator(M1, M1 * 400.0), oscillator(M2, M2 * 400.0)),
-        (Link(0, 1, 1, Kind.POUNDING, 0.0301, S, S, 0.2),), still(1.0), ELASTIC,
+        (Link(0, 1, 1, Pounding(0.0301, S, 0.2)),), still(1.0), ELASTIC,
     )  # fmt: skip
     found = solve(scene, 1e-12, initial=([[0.0], [0.0]], [[V0], [0.0]]))
     assert found.links.max_closing[0] == pytest.approx(0.03, rel=1e-10)

@@ -7,7 +7,8 @@ from reference import events
 from reference.closed_forms import infill_compression
 from reference.scenes import ELASTIC, links, oscillator, shake, still
 
-from pounding_cli.model.links import InfillLaw, Kind, Link
+from pounding_cli.laws.infill import Infill, InfillLaw
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 
@@ -16,7 +17,7 @@ REDUCED = M1 * M2 / (M1 + M2)
 
 
 def scene(xi=0.0, cut=False, law=InfillLaw.CONTINUOUS):
-    link = Link(0, 1, 1, Kind.INFILL, GAP, S_MAT, S_IMP, xi, cut, law)
+    link = Link(0, 1, 1, Infill(GAP, S_MAT, S_IMP, xi, cut, law))
     return Scene((oscillator(M1, 1e-3), oscillator(M2, 1e-3)), (link,), still(0.2), ELASTIC)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, gather, pair, shake
+from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, gather, pair, shake
 
 from pounding_cli.solve import solve
 
@@ -33,7 +33,8 @@ def test_masses_stiffnesses_and_forces_times_a_thousand(kind, gap, law, analysis
         for b in scene.buildings
     )  # fmt: skip
     bridges = tuple(
-        replace(e, stiffness=e.stiffness * 1000, impact_stiffness=e.impact_stiffness * 1000) for e in scene.links
+        changed(e, **{name: 1000 * getattr(e.law, name) for name in e.law.parameters() if name.endswith("stiffness")})
+        for e in scene.links
     )
     light = solve(scene, 1e-12)
     massive = solve(replace(scene, buildings=buildings, links=bridges), 1e-12)

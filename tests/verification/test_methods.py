@@ -21,10 +21,12 @@ from reference.scenes import (
 )
 
 from pounding_cli.errors import InputError
+from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve import METHODS, solve
 from pounding_cli.solve import generalized_alpha as family
+from pounding_cli.solve import solve
 from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack
+from pounding_cli.solve.method import integrator_of
 
 STEPPING = [name for name, method in METHODS.items() if method.takes_step]
 FOLLOWING = [name for name, method in METHODS.items() if not method.takes_step]
@@ -55,7 +57,7 @@ def smooth():
 def test_declared_order_where_nothing_jumps(smooth, name):
     """Fails if a stage weight, beta or gamma is off, or the ground is held constant over a step."""
     scene, u, v = smooth
-    errors = [final_error(solve(scene, 0.02 / parts, name), u, v) for parts in (16, 32, 64, 128)]
+    errors = [final_error(solve(scene, method=name, time_step=0.02 / parts), u, v) for parts in (16, 32, 64, 128)]
     declared = METHODS[name].order
     assert order(errors) == pytest.approx(declared, abs=0.15)
     assert errors[-1] < {2: 2e-4, 4: 2e-9}[declared]
@@ -87,7 +89,7 @@ def hard(request):
 def test_location_keeps_the_order_at_contacts(hard):
     """Fourth order between contacts and yields. Fails if an event is booked at the end of its step."""
     scene, reference = hard
-    runs = [solve(scene, 0.02 / parts, "rk4-events") for parts in (50, 100, 200, 400)]
+    runs = [solve(scene, method="rk4-events", time_step=0.02 / parts) for parts in (50, 100, 200, 400)]
     errors = [final_error(run, reference.displacement, reference.velocity) for run in runs]
     assert order(errors) > 3.5
     assert errors[-1] < 1e-8
@@ -104,10 +106,10 @@ def test_fixed_steps_lose_their_order_at_contacts():
     """Without location a method of fourth order is worse than second where floors touch: the error follows the step."""
     scene = pair("pounding", 0.0, shake(1.2), INELASTIC)
     reference = events.integrate(scene)
-    runs = [solve(scene, 0.02 / parts, "rk4") for parts in (50, 100, 200, 400, 800)]
+    runs = [solve(scene, method="rk4", time_step=0.02 / parts) for parts in (50, 100, 200, 400, 800)]
     errors = [final_error(run, reference.displacement, reference.velocity) for run in runs]
     assert 0.3 < order(errors) < 2.0
-    located = solve(scene, 0.02 / 800, "rk4-events")
+    located = solve(scene, method="rk4-events", time_step=0.02 / 800)
     assert errors[-1] > 1e3 * final_error(located, reference.displacement, reference.velocity)
 
 
@@ -115,7 +117,7 @@ def test_fixed_steps_lose_their_order_at_contacts():
 def test_every_method_runs_every_scene_it_claims(hard, name):
     """Coarse, as such methods are at contacts, but the same scene. Fails if a link law or the gap is left out."""
     scene, reference = hard
-    found = solve(scene, 2e-5, name)
+    found = solve(scene, method=name, time_step=2e-5)
     assert found.status == "done"
     assert gather(found, "shear") == pytest.approx(reference.shear, rel=0.02)
     assert gather(found, "acceleration") == pytest.approx(reference.acceleration, rel=0.05)
@@ -138,10 +140,10 @@ def test_all_methods_agree_on_the_scenes_of_the_paper(kind, gap, analysis):
     """Two located methods to 1e-6, the others to what their step allows. Fails if any method scales a motion."""
     scene = paper(kind, gap, analysis)
     exact = gather(solve(scene, 1e-10), "shear")
-    assert gather(solve(scene, 1e-4, "rk4-events"), "shear") == pytest.approx(exact, rel=1e-6)
+    assert gather(solve(scene, method="rk4-events", time_step=1e-4), "shear") == pytest.approx(exact, rel=1e-6)
     for name in STEPPING:
         bound = 2e-2 if kind == "pounding" else 1e-3
-        assert gather(solve(scene, 1e-4, name), "shear") == pytest.approx(exact, rel=bound), name
+        assert gather(solve(scene, method=name, time_step=1e-4), "shear") == pytest.approx(exact, rel=bound), name
     if kind == "connector" and analysis == ELASTIC:
         assert gather(solve(scene, 1e-6, "exponential"), "shear") == pytest.approx(exact, rel=1e-9)
 
@@ -151,7 +153,7 @@ def test_coinciding_events_leave_no_false_peaks():
     the mean acceleration of such a step is asked for."""
     buildings = shear_building(0.60), shear_building(0.36), shear_building(0.60)
     scene = Scene(buildings, links("pounding", 0.07) + links("pounding", 0.07, left=1), shake(4.0), INELASTIC)
-    found = solve(scene, 2e-4, "rk4-events")
+    found = solve(scene, method="rk4-events", time_step=2e-4)
     assert found.events > 50
     assert gather(found, "acceleration") == pytest.approx(gather(solve(scene, 1e-10), "acceleration"), rel=1e-5)
 
@@ -172,7 +174,7 @@ def test_exact_stepping_finds_peaks_between_samples():
     closing = u[:, [0, 1, 2]] - u[:, [5, 6, 7]]
     rate = v[:, [0, 1, 2]] - v[:, [5, 6, 7]]
     link = scene.links[0]
-    force = link.stiffness * closing + link.dashpot(2e5, 2e5) * rate
+    force = link.law.stiffness * closing + link.law.branches(2e5, 2e5)[0].dashpot * rate
     assert found.links.peak_force == pytest.approx(np.abs(force).max(axis=0), rel=1e-3)
     assert found.links.impulse == pytest.approx(np.trapezoid(force, times, axis=0), rel=1e-3)
     taylor = solve(scene, 1e-12)
@@ -192,7 +194,7 @@ def largest(scene: Scene, name: str, step: float) -> float:
     arrays = pack(scene)
     state, peaks = at_rest(arrays), no_peaks(arrays)
     state.u[0], state.u[3] = 0.01, 0.01
-    METHODS[name].integrate(scene, arrays, state, peaks, empty_ledger(arrays), step, (10**8, 10**8))
+    integrator_of(METHODS[name]).integrate(scene, arrays, state, peaks, empty_ledger(arrays), step, (10**8, 10**8))
     return float(np.abs(state.u).max()) if np.isfinite(state.u).all() else np.inf
 
 
@@ -201,7 +203,7 @@ def largest(scene: Scene, name: str, step: float) -> float:
 def test_stability_limit(name, xi):
     """Bounded just below it, without bound just above. Fails if the damping in the limit is forgotten."""
     scene = free(xi)
-    limit = METHODS[name].largest_step(pack(scene))
+    limit = integrator_of(METHODS[name]).largest_step(pack(scene))
 
     def at(step: float) -> Scene:
         return dataclasses.replace(scene, motion=still(60.0, step))
@@ -214,12 +216,12 @@ def test_stability_limit(name, xi):
 def test_a_step_above_the_limit_is_not_run(name):
     """Fails if the limit forgets that links close."""
     scene = pair("pounding", 0.02, shake(1.0), stiffness=2e12)
-    found = solve(scene, 0.02, name)
+    found = solve(scene, method=name, time_step=0.02)
     assert found.status == "unstable step"
     assert "take a time step below" in found.advice
     assert np.isnan(gather(found, "shear")).all()
     limit = float(found.advice.split("below ")[1].split()[0])
-    assert solve(scene, 0.9 * limit, name).status == "done"
+    assert solve(scene, method=name, time_step=0.9 * limit).status == "done"
 
 
 def test_newmark_cuts_steps_without_a_root():
@@ -227,7 +229,7 @@ def test_newmark_cuts_steps_without_a_root():
     step is accepted as it is."""
     scene = pair("pounding", 0.0, shake(4.0))
     for name in ("newmark", "hht-alpha", "generalized-alpha"):
-        found = solve(scene, 2e-3, name)
+        found = solve(scene, method=name, time_step=2e-3)
         assert found.status == "done"
         assert found.events > 0, name
         assert any("no root" in flag for flag in found.flags), name
@@ -237,7 +239,7 @@ def test_newmark_cuts_steps_without_a_root():
 def test_newmark_says_where_it_has_to_give_up(monkeypatch):
     """Without cuts the same scene ends in a named outcome with advice, not in numbers."""
     monkeypatch.setattr(family, "MOST_CUTS", 0)
-    found = solve(pair("pounding", 0.0, shake(4.0)), 2e-3, "newmark")
+    found = solve(pair("pounding", 0.0, shake(4.0)), method="newmark", time_step=2e-3)
     assert found.status == "no root"
     assert "taylor" in found.advice
     assert np.isnan(gather(found, "shear")).all()
@@ -253,11 +255,11 @@ def test_closed_form_of_a_step_without_a_root():
         still(h, h),
         ELASTIC,
     )
-    dashpot = scene.links[0].dashpot(2e5, 2e5)
+    dashpot = scene.links[0].law.branches(2e5, 2e5)[1].dashpot
     push = 0.25 * h**2 * dashpot * v0 / 1e5  # how far the force of a closed contact moves the floors back in the step
     for inside, cut in ((0.3 * push, True), (5.0 * push, False)):
         start = inside - h * v0
-        found = solve(scene, h, "newmark", initial=([[start], [0.0]], [[v0], [0.0]]))
+        found = solve(scene, method="newmark", time_step=h, initial=([[start], [0.0]], [[v0], [0.0]]))
         assert (found.events > 0) == cut
 
 
@@ -275,11 +277,33 @@ def test_exact_stepping_refuses_what_is_not_linear(scene, reason):
         solve(scene, 1e-6, "exponential")
 
 
-@pytest.mark.parametrize(("method", "setting"), [("euler", 1e-3), ("rk4", 0.0), ("taylor", -1e-6), ("rk4", np.nan)])
-def test_refused_settings(method, setting):
-    """An unknown method or a setting that is no number above zero."""
-    with pytest.raises(InputError):
-        solve(pair("pounding", 0.01, shake(0.4)), setting, method)
+@pytest.mark.parametrize(
+    ("method", "told", "why"),
+    [
+        ("euler", {}, "there is no method euler"),
+        ("rk4", {"time_step": 0.0}, "time step is 0; it must be above zero"),
+        ("rk4", {"time_step": np.nan}, "time step is nan"),
+        ("taylor", {"accuracy": -1e-6}, "accuracy is -1e-06"),
+        ("rk4", {}, "method rk4 takes a time step"),
+        ("newmark", {"accuracy": 1e-4}, "method newmark takes a time step"),
+        ("taylor", {"time_step": 1e-4}, "a time step says nothing to method taylor"),
+        ("auto", {"time_step": 1e-4}, "a time step says nothing to method auto"),
+    ],
+)
+def test_refused_settings(method, told, why):
+    """An unknown method, a setting that it does not take, or one that is no number above zero."""
+    with pytest.raises(InputError, match=why):
+        solve(pair("pounding", 0.01, shake(0.4)), method=method, **told)
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_response_says_the_setting_that_it_was_solved_by(name):
+    """An accuracy or a time step, never the one under the name of the other."""
+    setting = METHODS[name].setting
+    found = solve(pair("connector", 0.05, shake(0.4)), method=name, **{setting.key: 1e-3})
+    assert {"accuracy": found.accuracy, "time_step": found.time_step} == pytest.approx(
+        {"accuracy": np.nan, "time_step": np.nan} | {setting.key: 1e-3}, nan_ok=True
+    )
 
 
 def test_methods_state_what_they_are():

@@ -9,7 +9,8 @@ import pytest
 from reference import closed_forms, events, exponential
 from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, oscillator, pair, shake, still
 
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.laws.pounding import Pounding
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 
 
@@ -42,7 +43,7 @@ def test_events_against_the_closed_impact(cut):
     impact = closed_forms.kelvin_voigt(s, xi, m1 * m2 / (m1 + m2), v0, cut)
     scene = Scene(
         (oscillator(m1, 1e-3), oscillator(m2, 1e-3)),
-        (Link(0, 1, 1, Kind.POUNDING, 0.01, s, s, xi, tension_cut=cut),), still(0.1), ELASTIC,
+        (Link(0, 1, 1, Pounding(0.01, s, xi, cut)),), still(0.1), ELASTIC,
     )  # fmt: skip
     found = events.integrate(scene, ([[0.0], [0.0]], [[v0], [0.0]]))
     assert found.velocity[1] - found.velocity[0] == pytest.approx(impact.rebound * v0, rel=1e-9)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from pounding_cli.records import GRAVITY
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.web.story import digits
 from pounding_cli.store import FlagGroup, flag_groups_of
-from pounding_cli.words import counted
+from pounding_cli.words import Unit, counted
 
 MOST_BUILDINGS = 4
 """Buildings with columns of their own; of more, the largest over all of them is shown."""
@@ -63,7 +62,7 @@ def answer(evidence: Evidence) -> Answer:
     found: dict[tuple[str, ...], Cell] = {}
     for ratio in dict.fromkeys(ratio for _, ratio in columns):
         found |= _largest(evidence, ratio, each)
-    closing = _closing(evidence.link)
+    closing = _closing(evidence.link, evidence.unit("gap"))
     flags = _flags(evidence.scene)
     rows = [
         CaseRow(
@@ -92,7 +91,7 @@ def _columns(analyses: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def _largest(evidence: Evidence, ratio: str, each: bool) -> dict[tuple[str, ...], Cell]:
-    """By ratio, case, analysis and building: the largest mean over the motions, of an acceleration in g."""
+    """By ratio, case, analysis and building: the largest mean over the motions, of an acceleration itself."""
     level, itself, _ = _QUANTITIES[ratio]
     frame = evidence.floor if level == "floor" else evidence.storey
     keys = ["case", "analysis", "building", level]
@@ -105,7 +104,8 @@ def _largest(evidence: Evidence, ratio: str, each: bool) -> dict[tuple[str, ...]
         where = f"{level} {row[level]}" if each else f"{row['building']}, {level} {row[level]}"
         number, ratio_here = digits(row[of], 3), row[ratio]
         if level == "floor":
-            number = f"{digits(row[of] / GRAVITY, 3)} g"
+            unit = evidence.unit("acceleration")
+            number = f"{digits(unit.number(row[of]), 3)} {unit.name}"
             where += f", {digits(ratio_here, 3)}×" if ratio_here == ratio_here else ""
         elif itself == "mu":
             where += f", μ {digits(row[itself], 3)}"
@@ -118,7 +118,7 @@ def _tone(ratio: float) -> str:
     return "above" if ratio > 1.005 else "below" if ratio < 0.995 else ""
 
 
-def _closing(link: pd.DataFrame) -> dict[str, Cell]:
+def _closing(link: pd.DataFrame, unit: Unit) -> dict[str, Cell]:
     """By case: the largest closing of the link that comes closest to its gap or goes furthest beyond, all motions."""
     link = link[link["max_closing"].notna()]
     if link.empty:
@@ -130,7 +130,7 @@ def _closing(link: pd.DataFrame) -> dict[str, Cell]:
     for row in link.loc[beyond.groupby(link["case"], sort=False).idxmax()].to_dict("records"):
         times, of = closed.loc[row["case"]]
         where = f"contact: {times} of {counted(of, 'run')}" if times else "no contact"
-        number = f"{digits(1e3 * row['max_closing'], 3)} / {1e3 * row['gap']:.4g} mm"
+        number = f"{digits(unit.number(row['max_closing']), 3)} / {unit.text(row['gap'])}"
         found[row["case"]] = Cell(number, where if row["kind"] == "pounding" else str(row["kind"]))
     return found
 

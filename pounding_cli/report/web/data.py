@@ -129,9 +129,19 @@ def _at_points(frame: pd.DataFrame, keys: Sequence[str], chosen: Sequence[Eviden
     return frame.head(MOST_ROWS)
 
 
-def packed(title: str, frame: pd.DataFrame, total: int, units: Mapping[str, Unit] | None = None) -> dict[str, Any]:
-    """A frame for `data.js`: title, rows, total (rows the file has), columns; `units`: of swept keys."""
-    columns = [_column(str(key), frame[key], (units or {}).get(str(key))) for key in frame.columns]
+def packed(
+    title: str,
+    frame: pd.DataFrame,
+    total: int,
+    units: Mapping[str, Unit] | None = None,
+    looks: Mapping[str, Shown] | None = None,
+) -> dict[str, Any]:
+    """A frame for `data.js`: title, rows, total (rows the file has), columns.
+
+    units : as `Results.units`; looks : of columns that are none of a study's
+    """
+    looks = looks or {}
+    columns = [_column(str(key), frame[key], looks.get(str(key)) or shown(str(key), units)) for key in frame.columns]
     return {"title": title, "rows": len(frame), "total": total, "columns": columns}
 
 
@@ -144,8 +154,7 @@ def point_of(evidence: Evidence) -> dict[str, Any]:
     }
 
 
-def _column(key: str, values: pd.Series, unit: Unit | None) -> dict[str, Any]:
-    look = shown(key) if unit is None else Shown(key, unit.name, 1 / unit.factor)
+def _column(key: str, values: pd.Series, look: Shown) -> dict[str, Any]:
     head = {"key": key, "label": look.label, "unit": look.unit, "text": look.text}
     if pd.api.types.is_numeric_dtype(values):
         whole = pd.api.types.is_integer_dtype(values) or look.unit == ""

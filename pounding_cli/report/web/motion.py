@@ -71,6 +71,7 @@ def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> tu
         if building["foundation"]:
             series += [history.sway[::stride, number], history.rocking[::stride, number]]
     series += [_largest(history.link_force[:, link["column"]], stride) for link in links]
+    unit = evidence.unit("acceleration")
     packed = np.ascontiguousarray(series, dtype="<f4")
     scene = {
         **place,
@@ -78,6 +79,7 @@ def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> tu
         "dt": float(history.time[1] - history.time[0]) * stride if steps > 1 else 1.0,
         "count": int(packed.shape[1]),
         "stride": stride,
+        "acceleration": {"unit": unit.name, "factor": 1 / unit.factor},
         "buildings": buildings,
         "links": links,
         "contact": any(np.any(history.link_force[:, one["column"]]) for one in links if one["kind"] != "connector"),

@@ -25,7 +25,7 @@ from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.data import as_json, chosen_points, point_of, tables
 from pounding_cli.report.web.limits import limits
 from pounding_cli.report.web.motion import players
-from pounding_cli.report.web.pictures import MOST_FIGURES, pictures
+from pounding_cli.report.web.pictures import MOST_FIGURES, SPECTRUM, pictures
 from pounding_cli.report.web.sweep import sweep_data
 from pounding_cli.store import flag_groups_of
 from pounding_cli.words import counted
@@ -94,7 +94,8 @@ def write_page(
         "tiles": story.tiles(shown, judgements, scene),
         "judgements": judgements,
         "verdicts": _verdicts(columns) if len(columns) > 1 else None,
-        "pictures": images,
+        "pictures": [image for image in images if image.name != SPECTRUM],
+        "spectra": [image for image in images if image.name == SPECTRUM],
         "pictures_left": len(figures) - len(images) if len(figures) > MOST_FIGURES else 0,
         "cases": story.cases(shown),
         "effects": story.effects(scene),

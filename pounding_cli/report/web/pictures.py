@@ -20,6 +20,10 @@ MOST_FIGURES = 60
 """Figures the page carries; those of further buildings stand beside it."""
 
 
+SPECTRUM = "target-spectrum"
+"""The figure that stands with the motions."""
+
+
 @dataclass(frozen=True)
 class Picture:
     """A figure: its name, a heading, the image as a data address, its text, its size in CSS pixels."""
@@ -65,7 +69,7 @@ def address(kind: str, data: bytes) -> str:
 def _words(name: str, evidence: Evidence) -> tuple[str, str]:
     """Heading and text of a figure by its file name."""
     building, _, what = name.rpartition("-")
-    if name == "target-spectrum":
+    if name == SPECTRUM:
         return "Target spectrum", "The target, the mean of the spectra of the motions as used, and each of them."
     if name == "link-forces":
         return "Forces between neighbours", f"Largest force in every link, floor by floor. {_forces(evidence)}"

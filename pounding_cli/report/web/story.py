@@ -10,7 +10,6 @@ from typing import Any
 
 import pandas as pd
 
-from pounding_cli.records import GRAVITY
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
 from pounding_cli.words import Unit, counted
@@ -95,11 +94,12 @@ def _placed(row: Any, scene: pd.DataFrame, units: Mapping[str, Unit]) -> list[st
 
 def cases(evidence: Evidence) -> Grid:
     """Every case with its links in words."""
+    unit = evidence.unit("gap")
     rows = []
     for case in evidence.cases:
         links = evidence.link[evidence.link["case"] == case].drop_duplicates("link")
         counted = Counter((row["kind"], row["gap"]) for row in links.to_dict("records"))
-        words = [f"{count} × {kind}, gap {1e3 * gap:.4g} mm" for (kind, gap), count in counted.items()]
+        words = [f"{count} × {kind}, gap {unit.text(gap)}" for (kind, gap), count in counted.items()]
         where = _floors(links)
         rows.append([case, "; ".join(words) or "none: the buildings stand alone", where])
     return Grid(("case", "links", "at floors"), rows)
@@ -182,11 +182,13 @@ def failures(scene: pd.DataFrame, units: Mapping[str, Unit]) -> Grid:
 
 def motions(evidence: Evidence) -> Grid:
     """The motions as used."""
+    unit = evidence.unit("acceleration")
     rows = []
     for row in evidence.records.to_dict("records"):
-        measures = (row["scale"], row["window"], row["pga"] / GRAVITY, row["arias"])
+        measures = (row["scale"], row["window"], unit.number(row["pga"]), row["arias"])
         rows.append([row["record"], row["source"], *map(digits, measures), str(row["digest"])[:12]])
-    head = ("motion", "source", "scale [–]", "duration [s]", "peak as used [g]", "Arias intensity [m/s]", "digest")
+    peak = f"peak as used [{unit.name}]"
+    head = ("motion", "source", "scale [–]", "duration [s]", peak, "Arias intensity [m/s]", "digest")
     return Grid(head, rows, (2, 3, 4, 5))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.report.axes import SweptAxis, swept_axes
-from pounding_cli.report.columns import shown
+from pounding_cli.report.columns import Shown, shown
 from pounding_cli.report.evidence import Tables, names
 from pounding_cli.report.quantity import largest, over_motions, point_numbers
 from pounding_cli.report.web.data import numbers
@@ -54,12 +54,12 @@ def sweep_data(results: Tables, cases: Sequence[str]) -> dict[str, Any] | None:
         thinned *= 2
     known = {"case": list(cases), "analysis": names(results.scene()["analysis"])}
     known |= {"building": names(frames["storey"]["building"]), "pair": names(_pairs(frames["link"]))}
-    quantities = []
+    quantities: list[dict[str, Any]] = []
     for level, keys in QUANTITIES.items():
         frame = frames[level].assign(point=point_numbers(frames[level], carried))
         frame = frame[frame["point"] >= 0]
         for key in keys:
-            quantities += _quantity(frame, level, key, heights, _count(carried), known)
+            quantities += _quantity(frame, level, shown(key, results.units), key, heights, _count(carried), known)
     return {
         "axes": [_axis(axis) for axis in carried],
         "quantities": quantities,
@@ -71,7 +71,13 @@ def sweep_data(results: Tables, cases: Sequence[str]) -> dict[str, Any] | None:
 
 
 def _quantity(
-    frame: pd.DataFrame, level: str, key: str, heights: bool, points: int, known: dict[str, list[str]]
+    frame: pd.DataFrame,
+    level: str,
+    look: Shown,
+    key: str,
+    heights: bool,
+    points: int,
+    known: dict[str, list[str]],
 ) -> list[dict[str, Any]]:
     """One quantity for the page; none where it has no number."""
     place = _place(level)
@@ -82,7 +88,6 @@ def _quantity(
         found = largest(found, ["point", *place[:3]]).assign(**{place[3]: 0})
     rows = found[place].drop_duplicates()
     row = pd.MultiIndex.from_frame(rows).get_indexer(pd.MultiIndex.from_frame(found[place]))
-    look = shown(key)
     where = "pair" if level == "link" else "building"
     codes = [known[name].index for name in ("case", "analysis", where)]
     packed: dict[str, Any] = {

@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from pounding_cli.report.columns import Shown
 from pounding_cli.report.web.data import MOST_ROWS, as_json, packed
 from pounding_cli.report.web.page import PAGE, render
 from pounding_cli.report.web.pictures import from_files
@@ -22,18 +23,19 @@ def write_system_page(
     folder: Path,
     claims: Sequence[Mapping[str, Any]],
     convergence: Sequence[str],
-    figures: Sequence[Path],
+    figures: Mapping[Path, str],
     numbers: pd.DataFrame,
+    looks: Mapping[str, Shown],
 ) -> Path:
     """Write `report.html` of a system without time histories of groups.
 
     claims : dicts with point, paper, found, holds
     convergence : sentences on what settles as the mesh is refined
-    figures : files already drawn, the main one first; the PNG ones are shown
-    numbers : one row a point of the sweep
+    figures : files already drawn and their headings, the main one first
+    numbers : one row a point of the sweep; looks : of its columns
     """
-    table = packed("Numbers", numbers.head(MOST_ROWS), len(numbers))
-    drawn = from_files([file for file in figures if file.suffix == ".png"], {}, title)
+    table = packed("Numbers", numbers.head(MOST_ROWS), len(numbers), looks=looks)
+    drawn = from_files(list(figures), {file.stem: (words, words) for file, words in figures.items()}, title)
     statements = list(dict.fromkeys(str(claim["paper"]) for claim in claims))
     points: dict[str, dict[str, Mapping[str, Any]]] = {}
     for claim in claims:

@@ -197,7 +197,7 @@ def test_only_the_words_changed_nothing_is_solved_but_the_file_says_so(plan, out
     assert open_results(output).title == "renamed"
 
 
-@pytest.mark.parametrize("change", [{"accuracy": 1e-9}, {"method": "central-difference"}])
+@pytest.mark.parametrize("change", [{"accuracy": 1e-9}, {"method": "central-difference", "time_step": 1e-3}])
 def test_another_accuracy_or_method_solves_everything_anew(plan, output, change):
     run_plan(plan, output, solve=known)
     solve = Counting()

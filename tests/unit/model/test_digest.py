@@ -7,20 +7,31 @@ import math
 
 import pytest
 
-from pounding_cli.model.links import DashpotLaw, InfillLaw, Kind, Link
+from pounding_cli.laws.connector import Connector
+from pounding_cli.laws.dashpot import DashpotLaw
+from pounding_cli.laws.infill import Infill, InfillLaw
+from pounding_cli.laws.pounding import Pounding
+from pounding_cli.model.links import Link
 
-LINK = Link(0, 2, 3, Kind.INFILL, 0.05, 1e8, 1e9, 0.2)
+LAWS = (Pounding(0.05, 1e8, 0.2), Infill(0.05, 1e8, 1e9, 0.2), Connector(0.05, 1e8, 0.2))
 OTHER = {
-    "left": 1, "left_floor": 4, "right_floor": 4, "kind": Kind.POUNDING, "gap": math.nextafter(0.05, 1),
-    "stiffness": math.nextafter(1e8, 0), "impact_stiffness": 2e9, "damping_ratio": 0.1, "tension_cut": True,
-    "infill_law": InfillLaw.PRINTED, "dashpot_law": DashpotLaw.PRINTED,
+    "gap": math.nextafter(0.05, 1), "stiffness": math.nextafter(1e8, 0), "impact_stiffness": 2e9, "damping_ratio": 0.1,
+    "tension_cut": True, "law": InfillLaw.PRINTED, "dashpot": DashpotLaw.PRINTED,
 }  # fmt: skip
+LINK = Link(0, 2, 3, LAWS[1])
+ENDS = {"left": 1, "left_floor": 4, "right_floor": 4, "law": LAWS[0]}
 
 
 @pytest.mark.parametrize("field", [field.name for field in dataclasses.fields(Link)])
 def test_every_field_of_a_link_counts(field):
-    """To its last digit. Fails if a field is forgotten: a changed study would take over results that are wrong."""
-    assert dataclasses.replace(LINK, **{field: OTHER[field]}).words != LINK.words
+    """Fails if a field is forgotten: a changed study would take over results that are wrong."""
+    assert dataclasses.replace(LINK, **{field: ENDS[field]}).words != LINK.words
+
+
+@pytest.mark.parametrize(("law", "field"), [(law, each.name) for law in LAWS for each in dataclasses.fields(law)])
+def test_every_parameter_of_a_law_counts(law, field):
+    """To its last digit. Fails if a parameter is forgotten, likewise."""
+    assert dataclasses.replace(law, **{field: OTHER[field]}).words != law.words
 
 
 def test_the_words_of_a_link_stay_what_they_were():

@@ -7,9 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from pounding_cli.laws.dashpot import damping_ratio
+from pounding_cli.laws.infill import Infill
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
 from pounding_cli.model.foundation import Foundation
-from pounding_cli.model.links import Kind, Link, damping_ratio
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 
@@ -23,11 +26,12 @@ def building(**change):
 
 
 def link(**change):
-    fields = {
-        "left": 0, "left_floor": 1, "right_floor": 1, "kind": Kind.POUNDING, "gap": 0.05, "stiffness": 1e9,
-        "impact_stiffness": 1e9, "damping_ratio": 0.2,
-    }  # fmt: skip
-    return Link(**(fields | change))
+    parameters = {"gap": 0.05, "stiffness": 1e9, "damping_ratio": 0.2}
+    if (law := change.pop("law", Pounding)) is Infill:
+        parameters["impact_stiffness"] = 1e9
+    ends = {"left": 0, "left_floor": 1, "right_floor": 1}
+    ends |= {name: change.pop(name) for name in list(change) if name in ends}
+    return Link(**ends, law=law(**(parameters | change)))
 
 
 MOTION = Motion("still", 0.01, np.zeros(3))
@@ -59,9 +63,9 @@ def test_building(change, word):
     ("change", "word"),
     [
         ({"gap": -0.01}, "gap is -0.01"),
-        ({"gap": 0.0, "kind": Kind.INFILL}, "write pounding"),
+        ({"gap": 0.0, "law": Infill}, "write pounding"),
         ({"stiffness": 0.0}, "stiffness is 0"),
-        ({"kind": Kind.INFILL, "impact_stiffness": 0.0}, "impact_stiffness"),
+        ({"law": Infill, "impact_stiffness": 0.0}, "impact_stiffness"),
         ({"damping_ratio": 1.0}, "damping_ratio"),
         ({"damping_ratio": math.nan}, "damping_ratio"),
         ({"left": -1}, "count from 0"),

@@ -10,6 +10,7 @@ import pytest
 from pounding_cli.records import TargetSpectrum, find, spectrum, spectrum_factors, spectrum_match
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.report.spectra import draw_spectra
+from pounding_cli.words import Unit
 
 TARGET = TargetSpectrum((0.1, 0.4, 2.0), (8.0, 8.0, 1.6), 0.2, 1.5)
 
@@ -52,7 +53,7 @@ def test_it_comes_back_from_a_file(motions):
 
 def test_the_figure_shows_target_mean_and_every_motion(motions):
     used, match = matched(motions, False, 0.9)
-    figure = draw_spectra(match, "A title")
+    figure = draw_spectra(match, "A title", Unit("g", 9.80665, "m/s2"))
     (ax,) = figure.axes
     lines = {line.get_label(): line for line in ax.lines}
     assert set(lines) == {"elcentro", "taft", "parkfield", "mean of 3", "target", "0.9 of the target"}

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.words import Unit
+
 RECORDS = ("elcentro", "taft", "eureka", "olympia", "parkfield")
 PERIODS = {"stiff": 0.36, "soft": 0.60, "soft-1": 0.60, "soft-2": 0.60}
 SCALES = {"elcentro": 1.0, "taft": 1.75, "eureka": 1.33, "olympia": 1.25, "parkfield": 0.82}
@@ -51,7 +53,9 @@ class FakeResults:
         self.resolved: dict[str, Any] = parts["resolved"]
         self.buildings: pd.DataFrame = parts["buildings"]
         self.spectrum_match = None
-        self.units: Mapping[str, Any] = {}
+        self.units: Mapping[str, Unit] = dict.fromkeys(("gap", "max_closing"), Unit("mm", 1e-3, "m")) | dict.fromkeys(
+            ("acceleration", "acceleration0", "pga"), Unit("g", 9.80665, "m/s2")
+        )
         self.attrs: Mapping[str, Any] = {"package_version": "0.1.0"}
         self._frames: dict[str, pd.DataFrame] = parts["frames"]
 
@@ -162,8 +166,8 @@ def _ratio(case: str, building: str, storey: int, place: int) -> float:
 
 
 def _scene(head: Mapping[str, Any], flags: str) -> dict[str, Any]:
-    return {**head, "status": "done", "advice": "", "method": "taylor", "tolerance": 1e-6, "steps": 900} | {
-        "events": 40, "seconds": 0.004, "energy_residual": 1e-9,
+    return {**head, "status": "done", "advice": "", "method": "taylor", "accuracy": 1e-6, "steps": 900} | {
+        "time_step": np.nan, "events": 40, "seconds": 0.004, "energy_residual": 1e-9,
         "error_estimate": 1e-7, "sensitivity": np.nan,
         "effects": "", "dropped": "", "flags": flags,
     }  # fmt: skip

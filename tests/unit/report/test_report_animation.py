@@ -10,6 +10,7 @@ import pytest
 from pounding_cli.report.animation import Film, _Stage, fitting_scale, frames
 from pounding_cli.report.picture import DrawnLink, Picture
 from pounding_cli.solve.histories import ENERGIES, History
+from pounding_cli.words import Unit
 
 GAP = 0.05
 
@@ -29,7 +30,8 @@ def scene():
         {name: 0 * time for name in ENERGIES}, ("one", "other"), ("floor 1", "floor 2"),
     )  # fmt: skip
     links = tuple(DrawnLink(0, floor, floor, "pounding", GAP) for floor in (1, 2))
-    picture = Picture((np.array([3.0, 6.0]),) * 2, (np.array([0.03, 1.0]), np.full(2, np.inf)), links, "t", "w")
+    yields = (np.array([0.03, 1.0]), np.full(2, np.inf))
+    picture = Picture((np.array([3.0, 6.0]),) * 2, yields, links, "t", "w", Unit("m/s2"))
     return history, picture
 
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from report_fakes import LEVEL, MOTIONS, PERIODS, PUSH, make
 
+from pounding_cli.laws.connector import Connector
 from pounding_cli.records import GRAVITY
 from pounding_cli.report.evidence import points
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer
-from pounding_cli.solve.flags import CONNECTOR_STRUCK
+from pounding_cli.words import Unit
 
 
 def test_every_case_has_the_largest_means_with_their_place():
@@ -40,6 +41,8 @@ def test_closing_is_that_of_the_link_that_comes_closest_to_its_gap():
     link.loc[gap & (link["record"] != "taft"), "impacts"] = 0
     cells = {row.case: row.cells[-1] for row in answer(points(results)[0]).rows}
     assert (cells["gap"].number, cells["gap"].where) == ("61.2 / 50 mm", "contact: 2 of 10 runs")
+    results.units = {"gap": Unit("cm", 0.01, "m")}
+    assert answer(points(results)[0]).rows[1].cells[-1].number == "6.12 / 5 cm"
     assert cells["touching"].where == "contact: 10 of 10 runs"
     assert cells["connected"].where == "connector"
     link.loc[gap, "impacts"] = 0
@@ -50,12 +53,12 @@ def test_a_case_whose_connector_strikes_is_marked_with_its_scenes():
     results = make(cases=("touching", "connected"))
     scene = results.scene()
     here = (scene["case"] == "connected") & (scene["analysis"] == "elastic") & (scene["record"] == "taft")
-    scene.loc[here, "flags"] = f"{CONNECTOR_STRUCK}: stiff | soft, floor 3, by 2 mm"
+    scene.loc[here, "flags"] = f"{Connector.beyond_gap}: stiff | soft, floor 3, by 2 mm"
     scene.loc[scene["case"] == "touching", "flags"] = "ill-conditioned: sensitivity 300"
     scene.loc[2, "status"] = "event bound reached"
     touching, connected = answer(points(results)[0]).rows
     assert (touching.meaningless, connected.meaningless) == (False, True)
-    assert connected.flags == [f"{CONNECTOR_STRUCK}: elastic, 1 of 5 runs (taft)"]
+    assert connected.flags == [f"{Connector.beyond_gap}: elastic, 1 of 5 runs (taft)"]
     assert touching.flags[0] == "1 of 10 runs failed and are left out of the means"
     assert touching.flags[1] == "ill-conditioned: elastic, 5 of 5 runs"
 

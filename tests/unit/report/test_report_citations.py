@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from pounding_cli.methods import METHODS
 from pounding_cli.report.citations import citations, motions
 from pounding_cli.report.references import REFERENCES, named_in
-from pounding_cli.solve.methods import METHODS
 from pounding_cli.study import load_study
 from pounding_cli.study.connector_study import load_connector_study
 from pounding_cli.study.wall_study import load_wall_study

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 from report_fakes import LEVEL, MOTIONS, PUSH, make
 
+from pounding_cli.laws.connector import Connector
 from pounding_cli.report.build import nominal, write_report
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import points
@@ -19,7 +20,6 @@ from pounding_cli.report.web import data as packing
 from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.page import _keys_as_code, write_page
-from pounding_cli.solve.flags import CONNECTOR_STRUCK
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.words import Unit
 
@@ -146,7 +146,9 @@ def test_a_sweep_carries_every_quantity_place_by_place_with_its_spread(monkeypat
     results = make(cases=("touching", "connected", "gap"), axis=("impact.restitution", [0.4, 0.5, 0.65]))
     scene = results.scene()
     here = (scene["case"] == "connected") & (scene["analysis"] == "elastic") & (scene["impact.restitution"] == 0.5)
-    scene.loc[here & scene["record"].isin(["taft", "eureka"]), "flags"] = f"{CONNECTOR_STRUCK}: stiff | soft, floor 3"
+    scene.loc[here & scene["record"].isin(["taft", "eureka"]), "flags"] = (
+        f"{Connector.beyond_gap}: stiff | soft, floor 3"
+    )
     found = sweep.sweep_data(results, ["connected", "touching"])
     assert [one["key"] for one in found["quantities"]][:2] == ["V_ratio", "mu_ratio"]
     ratios = row_of(found, "V_ratio", "connected", "elastic", "stiff", 4)
@@ -157,7 +159,7 @@ def test_a_sweep_carries_every_quantity_place_by_place_with_its_spread(monkeypat
     assert force["mean"] == pytest.approx([1e3 * PUSH["connected"] * 5 * 1.2] * 3)  # in kN
     assert found["names"]["case"] == ["connected", "touching"]
     assert found["void"] == [
-        {"case": "connected", "analysis": "elastic", "count": [0, 2, 0], "why": CONNECTOR_STRUCK}
+        {"case": "connected", "analysis": "elastic", "count": [0, 2, 0], "why": Connector.beyond_gap}
     ]  # fmt: skip
     assert sweep.sweep_data(make(), ["touching"]) is None
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from pounding_cli.laws import link_laws
 from pounding_cli.model.building import Building
 from pounding_cli.model.foundation import Foundation
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 
@@ -26,7 +27,10 @@ def small(kind: str, analysis: Analysis = Analysis.ELASTIC, foundation: Foundati
     if kind != "none":
         stiffness = 5e9 if kind == "pounding" else 5e7
         gap = 0.0 if kind == "pounding" else 0.01
-        links = tuple(Link(0, floor, floor, Kind(kind), gap, stiffness, 5e9, 0.2, **law) for floor in (1, 2))
+        if kind == "infill":
+            law["impact_stiffness"] = 5e9
+        same = link_laws()[kind](gap=gap, stiffness=stiffness, damping_ratio=0.2, **law)
+        links = tuple(Link(0, floor, floor, same) for floor in (1, 2))
     return Scene(tuple(buildings), links, Motion("sines", 0.02, shaking), analysis)
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pounding_cli.laws.dashpot import damping_ratio
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
 from pounding_cli.model.code_design import UbcDesign
-from pounding_cli.model.links import Kind, Link, damping_ratio
+from pounding_cli.model.links import Link
 from pounding_cli.model.stiffness import rayleigh_factors, stiffness_for_period
 from pounding_cli.records import Motion
 
@@ -29,7 +31,7 @@ def pounding(buildings: tuple[Building, ...], gap: float, **more) -> tuple[Link,
     stiffness = 20 * max(float(b.stiffness.max()) for b in buildings)
     floors = range(1, min(b.storeys for b in buildings) + 1)
     return tuple(
-        Link(left, floor, floor, Kind.POUNDING, gap, stiffness, stiffness, damping_ratio(0.5), **more)
+        Link(left, floor, floor, Pounding(gap, stiffness, damping_ratio(0.5), **more))
         for left in range(len(buildings) - 1)
         for floor in floors
     )

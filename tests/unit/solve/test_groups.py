@@ -17,7 +17,9 @@ def row(far: float) -> Scene:
     """Three buildings, the first two touching, the third `far` away [m]."""
     stiff, soft = pair()
     near = pounding((stiff, soft, stiff), 0.0)
-    joined = [dataclasses.replace(link, gap=far) if link.left else link for link in near]
+    joined = [
+        dataclasses.replace(link, law=dataclasses.replace(link.law, gap=far)) if link.left else link for link in near
+    ]
     return Scene((stiff, soft, stiff), tuple(joined), motion(), Analysis.INELASTIC)
 
 

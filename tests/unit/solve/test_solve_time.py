@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 
 from scenes import motion, pair
 
+from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Analysis, Scene
-from pounding_cli.solve import METHODS, solve
-from pounding_cli.solve.method import Method
+from pounding_cli.solve import solve
+from pounding_cli.solve.method import Integrator, integrator_of
 
 
 def test_the_first_call_of_a_kernel_is_not_timed(monkeypatch):
-    taylor, calls = METHODS["taylor"], []
+    taylor, calls = integrator_of(METHODS["taylor"]), []
 
     def slow_at_first(scene, *arguments):
         calls.append(scene)
@@ -20,7 +22,7 @@ def test_the_first_call_of_a_kernel_is_not_timed(monkeypatch):
             time.sleep(0.5)  # as compiling does
         return taylor.integrate(scene, *arguments)
 
-    fresh = Method("fresh", "fresh", 0, "accuracy", "", "", slow_at_first)
+    fresh = dataclasses.replace(METHODS["taylor"], name="fresh", code=Integrator(slow_at_first))
     monkeypatch.setitem(METHODS, "fresh", fresh)
     scene = Scene((pair()[0],), (), motion(), Analysis.ELASTIC)
     solve(scene)  # the real kernel is loaded by now

@@ -115,9 +115,9 @@ def test_the_budget_is_wall_time_and_compiling_is_told_apart(monkeypatch):
     now = [0.0]
     response = work_precision.solve(Scene(pair(), pounding(pair(), 0.0), motion(0.5), Analysis.ELASTIC), 1e-4, "taylor")
 
-    def solved(scene, setting, name):
+    def solved(scene, method, **setting):
         now[0] += 5.0 if scene.motion.acceleration.size <= work_precision.WARM_UP + 1 else 1.0
-        return dataclasses.replace(response, seconds=1.0, method=name, tolerance=setting)
+        return dataclasses.replace(response, seconds=1.0, method=method)
 
     monkeypatch.setattr(work_precision.time, "perf_counter", lambda: now[0])
     monkeypatch.setattr(work_precision, "solve", solved)

@@ -9,13 +9,15 @@ from types import SimpleNamespace
 import numpy as np
 
 from pounding_cli.errors import Problem
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import Axis, MotionUse, Plan, Row
 from pounding_cli.study.scenes import seen
+from pounding_cli.words import Unit
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,9 @@ class FakeStudy:
 
     def spectrum_match(self) -> None:
         return None
+
+    def unit(self, quantity: str) -> Unit:
+        return {"gap": Unit("mm", 1e-3, "m"), "acceleration": Unit("g", 9.80665, "m/s2")}[quantity]
 
     def building(self, point, place) -> Building:
         return self.group[place]
@@ -61,7 +66,7 @@ def motion(name: str, pga: float) -> Motion:
 
 
 def link(floor: int, gap: float, damping_ratio: float = 0.2) -> Link:
-    return Link(0, floor, floor, Kind.POUNDING, gap, 2e9, 2e9, damping_ratio)
+    return Link(0, floor, floor, Pounding(gap, 2e9, damping_ratio))
 
 
 def small_plan(

@@ -9,7 +9,9 @@ import pytest
 from study_plans import FakeStudy, known, small_plan
 
 from pounding_cli.store import overview, write_results
-from pounding_cli.store.bracket import ADVICE, said, spreads
+from pounding_cli.store.bracket import ADVICE, spreads
+from pounding_cli.store.bracket import said as said_of
+from pounding_cli.store.files import opened
 from pounding_cli.study import Axis
 
 KEY = "impact.stiffness"
@@ -25,7 +27,7 @@ def responses(plan, pull: float = 1.0):
     for digest, scene in plan.scenes.items():
         response = known(scene)
         if scene.links:
-            root = np.sqrt(scene.links[0].damping_ratio / RATIOS[1])
+            root = np.sqrt(scene.links[0].law.damping_ratio / RATIOS[1])
             buildings = tuple(
                 replace(b, acceleration=b.acceleration * root, shear=b.shear * pull**root) for b in response.buildings
             )
@@ -44,6 +46,11 @@ def file(tmp_path):
         return tmp_path / "r.h5"
 
     return write
+
+
+def said(path):
+    with opened(path) as file:
+        return said_of(file)
 
 
 def test_the_spread_of_every_quantity_over_its_middle_value(file):

@@ -12,7 +12,16 @@ from sealing import edited
 from study_plans import FakeStudy, known, small_plan
 
 from pounding_cli.errors import InputError
-from pounding_cli.store import check_results, former_run, locked, solution_key, write_results
+from pounding_cli.store import (
+    check_results,
+    files,
+    former_run,
+    locked,
+    open_results,
+    overview,
+    solution_key,
+    write_results,
+)
 from pounding_cli.store.files import refused_write
 from pounding_cli.store.keys import FORMAT_VERSION
 
@@ -32,6 +41,20 @@ def test_results_of_a_newer_program_are_not_overwritten(results):
     with pytest.raises(InputError, match="newer than this program's") as refused:
         check_results(results, FakeStudy(), replace=True)
     assert "move it away" in refused.value.problems[0].hint
+
+
+def test_the_structure_of_a_file_is_checked_once_for_all_its_tables_and_again_when_it_changed(results, monkeypatch):
+    checked = []
+    monkeypatch.setattr(files, "_checked", set())
+    monkeypatch.setattr(files, "check_study", lambda file: checked.append(file.attrs["title"]))
+    found = open_results(results)
+    found.storey()
+    overview(results)
+    assert checked == ["two buildings"]
+    with edited(results) as file:
+        file.attrs["title"] = "changed"
+    overview(results)
+    assert checked == ["two buildings", "changed"]
 
 
 def test_a_former_run_tells_what_keeps_its_scenes_from_being_used(results):

@@ -8,7 +8,9 @@ import pandas as pd
 import pytest
 from study_plans import known, small_plan
 
-from pounding_cli.model.links import Kind, Link
+from pounding_cli.laws.connector import Connector
+from pounding_cli.laws.infill import Infill
+from pounding_cli.model.links import Link
 from pounding_cli.solve.flags import flags_of, is_meaningless
 from pounding_cli.store import flag_groups_of, flagged_scenes, open_results, overview, write_results
 from pounding_cli.study import Axis
@@ -98,8 +100,8 @@ def test_of_many_points_the_first_are_named_and_the_rest_counted():
 def test_only_a_connector_that_strikes_takes_the_meaning():
     plan = small_plan()
     scene = plan.scenes[plan.rows[-1].scene]
-    for kind, worthless in ((Kind.CONNECTOR, True), (Kind.INFILL, False)):
-        link = Link(0, 1, 1, kind, 0.05, 1e8, 2e9, 0.2)
+    for law, worthless in ((Connector(0.05, 1e8, 0.2), True), (Infill(0.05, 1e8, 2e9, 0.2), False)):
+        link = Link(0, 1, 1, law)
         linked = replace(scene, links=(link,))
         (flag,) = flags_of(linked, known(linked).links)
         assert is_meaningless(flag) == worthless

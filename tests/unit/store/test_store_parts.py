@@ -29,7 +29,7 @@ def responses(plan):
 def same(one, other) -> bool:
     """Bit for bit."""
     facts = (
-        "status", "advice", "method", "tolerance", "seconds", "flags", "energy", "steps", "events", "orders",
+        "status", "advice", "method", "accuracy", "seconds", "flags", "energy", "steps", "events", "orders",
         "effects", "dropped",
     )  # fmt: skip
     return (

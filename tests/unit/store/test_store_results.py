@@ -94,6 +94,29 @@ def test_scene_table_keeps_cost_effects_and_flags(plain):
     assert np.isnan(touching.sensitivity)
 
 
+def test_accuracy_and_time_step_stand_apart(tmp_path):
+    """Fails if a time step is written where an accuracy belongs, or the other way round."""
+    plan = small_plan()
+    for name, told in (("followed", {"accuracy": 1e-5}), ("stepped", {"accuracy": np.nan, "time_step": 1e-3})):
+        solved = {digest: replace(known(scene), **told) for digest, scene in plan.scenes.items()}
+        write_results(tmp_path / f"{name}.h5", plan, solved)
+        for table in (open_results(tmp_path / f"{name}.h5").scene(), open_results(tmp_path / f"{name}.h5").accuracy()):
+            wanted = {"accuracy": np.nan, "time_step": np.nan} | told
+            assert table.iloc[0][list(wanted)].astype(float).to_dict() == pytest.approx(wanted, nan_ok=True)
+
+
+@pytest.mark.parametrize(("step", "found"), [(None, (1e-4, np.nan)), (1e-4, (np.nan, 1e-4))])
+def test_files_of_before_have_either_as_a_tolerance(plain, step, found):
+    with edited(plain) as file:
+        file["tolerance"] = np.full_like(file["accuracy"], 1e-4)
+        del file["accuracy"], file["time_step"]
+        resolved = json.loads(file["study/resolved"][()]) | {"time_step": step}
+        del file["study/resolved"]
+        file["study/resolved"] = json.dumps(resolved)
+    first = open_results(plain).accuracy().iloc[0]
+    assert (first.accuracy, first.time_step) == pytest.approx(found, nan_ok=True)
+
+
 def test_summary_agrees_with_pandas_over_the_storey_table(swept):
     results = open_results(swept)
     keys = ["impact.damping_ratio", "records.scale", "case", "analysis", "building", "storey"]

@@ -44,7 +44,8 @@ def test_cross_product(study):
         link = plan.scenes[row.scene].links[0]
         assert link.gap == pytest.approx(0.01 * (row.point[1] + 1))
     assert (
-        plan.scenes[plan.rows[0].scene].links[0].damping_ratio > plan.scenes[plan.rows[-1].scene].links[0].damping_ratio
+        plan.scenes[plan.rows[0].scene].links[0].law.damping_ratio
+        > plan.scenes[plan.rows[-1].scene].links[0].law.damping_ratio
     )
     assert len({row.baselines for row in plan.rows}) == 2
 
@@ -77,7 +78,7 @@ def test_sweep_of_a_key_the_file_leaves_to_its_default(study):
         )
     )
     assert plan.axes[0].values == (("false",), ("true",))
-    assert {plan.scenes[row.scene].links[0].tension_cut for row in plan.rows} == {False, True}
+    assert {plan.scenes[row.scene].links[0].law.tension_cut for row in plan.rows} == {False, True}
     assert {plan.scenes[row.scene].tail for row in plan.rows} == {0.0, 1.0}
     assert {plan.scenes[row.baselines[0]].tail for row in plan.rows} == {0.0, 1.0}
     assert plan.scenes[plan.rows[0].scene].buildings[1].hardening[0] == 0.02
@@ -133,7 +134,8 @@ def test_expansion_is_the_same_twice(tmp_path):
 
 def test_fixed_step_method(study):
     plan = expand(study((END, END + "method: central-difference\ntime_step: 0.1 ms\n")))
-    assert (plan.method, plan.accuracy) == ("central-difference", pytest.approx(1e-4))
+    assert (plan.method, plan.time_step) == ("central-difference", pytest.approx(1e-4))
+    assert plan.accuracy == 1e-6
 
 
 def test_motions_and_separations_at_a_point_of_the_sweep(study):

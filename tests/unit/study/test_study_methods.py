@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import typing
 
-from pounding_cli.solve import METHODS
-from pounding_cli.solve.choice import AUTO
+from pounding_cli.methods import AUTO, METHODS
 from pounding_cli.study import schema
 
 

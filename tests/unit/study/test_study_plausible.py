@@ -5,9 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
-from pounding_cli.study import expand, load_study
+from pounding_cli.cli.main import cli
+from pounding_cli.study import expand, load, load_study
+from pounding_cli.study.connector_study import load_connector_study
+from pounding_cli.study.kinds import kind_of_file
 from pounding_cli.study.plausible import RANGES, few, shown
+from pounding_cli.study.wall_study import load_wall_study
 
 STUDY = """\
 records: {use: [elcentro], duration: 5 s, scale: {pga: 0.35 g}}
@@ -74,6 +79,11 @@ def read(folder: Path, text: str):
     return load_study(path)
 
 
+def loaded(path: Path):
+    """A study of any kind."""
+    return {"run": load_study, "connector": load_connector_study, "wall": load_wall_study}[kind_of_file(path)](path)
+
+
 def test_a_plain_study_is_not_warned_of(tmp_path):
     assert read(tmp_path, STUDY).warnings == ()
 
@@ -121,20 +131,65 @@ def test_values_are_shown_in_the_unit_a_person_would_use(value, what, text):
     assert shown(value, RANGES[what].units) == text
 
 
+def test_values_that_are_unlikely_together_only_are_told_with_their_combination(tmp_path):
+    """1600 t or 25 kN/mm alone are plausible. Fails if only one axis is looked along, or an axis apart is named."""
+    mass, stiffness = "buildings.B.mass: [200 t, 1600 t]", "buildings.B.stiffness.0: [200 kN/mm, 25 kN/mm]"
+    sweep = f"sweep: {{{mass}, impact.restitution: [0.4, 0.6], {stiffness}}}\n"
+    (warning,) = read(tmp_path, STUDY.replace(", yield_shear: [900 kN, 900 kN, 900 kN]", "") + sweep).warnings
+    assert warning.message.startswith("these stiffnesses give a period of 2.85 s for 3 storeys")
+    assert warning.message.endswith("(where buildings.B.mass = 1600 t, buildings.B.stiffness.0 = 25 kN/mm)")
+    assert (warning.line, warning.column) == (10, sweep.index("25 kN/mm") + 1)
+
+
+def test_the_corners_of_a_large_sweep_are_bounded():
+    """Fails if 2^20 combinations are looked at, or a value between two others is taken for an end."""
+    axes = tuple(load.Axis((f"key{number}",), ((3.0,), (1.0,), (2.0,))) for number in range(20))
+    corners = list(load._corners(axes))
+    assert len(corners) == load.MOST_CORNERS
+    assert corners[0][:8] == (1,) * 8
+    assert corners[-1][:8] == (0,) * 8
+
+
+WALL = "title: w\nwall: {length: 2 m, thickness: 25 cm}\nstriker: {mass: 200 t, speed: 0.5 m/s}\n"
+PAIR = "title: c\nfirst: {mass: 200 t, stiffness: 30 kN/mm}\nsecond: {period: 0.6 s}\ndamping: 5 %\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "message", "hint"),
+    [
+        (WALL, "200 t", "§200", "striker mass is 200 kg:", "did you mean 200 t?"),
+        (WALL, "0.5 m/s", "§50 m/s", "striker speed is 50 m/s:", "did you mean 50 cm/s?"),
+        (WALL, "25 cm", "§25 mm", "wall thickness is 2.5 cm:", "did you mean 25 cm?"),
+        (PAIR, "0.6 s", "§60 s", "second period is 60 s:", "did you mean 6 s?"),
+        (PAIR, "5 %", "§50 %", "damping is 50 %:", "did you mean 5 %?"),
+        (PAIR, "30 kN/mm", "§30 N/m", "mass and stiffness give the first system a period of 513 s:", "check the units"),
+        (PAIR + "sweep: {damping: [4 %, 6 %]}\n", "6 %]", "§60 %]", "damping is 60 %:", "did you mean 6 %?"),
+    ],
+)
+def test_studies_of_the_wall_and_of_two_oscillators_are_looked_at_too(tmp_path, text, old, new, message, hint):
+    """Fails if a value of theirs passes in silence, is told at another place, or is refused."""
+    path = tmp_path / "slip.yaml"
+    path.write_text(text)
+    assert loaded(path).warnings == ()
+    written = text.replace(old, new)
+    before = written[: written.index("§")]
+    path.write_text(written.replace("§", ""))
+    found = CliRunner().invoke(cli, ["check", str(path)])
+    assert found.exit_code == 0, found.stderr
+    assert found.stderr.count("warning: ") == 1
+    assert f"slip.yaml:{before.count(chr(10)) + 1}:{len(before) - before.rfind(chr(10))}: {message}" in found.stderr
+    assert hint in found.stderr
+
+
 @pytest.mark.parametrize("path", sorted(Path("configs").rglob("*.yaml")), ids=str)
 def test_no_study_that_ships_is_doubted(path):
-    from pounding_cli.study.kinds import kind_of_file
-
-    if kind_of_file(path) == "run":
-        assert load_study(path).warnings == ()
+    assert loaded(path).warnings == ()
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in Path("pounding_cli/study/templates").glob("*.yaml")))
 def test_no_template_is_doubted(tmp_path, name):
-    from pounding_cli.study.kinds import kind_of_file
     from pounding_cli.study.template import TEMPLATES
 
     path = tmp_path / "new.yaml"
     path.write_text(TEMPLATES[name].written("new"))
-    if kind_of_file(path) == "run":
-        assert load_study(path).warnings == ()
+    assert loaded(path).warnings == ()

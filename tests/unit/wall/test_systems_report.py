@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -39,6 +41,26 @@ def test_page_of_figure_5_begins_with_the_figure_and_has_one_table_of_statements
     table = page[page.index('<section id="claims"') :].split("</table>")[0]
     assert table.count("<tr>") == 1 + 2  # head, two dampings
     assert table.count("does not hold</span>") == 2
+
+
+def test_the_numbers_of_the_page_are_in_the_units_of_the_study_and_in_usual_ones(tmp_path):
+    """The time of separation was once shown as the mm of a gap. Fails if a column's unit is not the file's own."""
+    study = tmp_path / "w.yaml"
+    study.write_text("title: w\nmesh: {size: 0.5 m}\ntime: {end: 60 ms}\nsweep: {wall.thickness: [20 cm, 25 cm]}\n")
+    found = write_wall(load_wall_study(study), tmp_path / "w.h5")
+    write_system_report(tmp_path / "w.h5", tmp_path / "report", ("png",))
+    page = (tmp_path / "report" / "report.html").read_text()
+    (data,) = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', page, flags=re.DOTALL)
+    columns = {column["key"]: column for column in json.loads(data)["tables"]["numbers"]["columns"]}
+    shown = {key: (columns[key]["unit"], columns[key]["values"][1]) for key in columns}
+    assert shown["wall.thickness"] == ("cm", 25)
+    assert shown["separation"] == ("ms", pytest.approx(1e3 * found[1].separation, rel=1e-5))
+    assert shown["peak_force"] == ("kN", pytest.approx(found[1].peak_force / 1e3, rel=1e-5))
+    assert shown["wall_stress"] == ("N/mm²", pytest.approx(found[1].wall_stress / 1e6, rel=1e-5))
+    heads = re.findall("<figcaption>(.*?)</figcaption>", page)
+    assert heads[0].startswith("Stress in the wall, wall.thickness = ")
+    assert "Peaks against wall.thickness" in heads
+    assert len(set(heads)) == len(heads) == 4
 
 
 def test_what_converges_comes_before_what_does_not(tmp_path):

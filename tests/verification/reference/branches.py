@@ -31,12 +31,12 @@ class Laws:
         self.c: Coordinates = coordinates(scene)
         self.elastic = str(scene.analysis) == "elastic"
         self.reduced = [reduced_mass(scene, e) for e in range(len(scene.links))]
-        self.offset = np.array([0.0 if str(e.kind) != "pounding" else e.gap for e in scene.links])
+        self.offset = np.array([0.0 if e.kind != "pounding" else e.gap for e in scene.links])
 
     def begin(self) -> Branches:
         """At rest: nothing has yielded, only connectors act."""
         storeys = self.c.stiffness.size
-        links = ["on" if str(e.kind) == "connector" else "open" for e in self.scene.links]
+        links = ["on" if e.kind == "connector" else "open" for e in self.scene.links]
         return Branches(np.zeros(storeys, int), np.zeros(storeys), links)
 
     def shears(self, drift: np.ndarray, b: Branches) -> np.ndarray:
@@ -55,14 +55,14 @@ class Laws:
 
     def link_law(self, e: int, v: np.ndarray, rate: np.ndarray, branch: str) -> np.ndarray:
         """Force [N] of link e on a branch at v (gap subtracted for pounding) and v'; eqs (6), (9), (10)."""
-        link = self.scene.links[e]
+        link = self.scene.links[e].law
         xi, m = link.damping_ratio, self.reduced[e]
-        if str(link.kind) != "infill":
+        if link.name != "infill":
             return link.stiffness * v + 2 * xi * np.sqrt(link.stiffness * m) * rate
         p = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
         if branch == "beyond":
             force = link.impact_stiffness * v
-            if str(link.infill_law) == "continuous":
+            if str(link.law) == "continuous":
                 force = p * link.gap**3 + link.stiffness * link.gap + link.impact_stiffness * (v - link.gap)
             return force + 2 * xi * np.sqrt(link.impact_stiffness * m) * rate
         slope = 3 * p * v**2 + link.stiffness
@@ -70,8 +70,8 @@ class Laws:
 
     def side(self, e: int, v: float, branch: str) -> str:
         """Branch of the law at compression v > 0 of a closed link."""
-        link = self.scene.links[e]
-        return "beyond" if str(link.kind) == "infill" and v > link.gap else "on"
+        link = self.scene.links[e].law
+        return "beyond" if link.name == "infill" and v > link.gap else "on"
 
     def link_forces(self, v: np.ndarray, rate: np.ndarray, b: Branches) -> np.ndarray:
         """Forces of all links [N], shape of v."""
@@ -87,10 +87,10 @@ class Laws:
         slope, still = self.storey_lines(b)
         k = c.springs + c.drift.T @ (slope[:, None] * c.drift)
         damping, f, curved = c.damping.copy(), c.drift.T @ still, []
-        for e, link in enumerate(self.scene.links):
+        for e, link in enumerate(each.law for each in self.scene.links):
             if b.link[e] not in ("on", "beyond"):
                 continue
-            if str(link.kind) == "infill" and b.link[e] == "on":
+            if link.name == "infill" and b.link[e] == "on":
                 curved.append(e)
                 continue
             # Two values of a straight line give the line.
@@ -108,8 +108,8 @@ class Laws:
         k = c.springs + c.drift.T @ (c.stiffness[:, None] * c.drift)
         for e, branch in enumerate(b.link):
             if branch != "open":
-                link = self.scene.links[e]
-                s = max(link.stiffness, link.impact_stiffness) if str(link.kind) == "infill" else link.stiffness
+                link = self.scene.links[e].law
+                s = max(link.stiffness, link.impact_stiffness) if link.name == "infill" else link.stiffness
                 k = k + s * np.outer(c.closing[e], c.closing[e])
         root = 1 / np.sqrt(c.mass)
         return float(np.sqrt(np.linalg.eigvalsh(k * np.outer(root, root))[-1]))
@@ -127,15 +127,15 @@ class Laws:
                 else:
                     out += [(("storey", j, 0), -b.storey[j] * drift_rate[j])]
         v, v_rate = c.closing @ q - self.offset[:, None], c.closing @ rate
-        for e, link in enumerate(self.scene.links):
+        for e, link in enumerate(each.law for each in self.scene.links):
             branch = b.link[e]
-            if str(link.kind) == "connector":
+            if link.name == "connector":
                 continue
             if branch == "open":
                 out += [(("link", e, "on"), v[e])]
                 continue
             out += [(("link", e, "open"), -v[e])]
-            infill = str(link.kind) == "infill"
+            infill = link.name == "infill"
             if infill and branch == "on":
                 out += [(("link", e, "beyond"), v[e] - link.gap)]
             if infill and branch == "beyond":

@@ -22,8 +22,8 @@ def march(scene: Scene, initial=None) -> tuple[np.ndarray, np.ndarray, np.ndarra
     for e, link in enumerate(scene.links):
         assert link.kind == "connector", "only connectors are linear"
         pair = np.outer(c.closing[e], c.closing[e])
-        stiffness += link.stiffness * pair
-        damping += 2 * link.damping_ratio * np.sqrt(link.stiffness * reduced_mass(scene, e)) * pair
+        stiffness += link.law.stiffness * pair
+        damping += 2 * link.law.damping_ratio * np.sqrt(link.law.stiffness * reduced_mass(scene, e)) * pair
     n = c.mass.size
     a = np.zeros((2 * n + 2, 2 * n + 2))
     a[:n, n : 2 * n] = np.eye(n)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from pounding_cli.laws import link_laws
+from pounding_cli.laws.dashpot import damping_ratio
+from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.code_design import UbcDesign
 from pounding_cli.model.foundation import Foundation
-from pounding_cli.model.links import Kind, Link, damping_ratio
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.model.stiffness import rayleigh_factors, stiffness_for_period
 from pounding_cli.records.motion import Motion
@@ -53,14 +58,25 @@ def shake(duration: float, peak: float = 4.0, seed: int = 1, dt: float = 0.02) -
     return Motion("noise", dt, smooth * peak / np.abs(smooth).max())
 
 
-def links(kind: Kind | str, gap: float, floors=(1, 2, 3), left: int = 0, xi: float = XI, **law) -> tuple[Link, ...]:
+def law_of(kind: str, gap: float, stiffness: float, impact: float, xi: float, **more) -> LinkLaw:
+    """A law from what all three have in common; an infill stiffens to `impact`."""
+    if kind == "infill":
+        more["impact_stiffness"] = impact
+    return link_laws()[kind](gap=gap, stiffness=stiffness, damping_ratio=xi, **more)
+
+
+def links(kind: str, gap: float, floors=(1, 2, 3), left: int = 0, xi: float = XI, **law) -> tuple[Link, ...]:
     """Links of one law at several floors: 2e10 N/m for impacts, 1.5e8 N/m for infill and connector."""
-    kind = Kind(kind)
-    stiffness = law.pop("stiffness", 2e10 if kind is Kind.POUNDING else 1.5e8)
-    return tuple(Link(left, j, j, kind, gap, stiffness, 2e10, xi, **law) for j in floors)
+    stiffness = law.pop("stiffness", 2e10 if kind == "pounding" else 1.5e8)
+    return tuple(Link(left, j, j, law_of(kind, gap, stiffness, 2e10, xi, **law)) for j in floors)
 
 
-def pair(kind: Kind | str, gap: float, motion: Motion, analysis: Analysis = ELASTIC, foundation=None, **law) -> Scene:
+def changed(link: Link, **changes) -> Link:
+    """The link with other parameters of its law."""
+    return replace(link, law=replace(link.law, **changes))
+
+
+def pair(kind: str, gap: float, motion: Motion, analysis: Analysis = ELASTIC, foundation=None, **law) -> Scene:
     """The 0.36 s and 0.60 s buildings, three storeys each, linked at every floor."""
     two = shear_building(0.36, foundation=foundation), shear_building(0.60, foundation=foundation)
     return Scene(two, links(kind, gap, **law), motion, analysis)

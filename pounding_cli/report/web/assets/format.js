@@ -13,6 +13,12 @@ function asText(value, digits = 4, whole = false) {
   return `${mantissa}×10${[...String(size)].map((sign) => RAISED[sign]).join('')}`.replace('-', '−');
 }
 
+/** A number that changes with time, with as many decimals as give the largest one four digits: it does not flicker. */
+function asSteady(value, most) {
+  const decimals = most > 0 ? Math.min(Math.max(3 - Math.floor(Math.log10(most)), 0), 12) : 0;
+  return value.toFixed(decimals).replace(/^-(0\.?0*)$/, '$1').replace('-', '−');
+}
+
 /** "V/V₀" or "V [kN]": a column's name with its unit. */
 function withUnit(column) {
   return column.unit && column.unit !== '–' ? `${column.label} [${column.unit}]` : column.label;

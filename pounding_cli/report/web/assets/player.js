@@ -160,14 +160,16 @@ function playerView() {
   function facts() {
     const { scene, time } = state;
     const roofs = scene.buildings.length <= 4
-      ? scene.buildings.map(({ name, heights }, number) => [`${name} roof`, `${asText(1e3 * scene.moved(number, heights.length - 1, time))} mm`])
+      ? scene.buildings.map(({ name, heights }, number) => [`${name} roof`, `${asSteady(1e3 * scene.moved(number, heights.length - 1, time), 1e3 * scene.mostMoved)} mm`])
       : [];
     const forces = scene.links.map((link, number) => [link, scene.between(scene.forces[number], time)]);
     const most = forces.reduce((one, other) => (Math.abs(other[1]) > Math.abs(one[1]) ? other : one), [null, 0]);
     const where = most[0] ? ` at floor ${most[0].floor}` : '';
     const soFar = scene.contacts.filter(({ from }) => from <= time).length;
-    return [['time', `${time.toFixed(3)} s`], ['ground', `${asText(scene.between(scene.ground, time))} m/s²`], ...roofs,
-      ['link force', `${asText(most[1] / 1e3)} kN${where}`], ['contacts so far', `${soFar} of ${scene.contacts.length}`]];
+    const { factor, unit } = scene.acceleration;
+    const ground = `${asSteady(factor * scene.between(scene.ground, time), factor * scene.mostGround)} ${unit}`;
+    return [['time', `${time.toFixed(3)} s`], ['ground', ground], ...roofs,
+      ['link force', `${asSteady(most[1] / 1e3, scene.mostForce / 1e3)} kN${where}`], ['contacts so far', `${soFar} of ${scene.contacts.length}`]];
   }
 
   const tell = () => readout.replaceChildren(...facts().map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value))));
@@ -217,7 +219,7 @@ function playerView() {
     const [number, floor] = found;
     const demand = scene.demand(number, floor, time);
     tip.replaceChildren(h('strong', {}, `${scene.buildings[number].name}, floor ${floor + 1}`),
-      h('span', {}, `displacement ${asText(1e3 * scene.moved(number, floor, time))} mm`), h('span', {}, `storey drift ${asText(demand, 3)} times yield`));
+      h('span', {}, `displacement ${asSteady(1e3 * scene.moved(number, floor, time), 1e3 * scene.mostMoved)} mm`), h('span', {}, `storey drift ${asText(demand, 3)} times yield`));
     tip.style.left = `${Math.min(x + 14, at.width - tip.offsetWidth - 4)}px`;
     tip.style.top = `${Math.max(y - tip.offsetHeight - 8, 0)}px`;
   });

@@ -6,7 +6,7 @@ const STRIP = 56;
 function stripsOf(scene, ink) {
   const roofs = scene.motions.map(({ floors }, number) => ({ series: floors.at(-1), color: ink.cases[number % 10], name: scene.buildings[number].name }));
   const strips = [
-    { name: 'ground acceleration', unit: 'm/s²', factor: 1, lines: [{ series: scene.ground, color: ink.accent, name: '' }] },
+    { name: 'ground acceleration', ...scene.acceleration, lines: [{ series: scene.ground, color: ink.accent, name: '' }] },
     { name: 'roofs', unit: 'mm', factor: 1e3, lines: roofs },
   ];
   if (scene.forces.length) {

@@ -14,7 +14,8 @@ function tableView() {
   const bar = h('div', { class: 'bar' });
   const frame = h('div', { class: 'big-table', tabindex: 0, role: 'region' });
   const more = h('div', { class: 'more' });
-  view.append(tabs, bar, frame, more);
+  if (names.length > 1) view.append(tabs);
+  view.append(bar, frame, more);
   let state;
   for (const name of names) tabs.append(h('button', { type: 'button', 'data-table': name, onclick: () => open(name) }, tables[name].title));
 

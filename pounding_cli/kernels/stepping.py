@@ -1,0 +1,254 @@
+"""The driver of the fixed-step methods: it marches through the motion, keeps peaks, impacts and impulses, and ends a
+run that leaves its range. A method says its step alone.
+
+A method is two compiled functions. `advance(scene, p, out, own, tally, h, ground, slope, inelastic)` goes from the
+point p towards h later: it fills the point `out`, causes included, and returns (time gone [s], verdict). `after(scene,
+p, own, moved, ground, inelastic)` changes the branch that has ended where p was reached, if the method locates events,
+and returns whether one has. `own` is the method's scratch, zeros at first; `tally` counts its events and iterations."""
+
+from __future__ import annotations
+
+import functools
+from collections import namedtuple
+
+import numpy as np
+from numba import njit
+
+from pounding_cli.kernels.between import raise_accelerations, raise_displacements, raise_drift, raise_links
+from pounding_cli.kernels.branches import held_accelerations
+from pounding_cli.kernels.forces import accelerations
+from pounding_cli.kernels.layout import (
+    DONE,
+    EVENT_BOUND,
+    INLINE,
+    NOT_FINITE,
+    OPTIONS,
+    STALLED,
+    foot_pointers,
+    link_pointers,
+    peak_pointers,
+    slot_pointers,
+    state_pointers,
+)
+from pounding_cli.kernels.link_force import branch_at, closing_of
+from pounding_cli.kernels.simd import further, pointer
+
+WHOLE, PART = -1, -2
+"""Verdicts of `advance`: the step is done, or it ended before its time and the rest is still to be taken. Any other is
+the outcome the run ends with."""
+
+EVENTS, ITERATIONS = 0, 1
+"""Places in `tally`."""
+
+FURTHEST = 1e6
+"""Displacement at which a run counts as not finite [m]."""
+
+POLYNOMIAL = 16
+"""Doubles of scratch for a polynomial."""
+
+Scene = namedtuple("Scene", "slots feet links state peaks")
+"""The arrays of a scene as pointers (`layout`)."""
+
+Point = namedtuple("Point", "u v a drift shear plastic phi phi_v turn force")
+"""A state and what it causes: per slot u, v, a [m, m/s, m/s2], drift, shear [m, N] and plastic drift [m]; per
+foundation phi, phi_v, turn [rad, rad/s, rad/s2]; `force` has the slots' forces with their dashpots', then the links'
+[N]."""
+
+
+def point_size(size: int, feet: int, links: int) -> int:
+    """Doubles of a point."""
+    return 7 * size + 3 * feet + links
+
+
+@njit(**INLINE)
+def point(place, slots, feet, links):
+    """A point at a place in the scratch."""
+    size = slots.size
+    at = further(place, 6 * size)
+    return Point(
+        place, further(place, size), further(place, 2 * size), further(place, 3 * size), further(place, 4 * size),
+        further(place, 5 * size), at, further(at, feet.number), further(at, 2 * feet.number),
+        further(at, 3 * feet.number),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def causes(scene, p, ground, inelastic, located):
+    """Fill accelerations, drifts, shears and forces of a point; where nothing is located its plastic drifts move."""
+    if located:
+        held_accelerations(
+            scene.slots, scene.feet, scene.links, scene.state, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
+            p.turn, p.drift, p.shear, p.force,
+        )  # fmt: skip
+    else:
+        accelerations(
+            scene.slots, scene.feet, scene.links, p.plastic, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a, p.turn,
+            p.drift, p.shear, p.force,
+        )  # fmt: skip
+
+
+@njit(**INLINE)
+def nothing_after(scene, p, own, moved, ground, inelastic):
+    """The `after` of a method that locates nothing."""
+    return False
+
+
+@njit(**INLINE)
+def rate_of(slots, feet, i, v, phi_v):
+    """Rate of the drift of slot i, from rates `v` of the slots and `phi_v` of the foundations."""
+    rate = v[i] - (v[i - 1] if slots.couple[i] != 0.0 else 0.0)
+    if slots.rise[i] != 0.0:
+        for f in range(feet.number):
+            if feet.first[f] <= i < feet.stop[f]:
+                rate -= slots.rise[i] * phi_v[f]
+    return rate
+
+
+@njit(**INLINE)
+def _raise_ends(scene, p, ground):
+    """Peaks at a point."""
+    slots, links, peaks = scene.slots, scene.links, scene.peaks
+    size = slots.size
+    for i in range(size):
+        peaks.drift[i] = max(peaks.drift[i], abs(p.drift[i]))
+        peaks.shear[i] = max(peaks.shear[i], abs(p.shear[i]))
+        peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.real[i]))
+        peaks.displacement_max[i] = max(peaks.displacement_max[i], p.u[i])
+        peaks.displacement_min[i] = min(peaks.displacement_min[i], p.u[i])
+    for f in range(scene.feet.number):
+        peaks.rocking[f] = max(peaks.rocking[f], abs(p.phi[f]))
+    for e in range(links.number):
+        peaks.closing[e] = max(peaks.closing[e], p.u[links.left[e]] - p.u[links.right[e]])
+        peaks.force[e] = max(peaks.force[e], abs(p.force[size + e]))
+
+
+@njit(**INLINE)
+def _passes_over_contact(links, peaks, p, out):
+    """Whether a link opens, closes or changes its law within the step; counts those that close as impacts."""
+    passed = False
+    for e in range(links.number):
+        before, after = branch_at(links, e, closing_of(links, e, p.u)), branch_at(links, e, closing_of(links, e, out.u))
+        if before < 0 <= after:
+            peaks.impacts[e] += 1
+        passed = passed or before != after
+    return passed
+
+
+@njit(**INLINE)
+def _hold_links(scene, p, out, h):
+    """Impulses and contact times of a step by the trapezoid."""
+    links, peaks, size = scene.links, scene.peaks, scene.slots.size
+    for e in range(links.number):
+        before, after = p.force[size + e], out.force[size + e]
+        peaks.impulse[e] += 0.5 * h * (before + after)
+        peaks.contact_time[e] += 0.5 * h * ((1.0 if before != 0.0 else 0.0) + (1.0 if after != 0.0 else 0.0))
+
+
+@njit(**INLINE)
+def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
+    """Peaks between two points; the state still has the branches of the step, p the plastic drifts of its start."""
+    slots, feet, links, state, peaks = scene.slots, scene.feet, scene.links, scene.state, scene.peaks
+    raise_displacements(slots, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a)
+    if smooth:
+        raise_accelerations(slots, peaks, h, ground, ground + change, p.v, p.a, out.v, out.a)
+    for i in range(slots.size):
+        raise_drift(
+            slots, peaks, i, h,
+            p.drift[i], rate_of(slots, feet, i, p.v, p.phi_v), rate_of(slots, feet, i, p.a, p.turn),
+            out.drift[i], rate_of(slots, feet, i, out.v, out.phi_v), rate_of(slots, feet, i, out.a, out.turn),
+            state.line[i], state.plastic[i] if located else p.plastic[i], located, scratch,
+        )  # fmt: skip
+    raise_links(
+        links, state, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a, further(p.force, slots.size),
+        further(out.force, slots.size), located,
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def march(
+    advance, after, between, located, inelastic, slot_arrays, foot_arrays, link_arrays, state_arrays, peak_arrays, room,
+    tally, starts, slopes, dt, parts, most_events,
+):  # fmt: skip
+    """March through all segments, each cut into `parts` steps.
+
+    between : whether peaks are sought between the ends of steps too
+    located : whether storeys and links are held on their branches (`branches`) until the method changes them
+
+    Fills state and peaks in place; returns (status, steps, events, iterations, time reached [s]).
+    """
+    slots, feet, links = slot_pointers(slot_arrays), foot_pointers(foot_arrays), link_pointers(link_arrays)
+    scene = Scene(slots, feet, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
+    state, size, count = scene.state, slots.size, feet.number
+    place = pointer(room)
+    each = 7 * size + 3 * count + links.size
+    p, out = point(place, slots, feet, links), point(further(place, each), slots, feet, links)
+    scratch = further(place, 2 * each)
+    own = further(scratch, POLYNOMIAL)
+    for i in range(size):
+        p.u[i], p.v[i], p.plastic[i] = state.u[i], state.v[i], state.plastic[i]
+    for f in range(count):
+        p.phi[f], p.phi_v[f] = state.phi[f], state.phi_v[f]
+    whole = dt / parts
+    steps = 0
+    standing = 0
+    reached = starts[0]
+    for segment in range(starts.size):
+        slope = slopes[segment]
+        jumps = segment == 0 or starts[segment] != reached  # the ground jumps where a tail begins
+        reached = starts[segment] + dt * slope
+        if jumps:
+            causes(scene, p, starts[segment], inelastic, located)
+            _raise_ends(scene, p, starts[segment])
+        for part in range(parts):
+            gone = 0.0
+            verdict = PART
+            while verdict == PART:
+                ground = starts[segment] + slope * (part * whole + gone)
+                h, verdict = advance(scene, p, out, own, tally, whole - gone, ground, slope, inelastic)
+                if verdict >= 0:
+                    return verdict, steps, tally[EVENTS], tally[ITERATIONS], segment * dt + part * whole
+                steps += 1
+                last = ground + h * slope
+                if h > 0.0:
+                    standing = 0
+                    # Accelerations jump with the contact forces: a parabola over a jump has peaks that are not there.
+                    smooth = located or not _passes_over_contact(links, scene.peaks, p, out)
+                    if between:
+                        _raise_inside(scene, scratch, p, out, h, ground, h * slope, located, smooth)
+                    else:
+                        _hold_links(scene, p, out, h)
+                _raise_ends(scene, out, last)
+                p, out = out, p
+                gone += h
+                if after(scene, p, own, h > 0.0, last, inelastic):
+                    causes(scene, p, last, inelastic, located)
+                    _raise_ends(scene, p, last)
+                    standing += 1
+                    if standing > 20 + 4 * (size + links.size):
+                        return STALLED, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
+                if tally[EVENTS] > most_events:
+                    return EVENT_BOUND, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
+            if not np.isfinite(p.u[0] + p.v[0]) or abs(p.u[0]) > FURTHEST:
+                return NOT_FINITE, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
+    for i in range(size):
+        state.u[i], state.v[i] = p.u[i], p.v[i]
+        if not located:
+            state.plastic[i] = p.plastic[i]
+    for f in range(count):
+        state.phi[f], state.phi_v[f] = p.phi[f], p.phi_v[f]
+    return DONE, steps, tally[EVENTS], tally[ITERATIONS], starts.size * dt
+
+
+@functools.cache
+def build(advance, inelastic: bool):
+    """A kernel of a method of one's own that locates nothing. It is compiled in every process; this program's methods
+    have kernels in their own files, which are kept on disk."""
+
+    @njit(**{**OPTIONS, "cache": False})
+    def integrate(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
+        return march(
+            advance, nothing_after, False, False, inelastic, slots, feet, links, state, peaks, room, tally, starts,
+            slopes, dt, parts, most_events,
+        )  # fmt: skip
+
+    return integrate

@@ -1,0 +1,28 @@
+"""The laws of links, one file each: parameters, branches, guards. A new one is a file here and a line in `BUILT_IN`.
+
+Other packages add laws of theirs by an entry point of the group `pounding_cli.laws` that names the law's class."""
+
+from __future__ import annotations
+
+import functools
+from importlib import metadata
+
+from pounding_cli.laws.connector import Connector
+from pounding_cli.laws.infill import Infill
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.pounding import Pounding
+
+BUILT_IN: tuple[type[LinkLaw], ...] = (Pounding, Infill, Connector)
+"""In the order in which reference pages list them."""
+
+
+@functools.cache
+def link_laws() -> dict[str, type[LinkLaw]]:
+    """The laws a link can have, by the name that a study file calls them; those of other packages come last."""
+    found = {law.name: law for law in BUILT_IN}
+    for entry in metadata.entry_points(group="pounding_cli.laws"):
+        law = entry.load()
+        if law.name in (*found, "none"):
+            raise ValueError(f"two link laws are called '{law.name}': one of them is {entry.value}")
+        found[law.name] = law
+    return found

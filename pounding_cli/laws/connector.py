@@ -1,0 +1,33 @@
+"""A spring and a dashpot that join two floors for good (paper, eq. 10)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from pounding_cli.laws.dashpot import DashpotLaw, dashpot_constant
+from pounding_cli.laws.law import Branch, LinkLaw, parameter
+
+
+@dataclass(frozen=True)
+class Connector(LinkLaw):
+    """F = s_con v + c v' at all times; v is the closing u_left - u_right.
+
+    It takes the place of the impact: a scene in which its floors would have struck leaves out the very thing it is
+    about, so all numbers of that scene lose their meaning (paper, after eq. 10).
+    """
+
+    name: ClassVar[str] = "connector"
+    title: ClassVar[str] = "spring and dashpot that join two floors"
+    stiffness_default: ClassVar[str] = "0.2 x mean storey"
+    beyond_gap: ClassVar[str] = "connector closes more than the gap, so the floors would have struck"
+    meaningless: ClassVar[bool] = True
+
+    stiffness: float = parameter("spring s_con", "N/m", open_low=True)
+    damping_ratio: float = parameter("damping ratio xi of the dashpot", high=1.0)
+    dashpot: DashpotLaw = parameter("mass in eq. (7)", default=DashpotLaw.REDUCED_MASS)
+
+    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
+        """One without end."""
+        mass = self.dashpot.mass(left_mass, right_mass)
+        return (Branch("joined", self.stiffness, dashpot=dashpot_constant(self.damping_ratio, self.stiffness, mass)),)

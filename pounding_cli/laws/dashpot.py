@@ -1,0 +1,38 @@
+"""The dashpot of a link from its coefficient of restitution (paper, eqs 6 and 7)."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+
+
+class DashpotLaw(StrEnum):
+    """The mass in eq. (7): m' = m1 m2 / (m1 + m2), or its inverse as eq. (7) is printed (wrong units)."""
+
+    REDUCED_MASS = "reduced-mass"
+    PRINTED = "printed"
+
+    def mass(self, left_mass: float, right_mass: float) -> float:
+        """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""
+        reduced = left_mass * right_mass / (left_mass + right_mass)  # fault: reduced-mass
+        return reduced if self is DashpotLaw.REDUCED_MASS else 1.0 / reduced  # fault: dashpot-mass
+
+
+def damping_ratio(restitution: float) -> float:
+    """Damping ratio xi [-] of a dashpot that gives the coefficient of restitution e, 0 < e <= 1.
+
+    xi = -ln e / sqrt(pi^2 + ln^2 e) (Anagnostopoulos 1988).
+
+    Raises
+    ------
+    ValueError : e outside 0 < e <= 1
+    """
+    if not 0 < restitution <= 1:
+        raise ValueError(f"coefficient of restitution is {restitution:g}; it must be above 0 and at most 1")
+    log = math.log(restitution)
+    return -log / math.hypot(math.pi, log)  # fault: damping-ratio-of-restitution
+
+
+def dashpot_constant(ratio: float, stiffness: float, mass: float) -> float:
+    """2 xi sqrt(s m') [N s/m] (eq. 7)."""
+    return 2 * ratio * math.sqrt(stiffness * mass)  # fault: dashpot

@@ -1,0 +1,299 @@
+"""What a link law declares: its parameters, its branches, where each ends and what follows.
+
+A link acts on the closing v of its two floors, less the gap where the law says so. On one branch its force is
+    F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v'.
+A branch ends at a *guard*: where the closing passes a value, or where the force changes its sign. Everything else
+that the program needs of a law (its series, tangent, events, stored energy, histories) follows from this."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from enum import IntEnum
+from functools import cached_property
+from typing import Any, ClassVar
+
+
+class Quantity(IntEnum):
+    """What a guard looks at."""
+
+    NOTHING = 0
+    CLOSING = 1
+    FORCE = 2
+
+
+@dataclass(frozen=True)
+class Guard:
+    """Where a branch ends.
+
+    Parameters
+    ----------
+    quantity : the closing v or the force F
+    at : value that it passes [m]; a force passes zero
+    side : 1 where it falls below that value, -1 where it rises above
+    to : name of the branch that follows
+    impact : counted as a blow
+    once : an event that undoes itself at the same instant is numerical error (floors that part from rest, for
+        example): after two of them the link stays as it is until time goes on
+    """
+
+    quantity: Quantity
+    at: float
+    side: float
+    to: str
+    impact: bool = False
+    once: bool = False
+
+
+def falls_below(at: float, to: str) -> Guard:
+    """The closing falls below `at` [m]."""
+    return Guard(Quantity.CLOSING, at, 1.0, to)
+
+
+def rises_above(at: float, to: str, impact: bool = False, once: bool = False) -> Guard:
+    """The closing rises above `at` [m]."""
+    return Guard(Quantity.CLOSING, at, -1.0, to, impact, once)
+
+
+def begins_to_pull(to: str) -> Guard:
+    """The force falls below zero."""
+    return Guard(Quantity.FORCE, 0.0, 1.0, to, once=True)  # fault: tension-guard
+
+
+def begins_to_push(to: str) -> Guard:
+    """The force rises above zero."""
+    return Guard(Quantity.FORCE, 0.0, -1.0, to, once=True)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One smooth piece of a law.
+
+    Parameters
+    ----------
+    name : in words
+    linear, cubic, offset, dashpot, root : of the force above [N/m, N/m3, N, N s/m, sqrt(kg)]
+    guards : where it ends, in the order in which they are asked
+    closed : whether its force is followed; without it the branch has none
+    acts : whether the force acts on the floors; a force that would pull where the law cuts it off does not
+    """
+
+    name: str
+    linear: float = 0.0
+    cubic: float = 0.0
+    offset: float = 0.0
+    dashpot: float = 0.0
+    root: float = 0.0
+    guards: tuple[Guard, ...] = ()
+    closed: bool = True
+    acts: bool = True
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The closings between which it holds [m]."""
+        closings = [guard for guard in self.guards if guard.quantity is Quantity.CLOSING]
+        low = max((guard.at for guard in closings if guard.side > 0), default=-math.inf)
+        return low, min((guard.at for guard in closings if guard.side < 0), default=math.inf)
+
+    @property
+    def cut(self) -> bool:
+        """Whether a force that would pull ends it."""
+        return any(guard.quantity is Quantity.FORCE for guard in self.guards)
+
+    def stored(self, closing: float) -> float:
+        """Energy in the spring [J] at a closing [m], but for a constant."""
+        return 0.5 * self.linear * closing**2 + 0.25 * self.cubic * closing**4 + self.offset * closing
+
+    def steepest(self) -> tuple[float, float]:
+        """(stiffness [N/m], dashpot [N s/m]) where it is stiffest: at its largest closing."""
+        high = self.interval[1]
+        slope = self.linear + (3 * self.cubic * high**2 if self.cubic and math.isfinite(high) else 0.0)
+        return slope, self.dashpot + self.root * math.sqrt(slope)
+
+
+def parameter(
+    doc: str,
+    unit: str = "-",
+    *,
+    low: float = 0.0,
+    high: float = math.inf,
+    open_low: bool = False,
+    open_high: bool = True,
+    default: Any = MISSING,
+) -> Any:
+    """A field of a law: what it means, its unit, the range of its values and its default."""
+    declared = Parameter(doc, unit, low, high, open_low, open_high)
+    return field(default=default, metadata={"parameter": declared})
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What `parameter` says of a field of a law."""
+
+    doc: str
+    unit: str
+    low: float
+    high: float
+    open_low: bool
+    open_high: bool
+
+    def refusal(self, value: float) -> str:
+        """What is wrong with a value, or ""."""
+        above = value > self.low if self.open_low else value >= self.low
+        below = value < self.high if self.open_high else value <= self.high
+        if above and below:
+            return ""
+        return f"it must be {self.range}"
+
+    @property
+    def range(self) -> str:
+        """The values allowed, in words."""
+        zero = self.low == 0
+        low = ("above zero" if zero else f"above {self.low:g}") if self.open_low else f"at least {self.low:g}"
+        if self.high == math.inf:
+            return ("finite and not negative" if zero and not self.open_low else f"finite and {low}").strip()
+        return f"{low} and {'below' if self.open_high else 'at most'} {self.high:g}"
+
+
+@dataclass(frozen=True)
+class LinkLaw:
+    """What stands between two floors. A law is a frozen dataclass of its parameters, each by `parameter`.
+
+    name : what a study file calls it
+    title : what it is, in a line
+    citation : keys of `report/references.py`, or a full citation
+    subtracts_gap : whether v is the closing less the gap
+    stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
+    beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
+    meaningless : whether that takes the meaning from all numbers of the scene
+
+    Raises
+    ------
+    ValueError : a parameter is outside its range
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    citation: ClassVar[tuple[str, ...]] = ()
+    subtracts_gap: ClassVar[bool] = False
+    stiffness_default: ClassVar[str] = ""
+    beyond_gap: ClassVar[str] = ""
+    meaningless: ClassVar[bool] = False
+
+    gap: float = parameter("initial distance d between the floors", "m")
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            declared, value = each.metadata.get("parameter"), getattr(self, each.name)
+            if declared is None or isinstance(value, str | bool):
+                continue
+            wrong = "" if value == math.inf and self.may_be_endless(each.name) else declared.refusal(value)
+            if wrong:
+                unit = "" if declared.unit == "-" else f" {declared.unit}"
+                raise ValueError(f"link: {each.name} is {value:g}{unit}; {wrong}")
+
+    def may_be_endless(self, name: str) -> bool:
+        """Whether a parameter may be infinite."""
+        return False
+
+    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
+        """The branches between floors of these masses [kg]; the first is the one at rest, with the floors at v = 0 or
+        further apart."""
+        raise NotImplementedError
+
+    @classmethod
+    def conflict(cls, **values: float) -> tuple[str, str, str] | None:
+        """What is wrong with parameters (SI) that are each in their range: (parameter, what is wrong, what to write);
+        None if nothing. Not all need be given."""
+        return None
+
+    @property
+    def can_close(self) -> bool:
+        """Whether a force may ever act."""
+        return math.isfinite(self.gap)
+
+    @property
+    def offset(self) -> float:
+        """What v leaves out of the closing u_left - u_right [m]."""
+        return self.gap if self.subtracts_gap else 0.0  # fault: gap-in-closing
+
+    @cached_property
+    def _sample(self) -> tuple[Branch, ...]:
+        """The branches between floors of some mass: what does not depend on it is read from them."""
+        return self.branches(1.0, 1.0)
+
+    @cached_property
+    def free_below(self) -> float:
+        """The closing u_left - u_right [m] below which no force acts; -inf where one always does."""
+        return -math.inf if self._sample[0].closed else self.offset + self._sample[0].interval[1]
+
+    @cached_property
+    def damped(self) -> bool:
+        """Whether a dashpot takes energy."""
+        return any(branch.dashpot or branch.root for branch in self._sample)
+
+    @cached_property
+    def cut(self) -> bool:
+        """Whether a force that would pull is cut off."""
+        return any(branch.cut for branch in self._sample)
+
+    @cached_property
+    def is_linear(self) -> bool:
+        """Whether its force is linear in closing and rate at all times, as far as it can act at all."""
+        first = self._sample[0]
+        return not self.can_close or not (first.guards or first.cubic or first.root)
+
+    @cached_property
+    def initial_stiffness(self) -> float:
+        """The stiffness as the floors begin to press [N/m]."""
+        return next(branch.linear for branch in self._sample if branch.closed)
+
+    @cached_property
+    def stiffest(self) -> float:
+        """The largest stiffness of its branches [N/m]."""
+        return max(branch.steepest()[0] for branch in self._sample)
+
+    def stored(self, closing: float) -> float:
+        """Energy in the spring [J] at a closing u_left - u_right [m]: its elastic force integrated from v = 0."""
+        if not self.can_close:
+            return 0.0
+        v, energy = closing - self.offset, 0.0
+        for branch in self._sample:
+            if branch.acts:
+                low, high = branch.interval
+                begin, end = min(max(0.0, low), high), min(max(v, low), high)
+                energy += branch.stored(end) - branch.stored(begin)
+        return energy
+
+    @property
+    def words(self) -> str:
+        """Name and every parameter in a line: two laws with one line act alike."""
+        values = (getattr(self, each.name) for each in fields(self))
+        return " ".join((self.name, *(repr(v) if isinstance(v, float) else str(v) for v in values)))
+
+    @classmethod
+    def parameters(cls) -> dict[str, Field]:
+        """Fields that are parameters, by name."""
+        return {each.name: each for each in fields(cls) if "parameter" in each.metadata}
+
+
+def opening(*closed: Branch, tension_cut: bool = False) -> tuple[Branch, ...]:
+    """All branches of a law that is open below v = 0, from its closed ones in the order of their closings.
+
+    tension_cut : each branch ends where its force would pull, and goes on without force until it would push again
+    """
+    first = rises_above(0.0, closed[0].name, impact=True, once=True)
+    opened = Branch("open", guards=(first,), closed=False, acts=False)
+    if not tension_cut:
+        return opened, *closed
+    pushing = (replace(b, guards=(*b.guards, begins_to_pull(_pulling(b.name)))) for b in closed)
+    return opened, *pushing, *map(_without_force, closed)
+
+
+def _pulling(name: str) -> str:
+    return name if name == "open" else f"{name}, pulling"
+
+
+def _without_force(branch: Branch) -> Branch:
+    guards = (replace(guard, to=_pulling(guard.to)) for guard in branch.guards)
+    return replace(branch, name=_pulling(branch.name), guards=(*guards, begins_to_push(branch.name)), acts=False)

@@ -1,0 +1,53 @@
+"""The keys of a link that its law brings along: made from the parameters that the law declares."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated, Any, Literal, get_type_hints
+
+from pydantic import AfterValidator
+
+from pounding_cli.laws import link_laws
+from pounding_cli.laws.law import LinkLaw, Parameter
+from pounding_cli.study.base import optional
+from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
+from pounding_cli.study.units import Quantity
+
+FROM_CASE = ("gap", "stiffness", "damping_ratio", "tension_cut")
+"""Parameters of every law that a case gives, or `impact` where it does not."""
+
+FROM_IMPACT = {"impact_stiffness": "stiffness", "dashpot": "dashpot"}
+"""Parameters that are those of the impact element: its key for each."""
+
+
+def own_parameters(law: type[LinkLaw]) -> dict[str, Parameter]:
+    """The parameters of a law that no other key of a study gives, by name."""
+    shared = (*FROM_CASE, *FROM_IMPACT)
+    return {name: each.metadata["parameter"] for name, each in law.parameters().items() if name not in shared}
+
+
+def law_keys() -> dict[str, tuple[Any, Any]]:
+    """Type and default of the keys that laws bring along, as `pydantic.create_model` takes them."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for law in link_laws().values():
+        types = get_type_hints(law)
+        for name, declared in own_parameters(law).items():
+            kind = _kind(law, name, types[name], declared)
+            description = f"{law.name} {declared.doc}" + (f" [{declared.unit}]" if declared.unit != "-" else "")
+            if name in found:
+                raise ValueError(f"two link laws have a parameter '{name}': {law.name} and another")
+            found[name] = (kind | None, optional(None, description))
+    return found
+
+
+def _kind(law: type[LinkLaw], name: str, given: Any, declared: Parameter) -> Any:
+    if given is bool:
+        return bool
+    if isinstance(given, type) and issubclass(given, StrEnum):
+        return Annotated[Literal[tuple(str(word) for word in given)], AfterValidator(given)]
+    if declared.unit == "N/m":
+        return Annotated[float | StiffnessRule, STIFFNESS_FORM]
+    unit = "" if declared.unit == "-" else declared.unit
+    words = name.replace("_", " ")
+    low, high, ends = declared.low, declared.high, (declared.open_low, declared.open_high)
+    return Annotated[float, Quantity(words, unit, f"1 {unit}".strip(), low, high, *ends)]
