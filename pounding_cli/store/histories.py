@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -131,14 +131,13 @@ def kept_places(file: h5py.File) -> list[dict[str, Any]]:
     return places
 
 
-def chosen_place(file: h5py.File, wanted: Mapping[str, Any], name: str) -> dict[str, Any]:
+def chosen_place(places: Sequence[dict[str, Any]], wanted: Mapping[str, Any], name: str) -> dict[str, Any]:
     """The one of `kept_places` whose attributes are `wanted`; `name`: what errors call the file.
 
     Raises
     ------
     InputError : there is none, or more than one
     """
-    places = kept_places(file)
     if not places:
         hint = "add `keep: histories` to the study and run it again; what is solved stays"
         raise InputError(Problem("keeps no histories", hint, name))

@@ -76,6 +76,7 @@ class Results:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._kept: tuple[object, list[dict[str, Any]]] | None = None
         with opened(path) as file:
             software = {f"software_{name}": _plain(value) for name, value in file["software"].attrs.items()}
             self.attrs: dict[str, Any] = {
@@ -229,17 +230,24 @@ class Results:
     def histories(self) -> pd.DataFrame:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
         names = (*self.axes, *PLACE, "number", "scene", "every", "times")
-        with opened(self.path) as file:
-            rows = kept_places(file)
-        return _frame({name: [row[name] for row in rows] for name in names})
+        return _frame({name: [row[name] for row in self._places()] for name in names})
 
     def kept(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
     ) -> dict[str, Any]:
         """The one kept scene that is meant, as a row of `histories`; arguments and errors as those of `history`."""
         given = {"case": case, "analysis": analysis, "record": record, **swept}
-        with opened(self.path) as file:
-            return chosen_place(file, {k: v for k, v in given.items() if v is not None}, str(self.path))
+        wanted = {k: v for k, v in given.items() if v is not None}
+        return dict(chosen_place(self._places(), wanted, str(self.path)))
+
+    def _places(self) -> list[dict[str, Any]]:
+        """`kept_places`, looked for again when the file has changed: whoever reads all histories asks once for each."""
+        found = self.path.stat() if self.path.exists() else None  # `opened` says what is wrong
+        state = found and (found.st_ino, found.st_size, found.st_mtime_ns)
+        if self._kept is None or self._kept[0] != state:
+            with opened(self.path) as file:
+                self._kept = state, kept_places(file)
+        return self._kept[1]
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any

@@ -60,6 +60,7 @@ def known(scene, accuracy=1e-6, method="taylor", **_):
         rise = factor * (1 + level) / 2 if case else 1.0
         fields = {"shear": 1e6 * rise * one, "drift": 0.01 * one, "ductility": rise * one, "acceleration": one}
         found.append(_building(building.storeys, fields))
+    method = "taylor" if method == "auto" else method  # a response names the method that solved it
     n = len(scene.links)
     number = np.arange(1, n + 1, dtype=float)
     links = LinkResponse(number, 1e6 * number, 0.005 * number, number, number)

@@ -51,7 +51,7 @@ class Machines:
         file = self.folder / f"s{len(self.processes)}.json"
         local = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard")
         process = self._start("dask_scheduler", *local, "--scheduler-file", str(file), *options, without=without)
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 180
         while time.monotonic() < deadline:
             try:
                 return json.loads(file.read_text())["address"], process
@@ -70,7 +70,7 @@ class Machines:
         from distributed import Client
 
         with Client(address, set_as_default=False) as client:
-            client.wait_for_workers(workers, timeout=60)
+            client.wait_for_workers(workers, timeout=180)
 
     def end(self) -> None:
         for process in reversed(self.processes):
@@ -104,6 +104,7 @@ def plan(monkeypatch):
     """120 scenes, given to workers though they take little time."""
     monkeypatch.setattr("pounding_cli.batch.runner.WORTH_WORKERS", 0.0)
     monkeypatch.setattr("pounding_cli.batch.cluster.WORK", 0.1)
+    monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", 60.0)  # a busy machine may take long to answer
     return small_plan(records=tuple((f"r{number}", float(number)) for number in range(1, 16)))
 
 

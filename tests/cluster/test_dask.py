@@ -33,7 +33,7 @@ def test_same_rows_as_in_this_process_though_a_worker_is_killed(plan, cluster, t
         plan, tmp_path / "d.h5", engine_name="dask", scheduler=address, solve=solve_slowly, progress=killing
     )
     assert killing.at < len(plan.scenes) - 20, "the worker died too late to show anything"
-    workers[0].wait(timeout=5)
+    workers[0].wait(timeout=60)
     assert workers[0].returncode == -signal.SIGKILL
     assert (outcome.engine, outcome.done, outcome.failed) == ("dask", len(plan.scenes), 0)
     run_plan(plan, tmp_path / "s.h5", engine_name="serial", solve=solve_slowly)

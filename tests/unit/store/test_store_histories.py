@@ -13,7 +13,7 @@ from study_plans import Axis, known, small_plan
 from pounding_cli.errors import InputError
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.store import open_results, write_results
-from pounding_cli.store.histories import FIELDS, Kept
+from pounding_cli.store.histories import FIELDS, Kept, kept_places
 
 TIMES, STOREYS = 7, 3
 
@@ -141,6 +141,24 @@ def test_a_scene_with_fewer_links_or_storeys_is_padded(tmp_path):
     gap = results.history(case="gap", analysis="elastic", record="weak")
     assert np.isnan(gap.link_force[:, 0]).all()
     assert np.isfinite(gap.link_force[:, 1]).all()
+
+
+def test_all_histories_are_looked_for_once_and_again_when_the_file_has_changed(kept, monkeypatch):
+    path, plan = kept
+    looked = []
+    monkeypatch.setattr(
+        "pounding_cli.store.results.kept_places",
+        lambda file: looked.append(file.id.get_filesize()) or kept_places(file),
+    )
+    found = open_results(path)
+    for place in found.histories().to_dict("records"):
+        found.kept(**{name: place[name] for name in (*found.axes, "case", "analysis", "record")})
+    assert len(looked) == 1
+    fewer = replace(plan, kept=plan.kept[:1])
+    responses = {digest: known(scene) for digest, scene in plan.scenes.items()}
+    write_results(path, fewer, responses, histories=[Kept(plan.kept[0], plan.every, made_up(plan.kept[0]))])
+    assert len(found.histories()) == 1
+    assert len(looked) == 2
 
 
 @pytest.mark.parametrize(
