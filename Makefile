@@ -83,11 +83,13 @@ mutants: setup
 kills: setup
 	$(BIN)/python -m tests.batch.kills --kills 50 --gaps 40
 
-# Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run).
+# Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
+# results files (damaged, forged), parts, studies, motions and the cache of compiled kernels (an hour and a half).
 SCENES ?= 100000
 fuzz: setup
 	nice -n 5 $(BIN)/python -m tests.hard.fuzz --scenes $(SCENES)
 	nice -n 5 $(BIN)/python -m tests.hard.damage --tries 1000
+	nice -n 5 $(BIN)/python -m tests.hard.damage_cache --tries 1000
 	nice -n 5 $(BIN)/python -m tests.hard.mutate_input --tries 1000
 
 clean:

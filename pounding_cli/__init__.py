@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pounding_cli.api import (
         Building,
+        Connector,
         History,
+        Infill,
         InputError,
         Link,
         Motion,
+        Pounding,
         Response,
         Results,
         Scene,
@@ -30,10 +33,13 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 __all__ = [
     "Building",
+    "Connector",
     "History",
+    "Infill",
     "InputError",
     "Link",
     "Motion",
+    "Pounding",
     "Response",
     "Results",
     "Scene",

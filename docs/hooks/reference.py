@@ -33,7 +33,17 @@ API = {
         "pounding_cli.model.scene.Scene",
         "pounding_cli.model.building.Building",
         "pounding_cli.model.links.Link",
+        "pounding_cli.laws.pounding.Pounding",
+        "pounding_cli.laws.infill.Infill",
+        "pounding_cli.laws.connector.Connector",
         "pounding_cli.records.motion.Motion",
+    ),
+    "Laws of links": (
+        "pounding_cli.laws.law.LinkLaw",
+        "pounding_cli.laws.law.Branch",
+        "pounding_cli.laws.law.Guard",
+        "pounding_cli.laws.law.opening",
+        "pounding_cli.laws.law.parameter",
     ),
     "What a solution holds": (
         "pounding_cli.solve.response.Response",

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from pounding_cli.api.scenes import building, history, motion, scene
     from pounding_cli.api.studies import default_output, load_study, open_results, run
     from pounding_cli.errors import InputError
+    from pounding_cli.laws.connector import Connector
+    from pounding_cli.laws.infill import Infill
+    from pounding_cli.laws.pounding import Pounding
     from pounding_cli.model.building import Building
     from pounding_cli.model.links import Link
     from pounding_cli.model.scene import Scene
@@ -25,10 +28,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Building",
+    "Connector",
     "History",
+    "Infill",
     "InputError",
     "Link",
     "Motion",
+    "Pounding",
     "Response",
     "Results",
     "Scene",
@@ -46,10 +52,13 @@ __all__ = [
 
 _HOMES = {
     "Building": "model.building",
+    "Connector": "laws.connector",
     "History": "api.histories",
+    "Infill": "laws.infill",
     "InputError": "errors",
     "Link": "model.links",
     "Motion": "records.motion",
+    "Pounding": "laws.pounding",
     "Response": "solve.response",
     "Results": "api.results",
     "Scene": "model.scene",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from pounding_cli import store
 from pounding_cli.api.histories import History
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.store.files import opened
+from pounding_cli.store.files import opened, opened_dataset
 from pounding_cli.store.structure import strings
 from pounding_cli.words import counted
 
@@ -35,9 +35,8 @@ class Results(store.Results):
         """Every variable of the file over the swept axes, case, analysis, record, building, storey, floor and link,
         with units and meanings; read into memory when it is first asked for.
         """
-        import xarray
-
-        return xarray.load_dataset(self.path, engine="h5netcdf", decode_times=False)
+        with opened_dataset(self.path) as data:
+            return data.load()
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any

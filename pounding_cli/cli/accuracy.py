@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.cli import streams
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -129,10 +130,7 @@ def _again(study: Path, methods: str, cases: str, records: str, budget: str) -> 
 
 def _print(found: WorkPrecision) -> None:
     """The table and what did not end."""
-    import sys
-
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     from pounding_cli.report.accuracy_page import (
@@ -154,7 +152,7 @@ def _print(found: WorkPrecision) -> None:
             table.add_section()
         before = str(row.method)
         table.add_row(*(_cell(value) for value in row))
-    Console(width=None if sys.stdout.isatty() else 200).print(table)
+    streams.echo_table(table)
     click.echo("Errors: worst over the scenes, relative. miscounted: scenes with other impacts than the reference.")
     click.echo(reference_in_words(found))
     for text in aborted_in_words(found):

@@ -8,6 +8,8 @@ from typing import Any
 
 import click
 
+from pounding_cli.errors import InputError, Problem
+
 
 @click.command("cite")
 @click.argument("source", type=click.Path(path_type=Path), metavar="STUDY|FILE.h5")
@@ -33,7 +35,11 @@ def command(source: Path, form: str) -> None:
     from pounding_cli.report.citations import citations, motions
 
     title, kind, resolved, sources, methods = _study(source) if source.suffix in (".yaml", ".yml") else _results(source)
-    found = citations(kind, resolved, sources, methods)
+    try:
+        found = citations(kind, resolved, sources, methods)
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        problem = Problem("its resolved study is not complete", "run the study again with this program", str(source))
+        raise InputError(problem) from error
     if form == "bibtex":
         click.echo("\n\n".join(citation.reference.bibtex for citation in found))
         return

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.cli import streams
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
@@ -175,11 +176,7 @@ def _log(log: JsonLines, outcome: Outcome) -> None:
 
 def _print(found: Overview, outcome: Outcome) -> None:
     """The summary: mean ratios, motions, flags, counts, times."""
-    import io
-    import sys
-
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     click.echo(found.title)
@@ -205,10 +202,7 @@ def _print(found: Overview, outcome: Outcome) -> None:
                     cells += [_worth(line.error[place], ".0e"), _worth(line.sensitivity[place], ".2g")]
             marked = f"{case} {MEANINGLESS}" if any(line.meaningless.any() for line in lines) else case
             table.add_row("" if place else marked, building, *cells, end_section=len(found.points) > 1)
-    # Away from a terminal nothing is cut or wrapped, whatever the width a pipe claims to have.
-    drawn = io.StringIO()
-    Console(file=drawn, width=None if sys.stdout.isatty() else 250).print(table)
-    click.echo(drawn.getvalue(), nl=False)
+    streams.echo_table(table)
     count = len(found.points)
     many = f" at {count} points of the sweep" if count > 1 else ""
     for number, point in enumerate(found.points if 1 < count <= FEW_POINTS else (), start=1):

@@ -7,12 +7,22 @@ import io
 import os
 import sys
 from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 _PLAIN = {
     "±": "+-", "×": "x", "·": "*", "–": "-", "−": "-", "—": "-", "→": "->", "≤": "<=", "≥": ">=",
     "μ": "mu", "µ": "u", "²": "2", "³": "3", "₀": "0", "“": '"', "”": '"', "’": "'", "…": "...", "─": "-",
 }  # fmt: skip
 """What stands for a character where the terminal has none."""
+
+
+_WIDTH = 250
+"""Characters of a line where no terminal sets them."""
 
 
 class _Ascii(io.TextIOWrapper):
@@ -35,6 +45,18 @@ def prepare() -> None:
             setattr(sys, name, _Ascii(stream.buffer, "ascii", "plain", line_buffering=stream.line_buffering))
         else:
             stream.reconfigure(errors="plain")
+
+
+def echo_table(table: Table) -> None:
+    """Print a table. Away from a terminal nothing is cut or wrapped, whatever width a pipe claims to have.
+
+    rich only draws it: printing, it would end a command whose reader has gone with an exit code of its own.
+    """
+    from rich.console import Console
+
+    drawn = io.StringIO()
+    Console(file=drawn, width=None if sys.stdout.isatty() else _WIDTH).print(table)
+    click.echo(drawn.getvalue(), nl=False)
 
 
 def silence() -> None:

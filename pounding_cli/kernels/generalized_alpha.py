@@ -152,6 +152,7 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
             if not factorise(matrix, unknowns):
                 return -1
         for i in range(n):
+            # fault: generalized-alpha-shares
             lack = (1.0 - alpha_m) * a[i] + alpha_m * (p.a[i] + a0[i]) - share * out.a[i] - alpha_f * p.a[i]
             right_side[i] = -mass[i] * lack
         for f in range(count):

@@ -7,6 +7,7 @@ compiled. So each file gets a checksum beside it when it is written."""
 from __future__ import annotations
 
 import os
+import shutil
 import stat
 import zlib
 from collections.abc import Callable
@@ -118,7 +119,10 @@ def _delete(files: list[Path]) -> None:
     for path in files:
         for each in (path, _sum(path)):
             with suppress(OSError):
-                each.unlink()
+                if each.is_dir():
+                    shutil.rmtree(each)
+                else:
+                    each.unlink()
 
 
 def _seal() -> None:

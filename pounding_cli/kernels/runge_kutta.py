@@ -133,7 +133,7 @@ def _advance_to_event(scene, p, out, own, tally, h, ground, slope, inelastic):
     own[_ENDS] = 1.0 if s <= 1.0 else 0.0
     if s > 1.0:
         return h, WHOLE
-    _step(scene, p, out, own, h * s, ground, slope, inelastic, True)
+    _step(scene, p, out, own, h * s, ground, slope, inelastic, True)  # fault: event-ends-step
     tally[EVENTS] += 1
     return h * s, PART
 

@@ -203,7 +203,7 @@ def march(
             gone = 0.0
             verdict = PART
             while verdict == PART:
-                ground = starts[segment] + slope * (part * whole + gone)
+                ground = starts[segment] + slope * (part * whole + gone)  # fault: ground-of-a-step
                 h, verdict = advance(scene, p, out, own, tally, whole - gone, ground, slope, inelastic)
                 if verdict >= 0:
                     return verdict, steps, tally[EVENTS], tally[ITERATIONS], segment * dt + part * whole

@@ -26,3 +26,8 @@ def link_laws() -> dict[str, type[LinkLaw]]:
             raise ValueError(f"two link laws are called '{law.name}': one of them is {entry.value}")
         found[law.name] = law
     return found
+
+
+def drawn(name: str) -> str:
+    """How pictures show a law (`LinkLaw.drawn`), also of one that is not installed here."""
+    return link_laws().get(name, LinkLaw).drawn

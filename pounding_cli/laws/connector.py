@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from pounding_cli.laws.dashpot import DashpotLaw, dashpot_constant
+from pounding_cli.laws.dashpot import DASHPOT, DashpotLaw, dashpot_constant
 from pounding_cli.laws.law import Branch, LinkLaw, parameter
 
 
@@ -19,6 +19,12 @@ class Connector(LinkLaw):
 
     name: ClassVar[str] = "connector"
     title: ClassVar[str] = "spring and dashpot that join two floors"
+    citation: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("spiliopoulos1996", "permanent connectors, eq. (10)"),
+        DASHPOT,
+        ("westermo1989", "connecting buildings"),
+    )
+    drawn: ClassVar[str] = "bar"
     stiffness_default: ClassVar[str] = "0.2 x mean storey"
     beyond_gap: ClassVar[str] = "connector closes more than the gap, so the floors would have struck"
     meaningless: ClassVar[bool] = True

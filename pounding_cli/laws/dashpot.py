@@ -18,6 +18,10 @@ class DashpotLaw(StrEnum):
         return reduced if self is DashpotLaw.REDUCED_MASS else 1.0 / reduced  # fault: dashpot-mass
 
 
+DASHPOT = ("anagnostopoulos1988", "the dashpot from the coefficient of restitution, eq. (7)")
+"""What a law with this dashpot cites."""
+
+
 def damping_ratio(restitution: float) -> float:
     """Damping ratio xi [-] of a dashpot that gives the coefficient of restitution e, 0 < e <= 1.
 

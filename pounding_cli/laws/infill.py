@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import ClassVar
 
-from pounding_cli.laws.dashpot import DashpotLaw
+from pounding_cli.laws.dashpot import DASHPOT, DashpotLaw
 from pounding_cli.laws.law import Branch, LinkLaw, falls_below, opening, parameter, rises_above
 
 THINNEST = 1e-6
@@ -30,6 +30,12 @@ class Infill(LinkLaw):
 
     name: ClassVar[str] = "infill"
     title: ClassVar[str] = "material in the gap that stiffens up to an impact"
+    citation: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("spiliopoulos1996", "infill material, eqs (8) and (9)"),
+        ("anagnostopoulos1992", "the viscoelastic impact element"),
+        DASHPOT,
+    )
+    drawn: ClassVar[str] = "filling"
     stiffness_default: ClassVar[str] = "0.2 x mean storey"
     beyond_gap: ClassVar[str] = "infill compressed beyond its thickness"
 

@@ -161,7 +161,8 @@ class LinkLaw:
 
     name : what a study file calls it
     title : what it is, in a line
-    citation : keys of `report/references.py`, or a full citation
+    citation : (key of `report/references.py`, what it is cited for), ...
+    drawn : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
     beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
@@ -174,7 +175,8 @@ class LinkLaw:
 
     name: ClassVar[str]
     title: ClassVar[str]
-    citation: ClassVar[tuple[str, ...]] = ()
+    citation: ClassVar[tuple[tuple[str, str], ...]] = ()
+    drawn: ClassVar[str] = "gap"
     subtracts_gap: ClassVar[bool] = False
     stiffness_default: ClassVar[str] = ""
     beyond_gap: ClassVar[str] = ""
@@ -254,14 +256,16 @@ class LinkLaw:
         return max(branch.steepest()[0] for branch in self._sample)
 
     def stored(self, closing: float) -> float:
-        """Energy in the spring [J] at a closing u_left - u_right [m]: its elastic force integrated from v = 0."""
-        if not self.can_close:
+        """Energy in the spring [J] at a closing u_left - u_right [m]: its elastic force integrated from where it
+        begins to act."""
+        if closing <= self.free_below:
             return 0.0
         v, energy = closing - self.offset, 0.0
+        rest = min(self._sample[0].interval[1], 0.0)
         for branch in self._sample:
             if branch.acts:
                 low, high = branch.interval
-                begin, end = min(max(0.0, low), high), min(max(v, low), high)
+                begin, end = (min(max(closing, low), high) for closing in (rest, v))
                 energy += branch.stored(end) - branch.stored(begin)
         return energy
 
@@ -277,12 +281,13 @@ class LinkLaw:
         return {each.name: each for each in fields(cls) if "parameter" in each.metadata}
 
 
-def opening(*closed: Branch, tension_cut: bool = False) -> tuple[Branch, ...]:
-    """All branches of a law that is open below v = 0, from its closed ones in the order of their closings.
+def opening(*closed: Branch, at: float = 0.0, tension_cut: bool = False) -> tuple[Branch, ...]:
+    """All branches of a law that is open below a closing, from its closed ones in the order of their closings.
 
+    at : the closing v at which it closes [m]
     tension_cut : each branch ends where its force would pull, and goes on without force until it would push again
     """
-    first = rises_above(0.0, closed[0].name, impact=True, once=True)
+    first = rises_above(at, closed[0].name, impact=True, once=True)
     opened = Branch("open", guards=(first,), closed=False, acts=False)
     if not tension_cut:
         return opened, *closed

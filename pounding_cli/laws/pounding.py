@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from pounding_cli.laws.dashpot import DashpotLaw, dashpot_constant
+from pounding_cli.laws.dashpot import DASHPOT, DashpotLaw, dashpot_constant
 from pounding_cli.laws.law import Branch, LinkLaw, falls_below, opening, parameter
 
 
@@ -18,6 +18,11 @@ class Pounding(LinkLaw):
 
     name: ClassVar[str] = "pounding"
     title: ClassVar[str] = "floors that strike once the gap has closed"
+    citation: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("spiliopoulos1996", "pounding, eqs (5) to (7)"),
+        ("anagnostopoulos1992", "the viscoelastic impact element"),
+        DASHPOT,
+    )
     subtracts_gap: ClassVar[bool] = True
 
     stiffness: float = parameter("impact spring s_imp", "N/m", open_low=True)

@@ -15,6 +15,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from pounding_cli.laws import drawn
 from pounding_cli.report.picture import Picture
 from pounding_cli.report.style import literal, styled
 from pounding_cli.solve.histories import History
@@ -199,7 +200,7 @@ class _Stage:
             cursor.set_xdata([time, time])
 
     def _pose_links(self, displacement: np.ndarray, bright: np.ndarray, pull: np.ndarray) -> None:
-        """Connectors and infills as lines between their floors; every force as a flash in the middle."""
+        """What stands between floors as lines; every force as a flash in the middle."""
         bridges, shades, spots, sizes, hues = [], [], [], [], []
         for link, shine, pulls in zip(self.picture.links, bright, pull, strict=True):
             if link is None:
@@ -209,11 +210,12 @@ class _Stage:
             right = self.left[b[0]] + self.film.scale * displacement[b]
             ends = (left, self.picture.elevation[a[0]][a[1]]), (right, self.picture.elevation[b[0]][b[1]])
             hue = PULL if pulls else PUSH
-            if link.kind != "pounding":
+            between = drawn(link.kind) != "gap"
+            if between:
                 bridges.append(ends)
                 shades.append(_mixed("#9a9a9a", hue, shine))
             spots.append(np.mean(ends, axis=0))
-            sizes.append((900.0 if link.kind == "pounding" else 200.0) * shine)
+            sizes.append((200.0 if between else 900.0) * shine)
             hues.append((*_rgb(hue), 0.75 * min(1.0, 2 * shine)))
         self.bridges.set(segments=bridges, color=shades)
         self.flashes.set_offsets(np.array(spots).reshape(-1, 2))

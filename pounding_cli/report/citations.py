@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pounding_cli.laws import link_laws
 from pounding_cli.methods import METHODS
 from pounding_cli.records import Entry, catalogue
 from pounding_cli.report.references import REFERENCES, Reference, named_in
@@ -26,13 +27,6 @@ class Source:
     name: str
     kind: str
     text: str
-
-
-_LAWS = {
-    "pounding": ("spiliopoulos1996", "pounding, eqs (5) to (7)"),
-    "infill": ("spiliopoulos1996", "infill material, eqs (8) and (9)"),
-    "connector": ("spiliopoulos1996", "permanent connectors, eq. (10)"),
-}
 
 
 def citations(
@@ -81,15 +75,9 @@ def _origin(kind: str, entry: Entry | None) -> str:
 def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> None:
     used("spiliopoulos1996", "the model of the buildings, eqs (1) to (4)")
     kinds = {word for case in resolved["cases"].values() for word in _links(case)}
-    for link in _LAWS:
-        if link in kinds:
-            used(*_LAWS[link])
-    if kinds & {"pounding", "infill"}:
-        used("anagnostopoulos1992", "the viscoelastic impact element")
-    if kinds & set(_LAWS):
-        used("anagnostopoulos1988", "the dashpot from the coefficient of restitution, eq. (7)")
-    if "connector" in kinds:
-        used("westermo1989", "connecting buildings")
+    for law in link_laws().values():
+        for key, what in law.citation if law.name in kinds else ():
+            used(key, what)
     for name in dict.fromkeys(resolved["group"]):
         building = resolved["buildings"][name]
         if building["yield_shear"] is None and "code" in building["yield"]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.layout import Links
-from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity
+from pounding_cli.laws.law import Branch, Guard, LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 
@@ -16,53 +16,48 @@ LANES = 8
 FAR = 1e100
 """What stands for a gap without end [m]: kernels take differences of it, and inf - inf is none."""
 
-_NONE = Branch("none", closed=False, acts=False)
-"""What stands in the table for places without a link."""
-
 
 def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: list[slice]) -> Links:
     """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`. Links of one law between floors of
     the same masses share their rows."""
     padded = -(-len(given) // LANES) * LANES
-    integers = np.zeros((4, padded), np.int64)
-    left, right, first, last = integers
+    left, right, first, last = np.zeros((4, padded), np.int64)
     offset = np.zeros(padded)
-    begins: dict[tuple[LinkLaw, float, float], int] = {}
-    branches, guards = [_branch_row(_NONE, 0)], [np.zeros(t.GUARD_ROW)]
+    begins: dict[tuple[LinkLaw, float, float], tuple[int, int]] = {}
+    branches, guards = [_NOWHERE], [np.zeros((1, t.GUARD_ROW))]
+    count, asked = 1, 1
+    key = None
     for e, link in enumerate(given):
-        masses = buildings[link.left].mass[link.left_floor - 1], buildings[link.left + 1].mass[link.right_floor - 1]
-        key = (link.law, float(masses[0]), float(masses[1]))
-        own = _rows(*key)
+        one, other = link.left_floor - 1, link.right_floor - 1
+        masses = buildings[link.left].mass[one], buildings[link.left + 1].mass[other]
+        if key is None or link.law is not key[0] or masses != key[1:]:
+            key = (link.law, *masses)
         if key not in begins:
-            begins[key] = len(branches)
-            for row, ends in own:
-                row = row.copy()
-                row[[t.FIRST_GUARD, t.LAST_GUARD]] += len(guards)
-                branches.append(row)
-                for guard in ends:
-                    guard = guard.copy()
-                    guard[t.NEXT] += begins[key]
-                    guards.append(guard)
-        left[e] = floors[link.left].start + link.left_floor - 1
-        right[e] = floors[link.left + 1].start + link.right_floor - 1
-        first[e], last[e] = begins[key], begins[key] + len(own)
+            own, ends = _rows(*key)
+            begins[key] = count, count + len(own)
+            branches.append(own + asked * _GUARD_PLACES)
+            guards.append(ends + count * _BRANCH_PLACE)
+            count, asked = count + len(own), asked + len(ends)
+        left[e], right[e] = floors[link.left].start + one, floors[link.left + 1].start + other
+        first[e], last[e] = begins[key]
         offset[e] = min(link.law.offset, FAR)
-    tables = np.concatenate(branches), np.concatenate(guards)
+    tables = np.concatenate(branches).ravel(), np.concatenate(guards).ravel()
     return Links(len(given), padded, left, right, offset, first, last, *tables)
 
 
 @functools.lru_cache(maxsize=1024)
-def _rows(law: LinkLaw, left_mass: float, right_mass: float) -> tuple[tuple[np.ndarray, tuple[np.ndarray, ...]], ...]:
-    """(row, rows of its guards) of every branch; branches and guards count from the law's first."""
+def _rows(law: LinkLaw, left_mass: float, right_mass: float) -> tuple[np.ndarray, np.ndarray]:
+    """A row for every branch and for every guard; branches and guards count from the law's first."""
     branches = law.branches(left_mass, right_mass)
     number = {branch.name: place for place, branch in enumerate(branches)}
-    return tuple(
-        (_branch_row(branch, len(branch.guards)), tuple(_guard_row(guard, number) for guard in branch.guards))
-        for branch in branches
-    )
+    rows = np.stack([_branch_row(branch) for branch in branches])
+    rows[:, t.LAST_GUARD] = np.cumsum([len(branch.guards) for branch in branches])
+    rows[1:, t.FIRST_GUARD] = rows[:-1, t.LAST_GUARD]
+    guards = [_guard_row(guard, number) for branch in branches for guard in branch.guards]
+    return rows, np.array(guards).reshape(-1, t.GUARD_ROW)
 
 
-def _branch_row(branch: Branch, guards: int) -> np.ndarray:
+def _branch_row(branch: Branch) -> np.ndarray:
     low, high = branch.interval
     row = np.zeros(t.BRANCH_ROW)
     row[t.LINEAR], row[t.CUBIC], row[t.OFFSET] = branch.linear, branch.cubic, branch.offset
@@ -70,7 +65,6 @@ def _branch_row(branch: Branch, guards: int) -> np.ndarray:
     row[t.CLOSED], row[t.ACTS], row[t.CUTS] = branch.closed, branch.acts, branch.cut and branch.acts
     row[t.FROM], row[t.TO] = low, high
     row[t.LOW], row[t.HIGH] = (np.inf if branch.cut else low), high  # a force has to be looked at in any case
-    row[t.LAST_GUARD] = guards
     return row
 
 
@@ -81,15 +75,22 @@ def _guard_row(guard: Guard, number: dict[str, int]) -> np.ndarray:
     return row
 
 
+_NOWHERE = _branch_row(Branch("none", closed=False, acts=False))[None]
+"""The row of places without a link (`link_table.NO_LINK`)."""
+
+_GUARD_PLACES = np.zeros(t.BRANCH_ROW)
+_GUARD_PLACES[[t.FIRST_GUARD, t.LAST_GUARD]] = 1.0
+_BRANCH_PLACE = np.zeros(t.GUARD_ROW)
+_BRANCH_PLACE[t.NEXT] = 1.0
+
+
 def at_rest(links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Branch, what is known exactly, and the closing it then has [m], of every link before the motion."""
-    known = np.zeros(links.size, np.int64)
-    at = np.zeros(links.size)
-    for e in range(links.number):
-        for g in _guards(links, links.first[e]):
-            if g[t.QUANTITY] == Quantity.CLOSING and g[t.AT] == -links.offset[e]:
-                known[e], at[e] = t.CLOSING, g[t.AT]
-    return links.first.copy(), known, at  # fault: branch-at-rest
+    """Branch, what is known exactly, and the closing it then has [m], of every link before the motion: floors
+    that touch are exactly where their first branch ends."""
+    begin = 0.0 - links.offset
+    rows = _branches(links)[links.first]
+    known = np.where((rows[:, t.TO] == begin) | (rows[:, t.FROM] == begin), t.CLOSING, t.NOTHING)
+    return links.first.copy(), known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
 
 
 def acting_at_rest(links: Links) -> np.ndarray:
@@ -100,12 +101,6 @@ def acting_at_rest(links: Links) -> np.ndarray:
 def _branches(links: Links) -> np.ndarray:
     """The table of branches, a row each."""
     return links.branches.reshape(-1, t.BRANCH_ROW)
-
-
-def _guards(links: Links, branch: int) -> np.ndarray:
-    """The guards of a branch, a row each."""
-    first, last = _branches(links)[branch, [t.FIRST_GUARD, t.LAST_GUARD]].astype(int)
-    return links.guards.reshape(-1, t.GUARD_ROW)[first:last]
 
 
 def stiffest(links: Links) -> tuple[np.ndarray, np.ndarray]:

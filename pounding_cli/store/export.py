@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
 from pounding_cli.store.columns import TABLES, meaning
-from pounding_cli.store.files import opened
+from pounding_cli.store.files import opened_dataset
 from pounding_cli.store.results import Results
-from pounding_cli.store.seal import Sealed, is_sealed
+from pounding_cli.store.seal import is_sealed
 from pounding_cli.texts import cells
 
 if TYPE_CHECKING:
@@ -187,12 +187,7 @@ def _excel(results: Results, frames: dict[str, pd.DataFrame], path: Path) -> Non
 
 
 def _netcdf(results: Results, path: Path) -> None:
-    import xarray
-
-    with opened(results.path):
-        pass  # refuses what leads to other files; every byte is verified with what is read
-    content: Any = Sealed(results.path)
-    with content, xarray.open_dataset(content, engine="h5netcdf") as data:
+    with opened_dataset(results.path) as data:
         about = {"study": results.study_text, "resolved": results.resolved_text}
         software = {name: value for name, value in results.attrs.items() if name.startswith("software_")}
         told = data.assign_attrs(about | software)

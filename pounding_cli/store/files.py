@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import h5py
 
@@ -15,6 +16,9 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION
 from pounding_cli.store.seal import Sealed, Unsealed, is_sealed, open_regular
 from pounding_cli.store.structure import check_links, check_study, number
+
+if TYPE_CHECKING:
+    import xarray
 
 KINDS = ("connector", "wall")
 """Root attribute `kind` of what these commands write; files of `pound run` have none."""
@@ -55,6 +59,18 @@ def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
                 raise _damaged(path, unsealed)
             _once(check_study, file, seal)
         yield file
+
+
+@contextmanager
+def opened_dataset(path: Path) -> Iterator[xarray.Dataset]:
+    """A results file of `pound run` as xarray reads it, every byte verified; errors as those of `opened`."""
+    import xarray
+
+    with opened(path):
+        pass  # refuses what leads to other files
+    stream: Any = Sealed(path)
+    with stream, _told(stream, path), xarray.open_dataset(stream, engine="h5netcdf", decode_times=False) as data:
+        yield data
 
 
 @contextmanager
@@ -163,23 +179,29 @@ def _content(path: Path) -> Iterator[tuple[h5py.File, bytes, str]]:
                 raise _damaged(path, stream.damage) from None
             hint = "give the file that pound run wrote; if it was damaged, run the study again"
             raise InputError(Problem(f"cannot be read as HDF5 ({_first_line(error)})", hint, name)) from None
-        try:
-            with file:
-                yield file, stream.foot if isinstance(stream, Sealed) else b"", unsealed
-                if isinstance(stream, Sealed) and stream.damage:  # the HDF5 library may have gone on
-                    raise _damaged(path, stream.damage)
-        except InputError as refused:
-            if all(problem.file for problem in refused.problems):
-                raise
-            raise InputError([replace(p, file=p.file or name) for p in refused.problems]) from None
-        except Exception as error:
-            if isinstance(stream, Sealed) and stream.damage:
-                raise _damaged(path, stream.damage) from None
-            if isinstance(error, OSError) and error.errno is not None:
-                raise  # of a file that the caller writes meanwhile
-            what = f"does not hold what results hold ({_first_line(error)})"
-            hint = "give the file that pound run wrote, or run the study again"
-            raise InputError(Problem(what, hint, name)) from error
+        with _told(stream, path), file:
+            yield file, stream.foot if isinstance(stream, Sealed) else b"", unsealed
+
+
+@contextmanager
+def _told(stream: Sealed | io.FileIO, path: Path) -> Iterator[None]:
+    """Whatever reading a file comes upon, as an `InputError` that names it."""
+    try:
+        yield
+        if isinstance(stream, Sealed) and stream.damage:  # the HDF5 library may have gone on
+            raise _damaged(path, stream.damage)
+    except InputError as refused:
+        if all(problem.file for problem in refused.problems):
+            raise
+        raise InputError([replace(p, file=p.file or str(path)) for p in refused.problems]) from None
+    except Exception as error:
+        if isinstance(stream, Sealed) and stream.damage:
+            raise _damaged(path, stream.damage) from None
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # of a file that the caller writes meanwhile
+        what = f"does not hold what results hold ({_first_line(error)})"
+        hint = "give the file that pound run wrote, or run the study again"
+        raise InputError(Problem(what, hint, str(path))) from error
 
 
 def _damaged(path: Path, what: str) -> Damaged:

@@ -12,7 +12,7 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.store.layout import COORDINATES, PLACE
-from pounding_cli.store.structure import check_links, strings
+from pounding_cli.store.structure import check_links, expect, refused, strings
 from pounding_cli.texts import plain
 
 if TYPE_CHECKING:
@@ -152,8 +152,15 @@ def chosen_place(places: Sequence[dict[str, Any]], wanted: Mapping[str, Any], na
 
 
 def read_history(group: h5py.Group) -> History:
-    """A kept scene; links in the file's order, NaN where the scene has none."""
-    check_links(group)
+    """A kept scene; links in the file's order, NaN where the scene has none.  Raises InputError: it does not fit."""
+    forms, here = check_links(group), group.name.strip("/")
+    sizes = {dim: group[dim].size for dim in ("time", "building", "storey", "floor", "link") if dim in group}
+    for name, (dims, _, _) in FIELDS.items():
+        if all(dim in sizes for dim in dims):
+            expect(forms, f"{here}/{name}", tuple(sizes[dim] for dim in dims), "f")
+    for dim in ("building", "link"):
+        if dim in group and not np.array_equal(group[dim][()], group.file[dim][()]):
+            raise refused(f"{here}/{dim}", "is not that of the file")
     texts = {dim: tuple(strings(group[dim])) if dim in group else () for dim in ("building", "link")}
     time = group["time"][()]
     arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}

@@ -44,6 +44,8 @@ _ACCURACY = (
     "steps", "events", "orders", "seconds",
 )  # fmt: skip
 _RECORD = ("source", "digest", "scale", "window", "pga", "arias")
+_STUDY: dict[str, type] = {"buildings": dict, "cases": dict, "group": list, "records": dict}
+"""What a resolved study is made of."""
 _RATIOS = ("V_ratio", "mu_ratio", "acceleration_ratio")
 _MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
 
@@ -95,9 +97,12 @@ class Results:
     @cached_property
     def resolved(self) -> dict[str, Any]:
         """The study with every default filled in, SI."""
-        found = plain_tree(json.loads(self.resolved_text))
-        if not isinstance(found, dict):
-            raise InputError(Problem("its study/resolved is no mapping", "run the study again", str(self.path)))
+        try:
+            found = plain_tree(json.loads(self.resolved_text))
+        except (ValueError, RecursionError):
+            found = None
+        if not isinstance(found, dict) or not all(isinstance(found.get(k, kind()), kind) for k, kind in _STUDY.items()):
+            raise InputError(Problem("its study/resolved is no study", "run the study again", str(self.path)))
         return found
 
     def axis_label(self, key: str) -> str:

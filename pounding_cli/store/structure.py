@@ -67,33 +67,46 @@ def check_study(file: h5py.File) -> None:
     swept = json.loads(file.attrs["swept"])
     axes = tuple(names[0] for names in swept)
     if not all(isinstance(name, str) for names in swept for name in names):
-        raise _refused("swept", "is no list of names")
+        raise refused("swept", "is no list of names")
     sizes = {dim: _size(forms, dim) for dim in (*axes, *PLACE, "building", "storey", "floor")}
     for names in swept:
         for name in names[1:]:
-            _expect(forms, name, (sizes[names[0]],), "")
+            expect(forms, name, (sizes[names[0]],), "")
     for names in (*PLACE, "building"):
-        _expect(forms, names, (sizes[names],), "s")
+        expect(forms, names, (sizes[names],), "s")
     if not set(file["analysis"].asstr()[:]) <= set(ANALYSES):
-        raise _refused("analysis", f"is not one of {', '.join(ANALYSES)}")
+        raise refused("analysis", f"is not one of {', '.join(ANALYSES)}")
     linked = "link" in file
     if linked:
         sizes["link"] = _size(forms, "link")
     for variable in (*RESPONSES, *SCENES, *STATISTICS, *LINKS):
         if linked or "link" not in variable.dims:
             name = variable.name if variable.name in forms else FORMERLY.get(variable.name, variable.name)
-            _expect(forms, name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)
+            expect(forms, name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)
     for first, *rest in (BUILDINGS, RECORDS):
         own = [scale[0].name.lstrip("/") for scale in file[first.name].dims][: -len(first.dims)]
         if not set(own) <= set(axes):
-            raise _refused(first.name, "has dimensions that are no swept keys")
+            raise refused(first.name, "has dimensions that are no swept keys")
         for variable in (first, *rest):
-            _expect(forms, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
+            expect(forms, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
     for name in ("study/text", "study/resolved"):
-        _expect(forms, name, (), "s")
+        expect(forms, name, (), "s")
+    _check_names(file)
     for name in ("scenes", "scenes_failed", "solver_seconds", "accuracy"):
         number(file.attrs, name)
     text(file.attrs, "title")
+
+
+def _check_names(file: h5py.File) -> None:
+    """Refuse names that stand twice or are not those of the study."""
+    resolved = json.loads(file["study/resolved"].asstr()[()])
+    is_swept = {name.split(".")[0] for names in json.loads(file.attrs["swept"]) for name in names}
+    for dim, key in (("building", "places"), ("case", "cases"), ("record", "")):
+        names = file[dim].asstr()[:].tolist()
+        if len(set(names)) != len(names):
+            raise refused(dim, "names one twice")
+        if key in resolved and "group" not in is_swept and set(names) != set(resolved[key]):
+            raise refused(dim, "is not that of its study")
 
 
 def number(attrs: h5py.AttributeManager, name: str) -> float:
@@ -139,7 +152,7 @@ def _forms(group: h5py.Group, place: str, file_size: int) -> Iterator[tuple[str,
     for name in names:
         path = f"{place}/{name.decode(errors='replace')}".lstrip("/")
         if links.get_info(name).type != h5py.h5l.TYPE_HARD:
-            raise _refused(path, "leads to another place or another file")
+            raise refused(path, "leads to another place or another file")
         item = h5py.h5o.open(group.id, name)
         if isinstance(item, h5py.h5d.DatasetID):
             yield path, _form(path, item, file_size)
@@ -147,19 +160,19 @@ def _forms(group: h5py.Group, place: str, file_size: int) -> Iterator[tuple[str,
             if path not in _LAZY:
                 yield from _forms(h5py.Group(item), path, file_size)
         else:
-            raise _refused(path, "is neither a dataset nor a group")
+            raise refused(path, "is neither a dataset nor a group")
 
 
 def _form(path: str, dataset: h5py.h5d.DatasetID, file_size: int) -> Form:
     plist, kind, space = dataset.get_create_plist(), dataset.get_type(), dataset.get_space()
     if plist.get_external_count() or plist.get_layout() == h5py.h5d.VIRTUAL:
-        raise _refused(path, "takes its values from another file")
+        raise refused(path, "takes its values from another file")
     if kind.get_class() not in _TYPES:
-        raise _refused(path, f"holds neither numbers nor texts ({dataset.dtype})")
+        raise refused(path, f"holds neither numbers nor texts ({dataset.dtype})")
     stored, size = dataset.get_storage_size(), space.get_simple_extent_npoints()
     most = max(_SMALL, stored * (_UNPACKED if plist.get_nfilters() else 1))
     if size * kind.get_size() > most or stored > file_size:
-        raise _refused(path, f"declares {size} values, more than the file can hold")
+        raise refused(path, f"declares {size} values, more than the file can hold")
     shape = None if space.get_simple_extent_type() == h5py.h5s.NULL else space.get_simple_extent_dims()
     return Form(shape, kind.get_class() == h5py.h5t.STRING)
 
@@ -167,23 +180,25 @@ def _form(path: str, dataset: h5py.h5d.DatasetID, file_size: int) -> Form:
 def _size(forms: dict[str, Form], dim: str) -> int:
     shape = _of(forms, dim).shape
     if shape is None or len(shape) != 1:
-        raise _refused(dim, "is no list")
+        raise refused(dim, "is no list")
     return shape[0]
 
 
-def _expect(forms: dict[str, Form], name: str, shape: tuple[int, ...], kind: str) -> None:
+def expect(forms: dict[str, Form], name: str, shape: tuple[int, ...], kind: str) -> None:
+    """Refuse a dataset of another shape, or one that holds texts where `kind` is not "s" (any where it is "")."""
     form = _of(forms, name)
     if form.shape != shape:
-        raise _refused(name, f"has the shape {form.shape}, not {shape}")
+        raise refused(name, f"has the shape {form.shape}, not {shape}")
     if kind and form.is_text != (kind == "s"):
-        raise _refused(name, f"holds {'texts' if form.is_text else 'numbers'}")
+        raise refused(name, f"holds {'texts' if form.is_text else 'numbers'}")
 
 
 def _of(forms: dict[str, Form], name: str) -> Form:
     if name not in forms:
-        raise _refused(name, "is missing")
+        raise refused(name, "is missing")
     return forms[name]
 
 
-def _refused(path: str, what: str) -> InputError:
+def refused(path: str, what: str) -> InputError:
+    """The refusal of one thing in a file."""
     return InputError(Problem(f"its {path} {what}", "give a file that pound run wrote"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,32 @@ def test_a_file_of_another_kind_is_not_replaced(command, results, tmp_path):
     assert refused.value.problems[0].hint
     assert target.read_text() == "my notes, not to be lost"
     assert [path.name for path in tmp_path.iterdir()] == [target.name]
+
+
+TARGETS = {
+    "a folder": (lambda target, own, foreign: target.mkdir(), "is a folder"),
+    "a device": (lambda target, own, foreign: target.symlink_to("/dev/null"), "no regular file"),
+    "a pipe": (lambda target, own, foreign: os.mkfifo(target), "no regular file"),
+    "a foreign file": (lambda target, own, foreign: target.write_bytes(b"notes"), "was not written by this command"),
+    "a link to one": (lambda target, own, foreign: target.symlink_to(foreign), "was not written by this command"),
+    "a hard link to one": (lambda target, own, foreign: target.hardlink_to(foreign), "not written by this command"),
+    "a link to the input": (lambda target, own, foreign: target.symlink_to(own), "that this command reads"),
+    "a hard link to the input": (lambda target, own, foreign: target.hardlink_to(own), "that this command reads"),
+}
+
+
+@pytest.mark.parametrize("kind", TARGETS)
+def test_nothing_is_written_where_it_should_not(kind, tmp_path):
+    make, words = TARGETS[kind]
+    own, foreign, target = tmp_path / "own.png", tmp_path / "foreign.png", tmp_path / "out.png"
+    own.write_bytes(b"\x89PNG\r\n\x1a\n")
+    foreign.write_bytes(b"notes")
+    make(target, own, foreign)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
+    with pytest.raises(InputError, match=words) as refused:
+        check_output(target, [own])
+    assert refused.value.problems[0].hint
+    assert {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()} == before
 
 
 def test_an_export_does_not_replace_what_it_reads(results):

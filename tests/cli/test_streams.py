@@ -5,9 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from test_run import STUDY, folder, known, pound  # noqa: F401  (fixtures)
+
+from pounding_cli.cli import streams
 
 MAIN = "import sys; from pounding_cli.cli.main import main; main()"
 """Without numba where the study is finished, so each process takes a second."""
@@ -34,6 +37,28 @@ def test_a_reader_that_has_gone_ends_a_command_without_a_word(done, arguments):
     assert process.returncode == 141
     assert "Traceback" not in said
     assert "BrokenPipe" not in said
+
+
+def test_a_table_whose_reader_has_gone_is_no_exit_code_of_rich(monkeypatch):
+    """rich ends the process with exit code 1; `main` must hear of it."""
+    from rich.table import Table
+
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write, "w", buffering=1) as gone:
+        monkeypatch.setattr(sys, "stdout", gone)
+        table = Table("a")
+        table.add_row("1")
+        with pytest.raises(BrokenPipeError):
+            streams.echo_table(table)
+        monkeypatch.undo()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), gone.fileno())
+
+
+def test_no_command_prints_with_rich_itself():
+    """`streams.echo_table` is the one place; the bar of `pound run` goes to a terminal."""
+    sources = (Path(streams.__file__).parent).glob("*.py")
+    assert [path.name for path in sources if "Console" in path.read_text()] == ["streams.py"]
 
 
 @pytest.mark.parametrize("stream", ["1", "2"])

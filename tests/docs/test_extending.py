@@ -30,7 +30,7 @@ print("Heun" in Path("accuracy-elastic.svg").read_text())
 @pytest.fixture
 def outside(tmp_path):
     """Runs Python text in a folder that has the page's file and nothing else."""
-    method, use = (block.text for block in blocks(PAGE) if block.word == "python")
+    method, use = (block.text for block in blocks(PAGE) if block.word == "python" and not block.reason)
     (tmp_path / "heun.py").write_text(method)
     (tmp_path / "use.py").write_text(use)
 

@@ -12,9 +12,9 @@ def bench(tmp_path_factory):
     return Bench(tmp_path_factory.mktemp("damage"))
 
 
-@pytest.mark.parametrize("name", ["damaged", "parts"])
-def test_nothing_damaged_is_shown_or_used_again(bench, name):
+@pytest.mark.parametrize(("name", "tries"), [("damaged", 12), ("parts", 12), ("forged", 6)])
+def test_nothing_damaged_is_shown_or_used_again(bench, name, tries):
     told: list[str] = []
-    found = hunt(bench, name, 20, tell=told.append)
+    found = hunt(bench, name, tries, tell=told.append)
     assert told == []
-    assert found.total() == 20
+    assert found.total() == tries

@@ -271,6 +271,30 @@ ENERGY = [
 
 METHODS = [
     Mutant(
+        "ground-of-a-step",
+        "fixed steps: the ground stands still from sample to sample",
+        ("(part * whole + gone)", "0.0"),
+        f"{ORDERS}[rk4]",
+    ),
+    Mutant(
+        "event-ends-step",
+        "RK4 with events: a step is not taken again up to the event",
+        "pass",
+        f"{VERIFICATION}/test_methods.py::test_location_keeps_the_order_at_contacts",
+    ),
+    Mutant(
+        "generalized-alpha-shares",
+        "HHT-alpha: the old forces have no share",
+        ("- alpha_f * p.a[i]", ""),
+        f"{ORDERS}[hht-alpha]",
+    ),
+    Mutant(
+        "generalized-alpha-shares",
+        "generalized-alpha: the old acceleration has no share",
+        ("alpha_m * (", "0.0 * ("),
+        f"{ORDERS}[generalized-alpha]",
+    ),
+    Mutant(
         "runge-kutta-stages",
         "RK4: a stage counted with 1.9 instead of 2",
         ("2.0 * (q2.a[i] + q3.a[i])", "1.9 * q2.a[i] + 2.0 * q3.a[i]"),
@@ -279,7 +303,7 @@ METHODS = [
     Mutant(
         "central-difference-velocity",
         "central difference: velocity of the half step taken for the step's",
-        "state.v[i] = half[i]",
+        ("1.5 * half[i] - 0.5 * before", "half[i]"),
         f"{ORDERS}[central-difference]",
     ),
     Mutant("newmark-gamma", "Newmark with gamma = 0.52", ("0.5 ", "0.52 "), f"{ORDERS}[newmark]"),

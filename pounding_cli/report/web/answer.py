@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from pounding_cli.laws import drawn
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.web.story import digits
 from pounding_cli.store import FlagGroup, flag_groups_of
@@ -131,7 +132,7 @@ def _closing(link: pd.DataFrame, unit: Unit) -> dict[str, Cell]:
         times, of = closed.loc[row["case"]]
         where = f"contact: {times} of {counted(of, 'run')}" if times else "no contact"
         number = f"{digits(unit.number(row['max_closing']), 3)} / {unit.text(row['gap'])}"
-        found[row["case"]] = Cell(number, where if row["kind"] == "pounding" else str(row["kind"]))
+        found[row["case"]] = Cell(number, where if drawn(row["kind"]) == "gap" else str(row["kind"]))
     return found
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pounding_cli.laws import drawn
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.web.data import numbers
 
@@ -82,7 +83,7 @@ def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> tu
         "acceleration": {"unit": unit.name, "factor": 1 / unit.factor},
         "buildings": buildings,
         "links": links,
-        "contact": any(np.any(history.link_force[:, one["column"]]) for one in links if one["kind"] != "connector"),
+        "contact": any(np.any(history.link_force[:, one["column"]]) for one in links if one["drawn"] != "bar"),
         "series": base64.b64encode(packed.tobytes()).decode("ascii"),
     }
     return scene, packed.size * _PER_NUMBER
@@ -118,7 +119,7 @@ def _links(history: History, evidence: Evidence, case: str) -> list[dict[str, An
             "right": place[row["right"]],
             "floor": int(row["floor"]),
             "right_floor": int(row["right_floor"]),
-            "kind": row["kind"],
+            "drawn": drawn(row["kind"]),
             "gap": float(row["gap"]),
         }
         for row in rows.to_dict("records")

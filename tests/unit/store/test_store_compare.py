@@ -160,7 +160,7 @@ def test_a_scene_that_failed_is_told(made):
 
 def test_words_and_versions_make_no_difference_keys_do(made, tmp_path):
     def facts(gap, derived):
-        return {"gap": gap, "places": [derived], "buildings": {"stiff": {"derived": {"period": derived}}}}
+        return {"gap": gap, "separation": [derived], "buildings": {"stiff": {"derived": {"period": derived}}}}
 
     first = made("a", plan=small_plan(study=FakeStudy(text="gap: 5 cm\n", facts=facts(0.05, 1.0))))
     other = small_plan(study=FakeStudy(text="gap: 50 mm\n", facts=facts(0.05, 2.0)))

@@ -68,9 +68,9 @@ function playerView() {
     const times = state.at.scale === 1 ? 'to the scale of the heights' : `${state.at.scale} times larger than heights`;
     const thinned = scene.stride > 1 ? `The page holds every ${scene.stride}th sample, and the largest force in between.` : '';
     const yielding = scene.yields ? 'Columns are red and thick while the storey drift is at or beyond the yield drift. ' : 'This scene is elastic: no storey yields. ';
-    const kinds = new Set(scene.links.map(({ kind }) => kind));
-    const contact = kinds.has('pounding') || kinds.has('infill') ? `Stars: contact forces. A contact with at least ${100 * HARD} % of the largest force counts as an impact for the buttons and the slow motion. ` : '';
-    const bars = kinds.has('connector') ? 'Bars: connectors, orange in compression, blue in tension. ' : '';
+    const kinds = new Set(scene.links.map(({ drawn }) => drawn));
+    const contact = kinds.has('gap') || kinds.has('filling') ? `Stars: contact forces. A contact with at least ${100 * HARD} % of the largest force counts as an impact for the buttons and the slow motion. ` : '';
+    const bars = kinds.has('bar') ? 'Bars: connectors, orange in compression, blue in tension. ' : '';
     root.querySelector('.key').textContent = `Displacements and gaps are drawn ${times}. ${yielding}${contact}${bars}${thinned}`;
     canvas.setAttribute('aria-label', `${scene.buildings.map(({ name }) => name).join(', ')} moving: ${scene.label}; displacements drawn ${times}`);
     draw();

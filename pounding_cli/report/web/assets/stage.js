@@ -60,7 +60,7 @@ class Scene {
   findContacts() {
     const spells = [];
     this.forces.forEach((series, number) => {
-      if (this.links[number].kind === 'connector') return;
+      if (this.links[number].drawn === 'bar') return;
       let spell = null;
       for (let place = 0; place < this.count; place++) {
         const size = Math.abs(series[place]);
@@ -265,11 +265,11 @@ function faces(scene, at, link, time) {
 
 function drawLink(pen, scene, at, link, number, time, ink) {
   const { left, right, y } = faces(scene, at, link, time), thick = slabThick(at, link.left);
-  if (link.kind === 'infill') {
+  if (link.drawn === 'filling') {
     const end = Math.min(right, left + link.gap * at.sideways); // it presses, it does not pull
     pen.fillStyle = ink.infill;
     pen.fillRect(left, y - thick * 1.6, Math.max(end - left, 1), thick * 3.2);
-  } else if (link.kind === 'connector') {
+  } else if (link.drawn === 'bar') {
     const force = scene.between(scene.forces[number], time);
     pen.strokeStyle = force < 0 ? ink.pull : ink.flash;
     pen.lineWidth = 2 + 4 * Math.abs(force / (scene.mostForce || 1));
@@ -288,7 +288,7 @@ function drawLink(pen, scene, at, link, number, time, ink) {
 
 /** A star where two floors press, as large and bright as their force. */
 function drawFlash(pen, scene, at, link, glow, time, ink) {
-  if (link.kind === 'connector' || !(glow > 0.01)) return;
+  if (link.drawn === 'bar' || !(glow > 0.01)) return;
   const { x, y, size } = star(scene, at, link, glow, time);
   pen.save();
   pen.globalAlpha = Math.min(1, 0.3 + glow);
@@ -310,7 +310,7 @@ function star(scene, at, link, glow, time) {
 
 /** The force beside the star of the hardest link; nothing else would be legible in a low storey. */
 function drawForce(pen, scene, at, glow, time, ink) {
-  const pressing = scene.links.map((link, number) => (link.kind === 'connector' ? 0 : glow[number]));
+  const pressing = scene.links.map((link, number) => (link.drawn === 'bar' ? 0 : glow[number]));
   const number = pressing.indexOf(Math.max(...pressing));
   const force = number < 0 ? 0 : scene.between(scene.forces[number], time);
   if (!(pressing[number] > 0.05) || force === 0) return;
