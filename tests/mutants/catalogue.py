@@ -308,7 +308,7 @@ METHODS = [
     Mutant(
         "central-difference-velocity",
         "central difference: velocity of the half step taken for the step's",
-        "state.v[i] = half[i]",
+        ("1.5 * half[i] - 0.5 * before", "half[i]"),
         f"{ORDERS}[central-difference]",
     ),
     Mutant("newmark-gamma", "Newmark with gamma = 0.52", ("0.5 ", "0.52 "), f"{ORDERS}[newmark]"),

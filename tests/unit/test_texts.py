@@ -74,3 +74,7 @@ def test_markdown_has_no_html(tmp_path):
     )
     text = path.read_text()
     assert text == "# &lt;script>alert(1)&lt;/script>\n| a<br>b | &lt;img src=x onerror=y> |\n"
+
+
+def test_a_text_without_a_letter_still_names_a_file():
+    assert file_name("/ ..") == file_name("") == "unnamed"
