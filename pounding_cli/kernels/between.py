@@ -10,6 +10,7 @@ from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import branch_at, closing_of, held_force_rate
 from pounding_cli.kernels.link_table import branch
 from pounding_cli.kernels.polynomial import highest
+from pounding_cli.kernels.storey_law import held_coefficients, returned
 
 SHORTEST = 1e-7
 """Steps shorter than this [s], between events that coincide, have no mean acceleration: it is a difference of
@@ -19,15 +20,11 @@ velocities over nothing. Their ends say it all."""
 @njit(**INLINE)
 def restoring(slots, i, drift, line, plastic, located):
     """Shear of storey i [N] at `drift`: on its branch where branches are located, else by return mapping."""
-    k = slots.stiffness[i]
-    a = slots.hardening[i]
-    limit = slots.yield_drift[i]
-    if located and line != 0.0:
-        return a * k * drift + line * slots.plateau[i]
-    elastic = drift - plastic
+    k, a = slots.stiffness[i], slots.hardening[i]
     if not located:
-        elastic = min(max(elastic, -limit), limit)
-    return k * (a * drift + (1.0 - a) * elastic)
+        return returned(k, a, slots.yield_drift[i], plastic, drift)[0]
+    tangent, offset = held_coefficients(k, a, slots.plateau[i], line, plastic)
+    return tangent * drift + offset
 
 
 @njit(**INLINE)

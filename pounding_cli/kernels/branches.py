@@ -15,16 +15,16 @@ from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import closing_of, held_force, held_force_rate, link_force
 from pounding_cli.kernels.link_table import branch, guard
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
+from pounding_cli.kernels.storey_law import held_coefficients, held_transit
 
 
 @njit(**INLINE)
 def held_shear(slots, state, i, drift):
     """Restoring force of storey i [N] on its branch."""
-    k = slots.stiffness[i]
-    a = slots.hardening[i]
-    if state.line[i] != 0.0:
-        return a * k * drift + state.line[i] * slots.plateau[i]
-    return k * (drift - (1.0 - a) * state.plastic[i])
+    tangent, offset = held_coefficients(
+        slots.stiffness[i], slots.hardening[i], slots.plateau[i], state.line[i], state.plastic[i]
+    )
+    return tangent * drift + offset
 
 
 @njit(**INLINE)
@@ -136,14 +136,9 @@ def link_branch_end(links, state, e, h, v0, r0, q0, v1, r1, q1, scratch):
 @njit(**INLINE)
 def switch_storey(slots, state, i, drift):
     """Storey i leaves its branch at `drift` [m]: onto a yield line, or off it."""
-    if state.line[i] == 0.0:
-        state.line[i] = 1.0 if drift > state.plastic[i] else -1.0
-        state.snapped_storey[i] = 0
-    else:
-        side = state.line[i]
-        state.line[i] = 0.0
-        state.plastic[i] = drift - side * slots.yield_drift[i]
-        state.snapped_storey[i] = int(side)
+    state.line[i], state.plastic[i], state.snapped_storey[i] = held_transit(
+        state.line[i], state.plastic[i], slots.yield_drift[i], drift
+    )
 
 
 @njit(**INLINE)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
@@ -13,21 +12,17 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import set_law
 from pounding_cli.kernels.recurrence import restencil
 from pounding_cli.kernels.simd import stand_alone
+from pounding_cli.kernels.storey_law import coefficients, transit
 
 
 @njit(**PART)
 def _storey_branch(run, i):
     """Stiffness and offset of the branch storey i is on."""
     slots = run.slots
-    k0 = slots[of(i, c.STIFFNESS)]
-    a = slots[of(i, c.HARDENING)]
-    line = slots[of(i, c.LINE)]
-    if line == 0.0:
-        slots[of(i, c.TANGENT)] = k0  # fault: storey-elastic-tangent
-        slots[of(i, c.OFFSET)] = -(1.0 - a) * k0 * slots[of(i, c.PLASTIC)]
-    else:
-        slots[of(i, c.TANGENT)] = a * k0
-        slots[of(i, c.OFFSET)] = line * slots[of(i, c.PLATEAU)]
+    slots[of(i, c.TANGENT)], slots[of(i, c.OFFSET)] = coefficients(
+        slots[of(i, c.STIFFNESS)], slots[of(i, c.HARDENING)], slots[of(i, c.PLATEAU)], slots[of(i, c.LINE)],
+        slots[of(i, c.PLASTIC)],
+    )  # fmt: skip
 
 
 @njit(**CALLED)
@@ -46,16 +41,10 @@ def settle(run):
 def _storey_event(run, i, drift):
     """Change the branch of storey i, which leaves its own at `drift` [m]."""
     slots = run.slots
-    line = slots[of(i, c.LINE)]
-    if line == 0.0:
-        slots[of(i, c.LINE)] = 1.0 if drift > slots[of(i, c.PLASTIC)] else -1.0
-        slots[of(i, c.PLASTIC)] = np.inf  # no elastic range is watched while the storey is on a yield line
-        run.snapped[i] = 0
-    else:
-        slots[of(i, c.LINE)] = 0.0
-        slots[of(i, c.PLASTIC)] = drift - line * slots[of(i, c.YIELD_DRIFT)]  # fault: storey-unloads
-        run.snapped[i] = int(line)
-    _storey_branch(run, i)
+    slots[of(i, c.LINE)], slots[of(i, c.PLASTIC)], run.snapped[i] = transit(
+        slots[of(i, c.LINE)], slots[of(i, c.PLASTIC)], slots[of(i, c.YIELD_DRIFT)], drift
+    )
+    _storey_branch(run, i)  # fault: storey-unloads
     restencil(run, i)
     if i >= 1:
         restencil(run, i - 1)

@@ -10,6 +10,7 @@ from numba import njit
 
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import closing_of, link_force
+from pounding_cli.kernels.storey_law import returned
 
 
 @njit(**INLINE)
@@ -34,16 +35,9 @@ def accelerations(slots, feet, links, plastic, u, v, phi, phi_v, ground, inelast
         drift[i] = d
         restoring = slots.stiffness[i] * d
         if inelastic:
-            elastic = d - plastic[i]
-            limit = slots.yield_drift[i]
-            if elastic > limit:
-                elastic = limit
-                plastic[i] = d - limit
-            elif elastic < -limit:
-                elastic = -limit
-                plastic[i] = d + limit
-            a = slots.hardening[i]
-            restoring = slots.stiffness[i] * (a * d + (1.0 - a) * elastic)
+            restoring, plastic[i] = returned(
+                slots.stiffness[i], slots.hardening[i], slots.yield_drift[i], plastic[i], d
+            )
         shear[i] = restoring
         force[i] = restoring + slots.dashpot[i] * (v[i] - below_v - turned_v)
     for i in range(size):

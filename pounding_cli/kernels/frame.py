@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from llvmlite import ir
 from numba import types
-from numba.core.typing.templates import AttributeTemplate
-from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
+from numba.extending import models, overload_attribute, register_model
 
+from pounding_cli.kernels.layout import PART
 from pounding_cli.kernels.simd import instruction
 
 _WORD = ir.IntType(64)
@@ -28,6 +28,8 @@ class Frame(types.Type):
         self.fields = fields
         self.places = {field: place for place, field in enumerate(fields)}
         self.movable = movable
+        for field in fields:
+            _readable(self, field)
 
 
 @register_model(Frame)
@@ -36,26 +38,25 @@ class _FrameModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, _WORD.as_pointer())
 
 
-@infer_getattr
-class _Fields(AttributeTemplate):
-    """Teaches numba the types of `frame.field`, of all fields at once: numba looks through all it knows once for each
-    such lesson, also when it only loads what is compiled."""
-
-    key = Frame
-
-    def generic_resolve(self, frame: Frame, field: str) -> types.Type | None:
-        return frame.fields.get(field)
-
-
-@lower_getattr_generic(Frame)
-def _read(context, builder, frame, value, field):
+def _readable(frame: Frame, field: str) -> None:
+    """Teach numba `frame.field`."""
     kind = frame.fields[field]
-    word = builder.load(builder.gep(value, [_WORD(frame.places[field])]))
-    if field not in frame.movable:
-        word.set_metadata("invariant.load", builder.module.add_metadata([]))
-    if isinstance(kind, types.CPointer):
-        return builder.inttoptr(word, context.get_value_type(kind))
-    return builder.bitcast(word, ir.DoubleType()) if kind == types.float64 else word
+
+    @instruction
+    def read(typingctx, place):
+        def codegen(context, builder, signature, args):
+            word = builder.load(builder.gep(args[0], [_WORD(frame.places[field])]))
+            if field not in frame.movable:
+                word.set_metadata("invariant.load", builder.module.add_metadata([]))
+            if isinstance(kind, types.CPointer):
+                return builder.inttoptr(word, context.get_value_type(kind))
+            return builder.bitcast(word, ir.DoubleType()) if kind == types.float64 else word
+
+        return kind(place), codegen
+
+    @overload_attribute(frame, field, jit_options=PART)
+    def attribute(place):
+        return lambda place: read(place)
 
 
 def _as_word(context, builder, value, given, wanted):

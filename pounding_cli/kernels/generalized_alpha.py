@@ -28,6 +28,7 @@ from pounding_cli.kernels.stepping import (
     march,
     nothing_after,
 )
+from pounding_cli.kernels.storey_law import yields
 
 NO_ROOT = 10
 """Outcome: a step had no root however short it was made."""
@@ -66,7 +67,7 @@ def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
     size = slots.size
     for i in range(size):
         slope = slots.stiffness[i]
-        if inelastic and abs(drift[i] - plastic[i]) >= slots.yield_drift[i] * (1.0 - 1e-12):
+        if inelastic and yields(slots.yield_drift[i], plastic[i], drift[i]):
             slope *= slots.hardening[i]
         changed = changed or slope != tangent[i]
         tangent[i] = slope

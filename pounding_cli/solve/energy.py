@@ -6,6 +6,7 @@ import numpy as np
 
 from pounding_cli.kernels.layout import State
 from pounding_cli.kernels.ledger import Ledger
+from pounding_cli.laws import bilinear
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, drift_of
 
@@ -18,12 +19,8 @@ def held(scene: Scene, arrays: Arrays, state: State) -> dict[str, float]:
     slots, feet = arrays.slots, arrays.feet
     kinetic = 0.5 * float(slots.mass @ state.v**2)
     drift = drift_of(arrays, state)
-    elastic = drift.copy()
-    if scene.analysis == "inelastic":
-        on_line = state.line != 0
-        elastic[~on_line] -= state.plastic[~on_line]
-        elastic[on_line] = state.line[on_line] * slots.yield_drift[on_line]
-    stored = 0.5 * float(slots.stiffness @ (slots.hardening * drift**2 + (1 - slots.hardening) * elastic**2))
+    elastic = bilinear.elastic_drift(state.line, state.plastic, slots.yield_drift, drift)
+    stored = float(bilinear.stored(slots.stiffness, slots.hardening, drift, elastic))
     for f in range(feet.number):
         if np.isfinite(feet.inertia[f]):
             kinetic += 0.5 * float(feet.inertia[f]) * float(state.phi_v[f]) ** 2

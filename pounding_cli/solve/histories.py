@@ -13,6 +13,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import layout
+from pounding_cli.laws import bilinear
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
@@ -162,14 +163,12 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: _States) -> H
     slots, feet = arrays.slots, arrays.feet
     ground, moved = _ground(scene, times)
     drift, drift_rate = _drifts(arrays, s.u, s.phi), _drifts(arrays, s.v, s.phi_v)
-    limit = np.where(np.isfinite(slots.yield_drift), slots.yield_drift, 0.0)
-    between = s.line == 0  # neither on the upper nor on the lower yield line
-    elastic = np.where(between, drift - np.where(between, s.plastic, 0.0), s.line * limit)  # fault: history-yield-line
+    elastic = bilinear.elastic_drift(s.line, s.plastic, slots.yield_drift, drift)
     shear = slots.stiffness * (slots.hardening * drift + (1 - slots.hardening) * elastic)
     links = _link_forces(arrays, s)
     acceleration = _accelerations(arrays, s, shear + slots.dashpot * drift_rate, links)  # fault: history-accelerations
     kinetic = 0.5 * (s.v**2 @ slots.mass)
-    stored = 0.5 * ((slots.hardening * drift**2 + (1 - slots.hardening) * elastic**2) @ slots.stiffness)
+    stored = bilinear.stored(slots.stiffness, slots.hardening, drift, elastic)
     for f in np.flatnonzero(np.isfinite(feet.inertia)):
         kinetic += 0.5 * feet.inertia[f] * s.phi_v[:, f] ** 2
         stored += 0.5 * feet.stiffness[f] * s.phi[:, f] ** 2

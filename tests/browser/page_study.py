@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -129,7 +130,10 @@ def report(
         for case, analysis in kept:
             place = {"case": case, "analysis": analysis, "record": "strong", "scene": f"{case}-{analysis}", "every": DT}
             write_history(file, place, motion_of(("stiff", "soft"), labels, 3))
-        for former, name in (renamed or {}).items():
-            file["case"][list(file["case"].asstr()[:]).index(former)] = name
+        if renamed:
+            file["case"][...] = [renamed[name] for name in file["case"].asstr()[:]]
+            resolved = json.loads(file["study/resolved"].asstr()[()])
+            resolved["cases"] = {renamed[name]: case for name, case in resolved["cases"].items()}
+            file["study/resolved"][()] = json.dumps(resolved)
     write_report(open_results(results), folder, formats)
     return folder

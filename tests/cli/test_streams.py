@@ -124,5 +124,5 @@ def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound,
 
 def test_the_exit_codes_are_told_in_the_help(folder, pound):  # noqa: F811
     _, out, _ = pound("--help", solve=None)
-    for code in ("70 a fault of the program", "141 the reader"):
+    for code in ("70 a fault of the program", "141 the program that read the output"):
         assert code in out

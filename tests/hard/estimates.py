@@ -13,7 +13,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from pounding_cli.batch.attempt import Task
-from pounding_cli.model.links import Kind
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.assess import ILL_CONDITIONED, difference
@@ -66,7 +65,7 @@ class Tally:
 
 def begins_in_touch(scene: Scene) -> bool:
     """Whether floors stand in touch before anything moves."""
-    return any(link.kind is Kind.INFILL or (link.kind is Kind.POUNDING and link.gap == 0) for link in scene.links)
+    return any(link.kind == "infill" or (link.kind == "pounding" and link.gap == 0) for link in scene.links)
 
 
 def without_contact_times(response: Response) -> Response:

@@ -90,12 +90,17 @@ LINKS = [
 ]
 
 STOREYS = [
-    Mutant("storey-elastic-tangent", "unloading with the hardened stiffness", ("= k0", "= a * k0"), THROW),
+    Mutant(
+        "storey-elastic-tangent",
+        "unloading with the hardened stiffness",
+        ("return stiffness", "return hardening * stiffness"),
+        THROW,
+    ),
     Mutant(
         "storey-unloads",
         "isotropic instead of kinematic hardening",
-        "{line}; slots[of(i, c.YIELD_DRIFT)] *= 1.0 + slots[of(i, c.HARDENING)]; "
-        "slots[of(i, c.PLATEAU)] *= 1.0 + slots[of(i, c.HARDENING)]",
+        "slots[of(i, c.YIELD_DRIFT)] *= 1.0 + slots[of(i, c.HARDENING)]; "
+        "slots[of(i, c.PLATEAU)] *= 1.0 + slots[of(i, c.HARDENING)]; {line}",
         THROW,
     ),
     Mutant(
@@ -493,7 +498,7 @@ HISTORIES = [
     Mutant(
         "history-yield-line",
         "histories: a storey on its lower yield line is taken for one on the upper",
-        ("s.line *", "np.abs(s.line) *"),
+        ("line * limit", "np.abs(line) * limit"),
         f"{UNIT}/solve/test_histories.py::test_the_largest_values_are_the_peaks",
     ),
     Mutant(

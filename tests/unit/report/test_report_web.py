@@ -290,8 +290,8 @@ def test_player_gets_ground_floors_and_links_in_this_order():
     assert rows[11 + 1].min() == -5e6
     assert scene["dt"] == pytest.approx(0.01)
     assert scene["buildings"][0]["yield"] == pytest.approx([1e6 / 1e9] * 5)
-    assert [(link["left"], link["right"], link["floor"], link["kind"]) for link in scene["links"]] == [
-        (0, 1, floor, "pounding") for floor in range(1, 6)
+    assert [(link["left"], link["right"], link["floor"], link["drawn"]) for link in scene["links"]] == [
+        (0, 1, floor, "gap") for floor in range(1, 6)
     ]
 
 
