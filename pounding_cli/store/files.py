@@ -15,7 +15,8 @@ import h5py
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION
 from pounding_cli.store.seal import Sealed, Unsealed, is_sealed, open_regular
-from pounding_cli.store.structure import check_links, check_study, number
+from pounding_cli.store.structure import check_links, number
+from pounding_cli.store.values import check_study
 
 if TYPE_CHECKING:
     import xarray

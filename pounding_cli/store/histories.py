@@ -158,11 +158,16 @@ def read_history(group: h5py.Group) -> History:
     for name, (dims, _, _) in FIELDS.items():
         if all(dim in sizes for dim in dims):
             expect(forms, f"{here}/{name}", tuple(sizes[dim] for dim in dims), "f")
-    for dim in ("building", "link"):
-        if dim in group and not np.array_equal(group[dim][()], group.file[dim][()]):
+    beside = group.file if group.parent.name == f"/{GROUP}" else group  # scenes of before have links of before
+    for dim in ("building", "storey", "floor", "link"):
+        if (dim in group) != (dim in beside):
+            raise refused(f"{here}/{dim}", "is missing" if dim in beside else "is not in the file")
+        if dim in group and not np.array_equal(group[dim][()], beside[dim][()]):
             raise refused(f"{here}/{dim}", "is not that of the file")
     texts = {dim: tuple(strings(group[dim])) if dim in group else () for dim in ("building", "link")}
     time = group["time"][()]
+    if not (np.isfinite(time).all() and (np.diff(time) > 0).all()):
+        raise refused(f"{here}/time", "does not go on")
     arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}
     energy = {name: arrays.pop(f"energy_{name}") for name in ENERGIES}
     return History(time=time, **arrays, energy=energy, buildings=texts["building"], links=texts["link"])

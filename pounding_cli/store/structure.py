@@ -17,8 +17,6 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.layout import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
 from pounding_cli.texts import plain, plain_all
 
-ANALYSES = ("elastic", "inelastic")
-
 _UNPACKED = 1100
 """Deflate makes at most 1032 bytes of one."""
 
@@ -30,6 +28,10 @@ _TYPES = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING)
 
 _LAZY = ("histories", "former")
 """Groups of groups, each of which is checked when it is read."""
+
+
+_OF_LINK = {"link": "s", "link_left": "s", "link_right": "s", "link_floor": "i", "link_right_floor": "i"}
+"""Coordinates of a link, and whether they are texts."""
 
 
 class Form(NamedTuple):
@@ -56,8 +58,12 @@ def check_links(group: h5py.Group) -> dict[str, Form]:
     return dict(_forms(group, group.name.strip("/"), group.file.id.get_filesize()))
 
 
-def check_study(file: h5py.File) -> None:
-    """Refuse a file of `pound run` whose parts do not fit together.
+def check_structure(file: h5py.File) -> list[list[str]]:
+    """Refuse a file of `pound run` whose parts have not the shapes and types that fit together.
+
+    Returns
+    -------
+    list : the swept keys of every axis
 
     Raises
     ------
@@ -72,13 +78,15 @@ def check_study(file: h5py.File) -> None:
     for names in swept:
         for name in names[1:]:
             expect(forms, name, (sizes[names[0]],), "")
-    for names in (*PLACE, "building"):
-        expect(forms, names, (sizes[names],), "s")
-    if not set(file["analysis"].asstr()[:]) <= set(ANALYSES):
-        raise refused("analysis", f"is not one of {', '.join(ANALYSES)}")
+    for name in (*PLACE, "building"):
+        expect(forms, name, (sizes[name],), "s")
+    for name in ("storey", "floor"):
+        expect(forms, name, (sizes[name],), "i")
     linked = "link" in file
     if linked:
         sizes["link"] = _size(forms, "link")
+        for name, kind in _OF_LINK.items():
+            expect(forms, name, (sizes["link"],), kind)
     for variable in (*RESPONSES, *SCENES, *STATISTICS, *LINKS):
         if linked or "link" not in variable.dims:
             name = variable.name if variable.name in forms else FORMERLY.get(variable.name, variable.name)
@@ -91,22 +99,10 @@ def check_study(file: h5py.File) -> None:
             expect(forms, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
     for name in ("study/text", "study/resolved"):
         expect(forms, name, (), "s")
-    _check_names(file)
     for name in ("scenes", "scenes_failed", "solver_seconds", "accuracy"):
         number(file.attrs, name)
     text(file.attrs, "title")
-
-
-def _check_names(file: h5py.File) -> None:
-    """Refuse names that stand twice or are not those of the study."""
-    resolved = json.loads(file["study/resolved"].asstr()[()])
-    is_swept = {name.split(".")[0] for names in json.loads(file.attrs["swept"]) for name in names}
-    for dim, key in (("building", "places"), ("case", "cases"), ("record", "")):
-        names = file[dim].asstr()[:].tolist()
-        if len(set(names)) != len(names):
-            raise refused(dim, "names one twice")
-        if key in resolved and "group" not in is_swept and set(names) != set(resolved[key]):
-            raise refused(dim, "is not that of its study")
+    return swept
 
 
 def number(attrs: h5py.AttributeManager, name: str) -> float:

@@ -16,7 +16,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.former import written_place
 from pounding_cli.store.keys import FORMAT_VERSION
 from pounding_cli.store.sink import writing
-from pounding_cli.store.structure import strings
+from pounding_cli.store.structure import number, refused, strings
 from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
@@ -115,9 +115,12 @@ def describe_unit(dataset: h5py.Dataset, unit: Unit) -> None:
 
 
 def written(dataset: h5py.Dataset) -> Unit:
-    """The unit the study wrote a swept key in; SI where a file does not say."""
+    """The unit the study wrote a swept key in; SI where a file does not say.  Raises InputError: it is no unit."""
     si = str(dataset.attrs.get("units", ""))
-    return Unit(str(dataset.attrs.get("unit_written", si)), float(dataset.attrs.get("unit_factor", 1.0)), si)
+    factor = number(dataset.attrs, "unit_factor") if "unit_factor" in dataset.attrs else 1.0
+    if not factor > 0:
+        raise refused(dataset.name.strip("/"), "has a unit that is not positive")
+    return Unit(str(dataset.attrs.get("unit_written", si)), factor, si)
 
 
 def coordinate(file: h5py.File, name: str) -> list[Any]:

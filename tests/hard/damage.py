@@ -67,6 +67,10 @@ ODD = (
 )  # fmt: skip
 
 
+DIMENSIONS = {"REFERENCE_LIST", "DIMENSION_LIST"}
+"""Attributes by which HDF5 attaches dimension scales."""
+
+
 class Hang(BaseException):
     """A command took longer than LONGEST."""
 
@@ -235,8 +239,8 @@ def change(file: h5py.File, chance: random.Random) -> None:
     item = file[name]
     kind = chance.choice(("attribute", "attribute", "delete", "values", "values", "type", "link", "size"))
     if kind == "attribute":
-        holder = chance.choice((file, file, item))
-        attribute = chance.choice([each for each in holder.attrs if each not in ("REFERENCE_LIST", "DIMENSION_LIST")])
+        holder = chance.choice((file, file, item if set(item.attrs) - DIMENSIONS else file))
+        attribute = chance.choice([each for each in holder.attrs if each not in DIMENSIONS])
         if chance.random() < 0.15:
             del holder.attrs[attribute]
         else:

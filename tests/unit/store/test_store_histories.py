@@ -8,6 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from sealing import edited
 from study_plans import Axis, known, small_plan
 
 from pounding_cli.errors import InputError
@@ -189,3 +190,41 @@ def test_a_file_without_histories_says_how_to_get_them(tmp_path):
     assert len(results.histories()) == 0
     with pytest.raises(InputError, match="keep: histories"):
         results.history()
+
+
+def without(name):
+    def change(group):
+        del group[name]
+
+    return change
+
+
+def standing_still(group):
+    group["time"][2] = group["time"][1]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (without("building"), "its histories/0/building is missing"),
+        (without("link"), "its histories/0/link is missing"),
+        (standing_still, "its histories/0/time does not go on"),
+    ],
+)
+def test_a_forged_history_is_refused_by_name(kept, change, words):
+    path, plan = kept
+    with edited(path) as file:
+        change(file["histories/0"])
+    names = [name for axis in plan.axes for name in axis.names]
+    results = open_results(path)
+    first = results.histories().iloc[0]
+    with pytest.raises(InputError, match=words):
+        results.history(**{name: first[name] for name in (*names, "case", "analysis", "record")})
+
+
+def test_a_unit_that_is_none_is_refused(kept):
+    path, _ = kept
+    with edited(path) as file:
+        file["records.scale"].attrs["unit_factor"] = 0.0
+    with pytest.raises(InputError, match=r"its records.scale has a unit that is not positive"):
+        open_results(path)

@@ -82,6 +82,13 @@ def pairs(file, secret):
     file["V"] = np.zeros(shape, "i8,f8")
 
 
+def value(name, at, value):
+    def change(file, secret):
+        file[name][at] = value
+
+    return change
+
+
 def attribute(name, value):
     def change(file, secret):
         file.attrs[name] = value
@@ -111,6 +118,15 @@ FORGED = {
     "title no text": (attribute("title", 3.0), "its title is no text"),
     "title no UTF-8": (not_utf8("title"), "an attribute is no UTF-8"),
     "swept keys no list": (attribute("swept", "3"), "does not hold what results hold"),
+    "link of a stranger": (value("link_left", 0, "tower"), "its link_left and link_right name no neighbours"),
+    "link to itself": (value("link_right", 0, "stiff"), "its link_left and link_right name no neighbours"),
+    "link at no floor": (value("link_floor", 0, 7), "its link_floor is no floor"),
+    "gap without end": (value("gap", (0, 0), np.inf), "its gap is not finite"),
+    "storeys from 0": (value("storey", 0, 0), "its storey does not count from 1"),
+    "a case twice": (value("case", 0, "gap"), "its case names one twice"),
+    "an analysis twice": (value("analysis", 0, "inelastic"), "its analysis names one twice"),
+    "no height": (value("height", (0, 0), np.nan), "its height is not positive and finite"),
+    "no period": (value("period", 0, -1.0), "its period is not positive and finite"),
 }  # fmt: skip
 
 
