@@ -51,6 +51,15 @@ def test_results_of_another_file_are_refused(project):
     check(project, "other/my-study.yaml", replace=True)
 
 
+def test_a_refusal_counts_the_histories_that_would_be_lost(project):
+    with edited(project / "results" / "my-study.h5") as file:
+        for number in range(3):
+            file.create_group(f"histories/{number}")
+    (project / "other.yaml").write_text("title: two buildings\n")
+    with pytest.raises(InputError, match="with 16 scenes and 3 histories"):
+        check(project, "other.yaml")
+
+
 def test_a_project_that_moved_or_was_copied_keeps_its_results(project):
     shutil.copytree(project, project.with_name("copy"))
     check(project.with_name("copy"), title="changed since")
