@@ -240,9 +240,9 @@ def synthesize(name: tuple[str, ...], everything: bool, output: Path, seed: int 
     for known in entries:
         if seed is not None:
             known = replace(known, seed=seed)
-        motion = stand_in(known)
         target = output / f"{known.name}.txt"
         check_output(target, mine=lambda _, head: head.startswith(b"# stand-in: "))
+        motion = stand_in(known)
         write_text(target, stand_in_text(known, motion))
         click.echo(
             f"{target}: seed {known.seed}, "

@@ -53,7 +53,7 @@ def write_report(
         columns = sensitivity.judge_points(evidences)
         files.append(folder / "tables" / "claims.csv")
         cells(sensitivity.frame(columns)).to_csv(files[-1], index=False)
-        if swept:
+        if swept and judgements:
             title = f"Claims over the sweep: {results.title}"
             files.append(write_markdown(folder / "claims-sensitivity.md", sensitivity.page(title, columns)))
         drawn = [f"{file_name(name)}.png" for name in figures] if "png" in formats else []

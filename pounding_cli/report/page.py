@@ -31,8 +31,11 @@ def summary(
     """
     lines = [f"# {evidence.title}", ""]
     if swept:
-        everywhere = "the claims at every point stand in [claims-sensitivity.md](claims-sensitivity.md)"
-        lines += [f"Figures and numbers on this page are those at {evidence.label}; {everywhere}.", ""]
+        everywhere = "; the claims at every point stand in [claims-sensitivity.md](claims-sensitivity.md)"
+        lines += [
+            f"Figures and numbers on this page are those at {evidence.label}{everywhere if judgements else ''}.",
+            "",
+        ]
     cases = scene["case"].nunique()
     if len(evidence.cases) < cases:
         lines += [f"Figures and numbers on this page are those of {len(evidence.cases)} of the {cases} cases.", ""]
@@ -122,15 +125,12 @@ def _links(evidence: Evidence) -> list[str]:
 
 
 def claims(judgements: Sequence[Judgement]) -> list[str]:
-    """The claims table: the paper's words, the verdict, the numbers and the threshold."""
-    lines = ["## The paper's claims", ""]
+    """The claims table: the paper's words, the verdict, the numbers and the threshold; nothing without claims."""
     if not judgements:
-        return [
-            *lines,
-            "This study names no figure of the paper (`claims: fig6` or `fig7`), so none is judged.",
-            "",
-        ]
-    lines += [
+        return []
+    lines = [
+        "## The paper's claims",
+        "",
         "A claim *holds* where every number meets its threshold, *holds partly* where some do, *does not "
         "hold* where none does; numbers that miss theirs are bold, those after “beside” carry no threshold.",
         "",

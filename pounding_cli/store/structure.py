@@ -142,21 +142,29 @@ def texts(attrs: h5py.AttributeManager) -> None:
 def _forms(group: h5py.Group, place: str, file_size: int) -> Iterator[tuple[str, Form]]:
     """The datasets of a group and of the groups in it, each checked; `place` is the path of the group."""
     texts(group.attrs)
-    names: list[bytes] = []
-    links = group.id.links
-    links.iterate(names.append)
-    for name in names:
-        path = f"{place}/{name.decode(errors='replace')}".lstrip("/")
-        if links.get_info(name).type != h5py.h5l.TYPE_HARD:
-            raise refused(path, "leads to another place or another file")
+    for name, path in _members(group, place):
         item = h5py.h5o.open(group.id, name)
         if isinstance(item, h5py.h5d.DatasetID):
             yield path, _form(path, item, file_size)
         elif isinstance(item, h5py.h5g.GroupID):
-            if path not in _LAZY:
+            if path in _LAZY:
+                _members(h5py.Group(item), path)
+            else:
                 yield from _forms(h5py.Group(item), path, file_size)
         else:
             raise refused(path, "is neither a dataset nor a group")
+
+
+def _members(group: h5py.Group, place: str) -> list[tuple[bytes, str]]:
+    """(name, path) of everything in a group; nothing of it is opened.  Raises InputError: a link to elsewhere."""
+    names: list[bytes] = []
+    links = group.id.links
+    links.iterate(names.append)
+    found = [(name, f"{place}/{name.decode(errors='replace')}".lstrip("/")) for name in names]
+    for name, path in found:
+        if links.get_info(name).type != h5py.h5l.TYPE_HARD:
+            raise refused(path, "leads to another place or another file")
+    return found
 
 
 def _form(path: str, dataset: h5py.h5d.DatasetID, file_size: int) -> Form:

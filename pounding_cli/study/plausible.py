@@ -13,7 +13,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study.motions import Used
 from pounding_cli.study.problems import Faults, Path, Tree
-from pounding_cli.study.schema import BuildingSpec
+from pounding_cli.study.schema import BaseShear, BuildingSpec
 from pounding_cli.study.source import Node
 from pounding_cli.study.units import GRAVITY, NUMBER
 from pounding_cli.words import counted
@@ -22,6 +22,7 @@ _LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
 _MASSES = {"t": 1e3, "kg": 1.0}
 _TIMES = {"s": 1.0, "ms": 1e-3}
 _FORCES = {"kN": 1e3, "MN": 1e6, "N": 1.0}
+_WEIGHTS = {"W": 1.0, "%": 0.01}
 _STIFFNESSES = {"kN/mm": 1e6, "kN/m": 1e3, "MN/mm": 1e9, "N/m": 1.0}
 _ACCELERATIONS = {"g": GRAVITY, "m/s2": 1.0}
 
@@ -99,6 +100,9 @@ def doubt_building(spec: BuildingSpec, building: Building, root: Tree, path: Pat
     if "damping" in given and spec.rayleigh is None:
         _note("damping ratio", spec.damping, root, (*path, "damping"), notes)
     _doubt_period(spec, building, root, path, notes)
+    if isinstance(spec.yield_, BaseShear) and spec.yield_shear is None:
+        fits = replace(RANGES["base yield shear over weight"], units=_WEIGHTS)
+        doubt("base shear", fits, spec.yield_.base_shear, root, (*path, "yield", "base_shear"), notes)
     if isinstance(spec.yield_shear, tuple):
         weight = GRAVITY * float(np.sum(building.mass))
         share = float(building.yield_shear[0]) / weight
@@ -112,6 +116,18 @@ def doubt_building(spec: BuildingSpec, building: Building, root: Tree, path: Pat
                 f"building's weight: {fits.reason}",
                 _hint(meant),
             )
+
+
+def slip_of_height(building: Building, root: Tree, path: Path) -> str:
+    """The first storey height of a building that is unlikely, with what may have been meant; "" where there is none."""
+    fits = RANGES["storey height"]
+    height = next((value for value in building.height.tolist() if not fits.holds(value)), None)
+    if height is None:
+        return ""
+    meant = _meant(_text(root, (*path, "height")), height, fits, lambda read: read)
+    return f"a storey height of {building.name} is {shown(height, _LENGTHS)}" + (
+        f": did you mean {meant}?" if meant else ""
+    )
 
 
 def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Faults) -> None:

@@ -271,12 +271,17 @@ class Resolver:
             for place, floors in enumerate(common):
                 if not floors:
                     one, other = placed[place], placed[place + 1]
+                    slips = (
+                        plausible.slip_of_height(types[name], root, ("buildings", name))
+                        for name in names[place : place + 2]
+                    )
+                    slip = next(filter(None, slips), "let the storey heights agree somewhere")
                     faults.at(
                         root,
                         ("group", place + 1),
                         f"{one.name} and {other.name} have no floor at one elevation: "
                         f"{_metres(one)} against {_metres(other)} m",
-                        "a floor striking a column is not modelled: let the storey heights agree somewhere",
+                        f"a floor striking a column is not modelled; {slip}",
                     )
             return Street(placed, types, common, impact, known) if all(common) else None
 

@@ -109,6 +109,7 @@ def report(
     solve: Callable = known,
     claims: bool = True,
     renamed: dict[str, str] | None = None,
+    group: str = "stiff, soft",
 ) -> Path:
     """Run STUDY with `extra` lines, keep scenes of the cases and analyses `kept`, write the report into `folder`.
 
@@ -119,6 +120,7 @@ def report(
         wave = peak / 9.80665 * np.clip(1 - np.abs(t - 0.1) / 0.05, 0, None)  # its peak is a sample
         np.savetxt(folder / f"{name}.txt", np.column_stack([t, wave]))
     text = STUDY if claims else STUDY.replace("claims: fig6\n", "")
+    text = text.replace("group: [stiff, soft]", f"group: [{group}]")
     (folder / "study.yaml").write_text(text + extra)
     results = folder / "study.h5"
     plan = replace(expand(load_study(folder / "study.yaml")), all_effects=True)  # `solve` answers whole scenes only

@@ -62,6 +62,15 @@ def test_the_page_begins_with_the_cases_side_by_side(moving):
     assert moving.locator(".answer").bounding_box()["y"] < 400
 
 
+def test_the_cases_of_three_buildings_fit_one_screen(study, visit):
+    page = visit(study("three", group="soft, stiff, soft") / "report.html", 1400)
+    table = page.locator(".answer table")
+    assert table.locator("th[scope=colgroup]").all_inner_texts() == ["soft-1", "stiff", "soft-2"]
+    assert page.locator(".answer").evaluate("one => one.scrollWidth <= one.clientWidth")
+    box = table.bounding_box()
+    assert box["y"] + box["height"] <= 900
+
+
 def test_a_study_without_claims_has_no_section_of_them(study, visit):
     page = visit(study("plain", claims=False) / "report.html")
     assert page.locator("#claims").count() == 0

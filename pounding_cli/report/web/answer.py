@@ -13,8 +13,8 @@ from pounding_cli.report.web.story import digits
 from pounding_cli.store import FlagGroup, flag_groups_of
 from pounding_cli.words import Unit, counted
 
-MOST_BUILDINGS = 4
-"""Buildings with columns of their own; of more, the largest over all of them is shown."""
+MOST_BUILDINGS = 3
+"""Buildings with columns of their own, as many as fit a window of 1400 pixels; of more, the largest of all is shown."""
 MOST_FLAGS = 3
 """Flags written out under a case."""
 

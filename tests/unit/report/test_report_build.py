@@ -58,6 +58,12 @@ def test_page_tells_flags_and_failed_runs(tmp_path):
     assert page.count("(e.g. stiff|soft floor 5)") == 8  # four cases, two analyses
 
 
+def test_a_sweep_without_claims_has_no_page_of_them(tmp_path):
+    write_report(make(axis=("impact.restitution", [0.4, 0.5]), resolved={"claims": None}), tmp_path, ())
+    assert not (tmp_path / "claims-sensitivity.md").exists()
+    assert "claim" not in (tmp_path / "summary.md").read_text(encoding="utf-8").lower()
+
+
 def test_sweep_gives_the_verdict_at_every_value(tmp_path):
     results = make(axis=("impact.restitution", [0.4, 0.5, 0.65]), resolved={"claims": "fig7"})
     frame = results.storey()
@@ -116,7 +122,7 @@ def test_many_points_become_the_rows_of_the_comparison(tmp_path):
 def test_results_that_name_no_figure_are_told_so(tmp_path):
     results = make(resolved={"claims": None})
     write_report(results, tmp_path, ())
-    assert "names no figure of the paper" in (tmp_path / "summary.md").read_text(encoding="utf-8")
+    assert "claim" not in (tmp_path / "summary.md").read_text(encoding="utf-8").lower()
     write_comparison({"a": results, "b": results}, tmp_path)
     assert "No results here name a figure" in (tmp_path / "comparison.md").read_text(encoding="utf-8")
 

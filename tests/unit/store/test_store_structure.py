@@ -45,6 +45,12 @@ def external_link(file, secret):
     file["study/text"] = h5py.ExternalLink(str(secret.with_suffix(".h5")), "text")
 
 
+def linked_history(file, secret):
+    with h5py.File(secret.with_suffix(".h5"), "w") as other:
+        other["scene/time"] = np.arange(3.0)
+    file["histories/0"] = h5py.ExternalLink(str(secret.with_suffix(".h5")), "scene")
+
+
 def soft_link(file, secret):
     del file["V"]
     file["V"] = h5py.SoftLink("/V0")
@@ -98,6 +104,7 @@ FORGED = {
     "external storage": (external_storage, "its V takes its values from another file"),
     "virtual dataset": (virtual_dataset, "its V takes its values from another file"),
     "external link": (external_link, "its study/text leads to another place or another file"),
+    "external link for a kept scene": (linked_history, "its histories/0 leads to another place or another file"),
     "soft link": (soft_link, "its V leads to another place"),
     "declared size": (declared((4 * 10**8,)), "its V declares 400000000 values, more than the file can hold"),
     "declared size in chunks": (declared((10**5, 10**4), chunks=True), "more than the file can hold"),

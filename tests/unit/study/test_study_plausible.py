@@ -17,7 +17,7 @@ from pounding_cli.study.wall_study import load_wall_study
 STUDY = """\
 records: {use: [elcentro], duration: 5 s, scale: {pga: 0.35 g}}
 buildings:
-  A: {storeys: 5, period: 0.36 s, height: &h 3.2 m, mass: 200 t, damping: 5 %}
+  A: {storeys: 5, period: 0.36 s, height: &h 3.2 m, mass: 200 t, damping: 5 %, yield: {base_shear: 0.10 W}}
   B: {storeys: 3, stiffness: [200 kN/mm, 200 kN/mm, 200 kN/mm], height: *h, yield_shear: [900 kN, 900 kN, 900 kN]}
 group: [A, B]
 impact: {stiffness: 20 x stiffest storey}
@@ -61,6 +61,8 @@ SLIPS = {
     "yield shear in N": ("yield_shear: [900 kN,", "yield_shear: [§900,", "yields at 900 N, 0.00015 of", "900 kN?"),
     "damping": ("5 %", "§50 %", "damping ratio is 50 %:", "did you mean 5 %?"),
     "damping as a fraction": ("5 %", "§0.5", "damping ratio is 50 %:", "did you mean 5 %?"),
+    "base shear": ("0.10 W", "§0.001 W", "base shear is 0.1 %: codes design", "did you mean 1 %?"),
+    "base shear in per cent": ("0.10 W", "§10 W", "base shear is 10 W: codes design", "did you mean 10 %?"),
     "impact stiffness": (
         "stiffness: 20 x stiffest storey",
         "stiffness: §20",

@@ -175,6 +175,12 @@ CASES = {
         "no floor at one elevation: 3, 6, 9 against 2.9, 5.8, 8.7 m",
         "storey heights agree",
     ),
+    "no common floor by a slip": (
+        SOFT + "\n" + GROUP,
+        "soft: {like: stiff, height: 3 cm}\ngroup: [stiff, §soft]",
+        "no floor at one elevation: 3, 6, 9 against 0.03, 0.06, 0.09 m",
+        "a storey height of soft is 3 cm: did you mean 3 m?",
+    ),
     "record misspelt": ("taft", "§tafft", "no motion 'tafft'", "did you mean 'taft'?"),
     "record file missing": (
         "taft",
