@@ -88,7 +88,7 @@ class Branch:
     closed: bool = True
     acts: bool = True
 
-    @property
+    @cached_property
     def interval(self) -> tuple[float, float]:
         """The closings between which it holds [m]."""
         closings = [guard for guard in self.guards if guard.quantity is Quantity.CLOSING]

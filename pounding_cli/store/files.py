@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import io
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -157,7 +158,7 @@ def damage_of(path: Path) -> str:
 def _content(path: Path) -> Iterator[tuple[h5py.File, bytes, str]]:
     """The HDF5 content, its seal, and why it cannot be verified ("" where it is); what cannot be read is refused."""
     name = str(path)
-    if path.is_dir():
+    if os.path.isdir(path):  # False too for a path that is too long: opening it says so
         raise InputError(Problem("is a folder, not a results file", "name the .h5 file in it", name))
     stream: Sealed | io.FileIO
     unsealed = ""

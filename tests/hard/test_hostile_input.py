@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from pounding_cli import open_results
 from pounding_cli.cli.check import command as check
 from pounding_cli.errors import InputError
 from pounding_cli.records import read_motion
@@ -73,6 +74,7 @@ STUDIES = {
     "a name without end": (changed("[elcentro]", f"[{'a' * 1_000_000}]"), "no motion 'aaa"),
     "axes without end": (BASE + f"sweep: {{{many('k{}: [1]', 20_000)}}}\n", "the sweep has 20000 axes"),
     "every file of the machine": (changed("[elcentro]", '["/**/*.AT2"]'), ""),
+    "a NUL in the title": (changed("title: Test", 'title: "a\\0b"'), "holds a control character"),
     "a device as record": (changed("[elcentro]", "[{file: /dev/zero}]"), "no regular file: a device"),
 }
 
@@ -142,6 +144,13 @@ def test_a_study_file_is_regular(tmp_path):
     assert "this is no regular file: a pipe" in guarded(lambda: load_study(tmp_path / "pipe.yaml"))
     assert "this is no regular file: a device" in guarded(lambda: load_study("/dev/zero"))
     assert "the path has 1000000 characters" in guarded(lambda: load_study("a" * 1_000_000))
+
+
+def test_a_results_file_is_regular(tmp_path):
+    os.mkfifo(tmp_path / "pipe.h5")
+    assert "it is no regular file" in guarded(lambda: open_results(tmp_path / "pipe.h5"))
+    assert "it is no regular file" in guarded(lambda: open_results("/dev/zero"))
+    assert "cannot be read: [Errno 36] File name too long" in guarded(lambda: open_results("a" * 20_000))
 
 
 def test_names_that_are_no_text(tmp_path):

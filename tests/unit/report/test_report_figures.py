@@ -5,6 +5,7 @@ from __future__ import annotations
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from report_fakes import CASES, make
 from report_figures import assert_no_overlap, panels
 
@@ -166,3 +167,11 @@ def test_a_case_whose_numbers_mean_nothing_is_grey_and_explained():
     assert elastic["connected"] == "0.6"
     assert elastic["gap"] == inelastic["gap"] != "0.6"
     assert inelastic["connected"] != "0.6"
+
+
+@pytest.mark.parametrize("title", [r"$\frac{1}$", "$$", "5 $ and 6 $_"])
+def test_a_title_that_is_no_formula_is_shown_as_it_is(tmp_path, title):
+    figure = Figure()
+    figure.suptitle(title)
+    assert [path.name for path in save({"drawn": figure}, tmp_path, ["png"])] == ["drawn.png"]
+    assert figure.get_suptitle() == title
