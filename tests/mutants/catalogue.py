@@ -80,7 +80,7 @@ LINKS = [
         INFILL_DAMPED,
     ),
     Mutant("infill-slope-of-root", "infill's dashpot keeps the slope at v = 0", "root = 0.0 * roots", INFILL_DAMPED),
-    Mutant("infill-guard", "infill never stiffens at v = d", ("rises_above(d", "rises_above(1e300"), INFILL),
+    Mutant("infill-guard", "infill never stiffens at v = d", ("rises_above(d", "rises_above(1e6 * d"), INFILL),
     Mutant(
         "branch-at-rest",
         "connector holds in compression only",
