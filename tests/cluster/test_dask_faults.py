@@ -129,7 +129,8 @@ def test_the_package_is_missing(refused, machines, where):
 
 
 PROGRAM = """
-    import pathlib, subprocess, sys
+    import pathlib, signal, subprocess, sys
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
     sys.path[:0] = {imported!r}
     import pounding_cli.batch.runner
     from pounding_cli.batch.progress import Quiet
