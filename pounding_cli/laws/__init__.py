@@ -1,4 +1,4 @@
-"""The laws of links, one file each: parameters, branches, guards. A new one is a file here and a line in `BUILT_IN`.
+"""The laws of links and storeys, one file each. A new law of a link is a file here and a line in `BUILT_IN`.
 
 Other packages add laws of theirs by an entry point of the group `pounding_cli.laws` that names the law's class."""
 

@@ -18,7 +18,6 @@ class Connector(LinkLaw):
     """
 
     name: ClassVar[str] = "connector"
-    title: ClassVar[str] = "spring and dashpot that join two floors"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("spiliopoulos1996", "permanent connectors, eq. (10)"),
         DASHPOT,

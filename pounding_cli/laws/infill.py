@@ -29,7 +29,6 @@ class Infill(LinkLaw):
     """
 
     name: ClassVar[str] = "infill"
-    title: ClassVar[str] = "material in the gap that stiffens up to an impact"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("spiliopoulos1996", "infill material, eqs (8) and (9)"),
         ("anagnostopoulos1992", "the viscoelastic impact element"),

@@ -104,11 +104,10 @@ class Branch:
         """Energy in the spring [J] at a closing [m], but for a constant."""
         return 0.5 * self.linear * closing**2 + 0.25 * self.cubic * closing**4 + self.offset * closing
 
-    def steepest(self) -> tuple[float, float]:
-        """(stiffness [N/m], dashpot [N s/m]) where it is stiffest: at its largest closing."""
+    def steepest(self) -> float:
+        """Stiffness [N/m] at its largest closing, where it is stiffest."""
         high = self.interval[1]
-        slope = self.linear + (3 * self.cubic * high**2 if self.cubic and math.isfinite(high) else 0.0)
-        return slope, self.dashpot + self.root * math.sqrt(slope)
+        return self.linear + (3 * self.cubic * high**2 if self.cubic and math.isfinite(high) else 0.0)
 
 
 def parameter(
@@ -160,7 +159,6 @@ class LinkLaw:
     """What stands between two floors. A law is a frozen dataclass of its parameters, each by `parameter`.
 
     name : what a study file calls it
-    title : what it is, in a line
     citation : (key of `report/references.py`, what it is cited for), ...
     drawn : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
@@ -174,7 +172,6 @@ class LinkLaw:
     """
 
     name: ClassVar[str]
-    title: ClassVar[str]
     citation: ClassVar[tuple[tuple[str, str], ...]] = ()
     drawn: ClassVar[str] = "gap"
     subtracts_gap: ClassVar[bool] = False
@@ -253,7 +250,7 @@ class LinkLaw:
     @cached_property
     def stiffest(self) -> float:
         """The largest stiffness of its branches [N/m]."""
-        return max(branch.steepest()[0] for branch in self._sample)
+        return max(branch.steepest() for branch in self._sample)
 
     def stored(self, closing: float) -> float:
         """Energy in the spring [J] at a closing u_left - u_right [m]: its elastic force integrated from where it

@@ -17,7 +17,6 @@ class Pounding(LinkLaw):
     """
 
     name: ClassVar[str] = "pounding"
-    title: ClassVar[str] = "floors that strike once the gap has closed"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("spiliopoulos1996", "pounding, eqs (5) to (7)"),
         ("anagnostopoulos1992", "the viscoelastic impact element"),
