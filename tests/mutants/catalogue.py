@@ -57,7 +57,7 @@ LINKS = [
     Mutant(
         "closing-is-monotone",
         "a closing that turns within the step is taken as monotone",
-        ("~bends(first, last, stray) & ", ""),
+        ("~may_turn_by_ends(first, last, deviation) & ", ""),
         WITHIN,
     ),
     Mutant(
@@ -145,27 +145,27 @@ MOTION = [
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
-        "island-velocities-put-back",
+        "island-velocities-restored",
         "an island solved again begins with the velocities it ended with",
         "store(run.W, b, load(run.W, b))",
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
-        "island-slots-put-back",
+        "island-slots-restored",
         "an island solved again keeps the energies of what was taken back",
-        ("LINE, FORCE", "LINE, INPUT"),
+        ("LINE, FOUNDATION_FORCE", "LINE, INPUT_ENERGY"),
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
-        "island-stencils-put-back",
+        "island-stencils-restored",
         "an island solved again keeps the stencils of what was taken back",
         "pass",
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
-        "island-links-put-back",
+        "island-links-restored",
         "an island solved again keeps the impacts of what was taken back",
-        ("BRANCH, 8 * TIE", "BRANCH, IMPACTS"),
+        ("BRANCH, 8 * LINK_INTEGERS", "BRANCH, IMPACTS"),
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
@@ -177,7 +177,7 @@ MOTION = [
     Mutant(
         "stands-apart",
         "an event anywhere ends the step of the whole row",
-        ("not everything", "everything"),
+        ("not all_effects", "all_effects"),
         f"{VERIFICATION}/test_islands.py::test_what_stands_apart_takes_its_own_steps_two_by_two",
     ),
     Mutant(
@@ -446,7 +446,9 @@ PRUNING = [
         EXACT,
     ),
     Mutant("exact-ground-work", "exact steps: the ground's work with the wrong sign", ("-system", "system"), EXACT),
-    Mutant("exact-peaks", "exact steps: peaks only at the ends of steps", ("above + stray", "above - stray"), EXACT),
+    Mutant(
+        "exact-peaks", "exact steps: peaks only at the ends of steps", ("above + deviation", "above - deviation"), EXACT
+    ),
     Mutant(
         "exact-monotone",
         "exact steps: a step counts as monotone too soon",
