@@ -29,12 +29,13 @@ SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE  # fault: island-slots-put-back
 """The fields that a step leaves to the next, from the first to before the second; stencils follow from the branch."""
 
 # A link: what its closing leaves out; what a step leaves to the next: the law of its branch (`link_series`), the
-# closing known exactly, events at this instant, peaks and work; what a step is told by: its start.
+# closing known exactly, events at this instant, peaks and work, for how long contact is undecided (`from_rest`); what a
+# step is told by: its start.
 (
     LEAVES_OUT, LINEAR_LAW, CUBIC_LAW, OFFSET_LAW, RATE_LAW, ROOT_LAW, APPLIED, CLOSED, LOW, HIGH, EXACTLY, TURNS,
-    MOST_CLOSING, MOST_FORCE, IMPULSE, CONTACT, WORK_DONE, CLOSING, SIZE, DAMPING, HALF,
-) = range(0, 8 * 21, 8)  # fmt: skip
-_LINK = 21  # an odd number again
+    MOST_CLOSING, MOST_FORCE, IMPULSE, CONTACT, WORK_DONE, UNDECIDED, CLOSING, SIZE, DAMPING, HALF,
+) = range(0, 8 * 22, 8)  # fmt: skip
+_LINK = 23  # an odd number again
 LINK_LEFT, LINK_LEFT_END = LINEAR_LAW, CLOSING
 """Likewise."""
 

@@ -8,6 +8,7 @@ from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, at_link, at_term, of, of_link, of_term, of_tie
 from pounding_cli.kernels.clock import CHANGE, END, GROUND, ORDER, PER_H, SEGMENT, H
 from pounding_cli.kernels.foundations import rocking_peaks
+from pounding_cli.kernels.from_rest import count_from_rest
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import apart, closed_at, link_end
 from pounding_cli.kernels.polynomial import highest
@@ -265,3 +266,4 @@ def track(run, feet, order, busy, inelastic, founded):
         rocking_peaks(run, feet)
     if run.last > run.first:
         _link_peaks(run, order, busy)
+        count_from_rest(run)

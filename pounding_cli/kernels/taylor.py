@@ -55,6 +55,7 @@ from pounding_cli.kernels.clock import (
 from pounding_cli.kernels.crossings import first_link_event, first_storey_event
 from pounding_cli.kernels.foundations import footing_of, move_feet, start_feet
 from pounding_cli.kernels.frame import DOUBLES, Frame, filler
+from pounding_cli.kernels.from_rest import start_in_touch
 from pounding_cli.kernels.islands import (
     APART,
     FOUND,
@@ -415,6 +416,7 @@ def build():
         take_slots(run, row, slots, state, peaks, ledger)
         take_links(run, row, links, state, peaks, ledger)
         settle(run)
+        start_in_touch(run)
         run.clock[LENGTH] = length
         run.clock[QUIET] = quiet
         for b in range(row.number):
