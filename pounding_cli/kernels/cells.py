@@ -31,13 +31,14 @@ SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = LINE, FOUNDATION_FORCE  # fault: island-s
 """The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
 # A link: what its law leaves out of the closing; what a step leaves to the next: the law of its branch (`link_series`),
-# the closing it is pinned at, events at this instant, peaks and work; what describes a step: its start.
+# the closing it is pinned at, events at this instant, peaks and work, for how long contact is undecided (`from_rest`);
+# what describes a step: its start.
 (
     LINK_OFFSET, LAW_LINEAR, LAW_CUBIC, LAW_OFFSET, LAW_DASHPOT, LAW_ROOT, ACTS, CLOSED, LOW, HIGH, PINNED_CLOSING,
-    EVENTS_AT_INSTANT, PEAK_CLOSING, PEAK_FORCE, IMPULSE, CONTACT_TIME, WORK, CLOSING, LARGEST_TERM, DASHPOT_NOW,
-    HALF_INVERSE_ROOT,
-) = range(0, 8 * 21, 8)  # fmt: skip
-_LINK_FIELDS = 21  # an odd number again
+    EVENTS_AT_INSTANT, PEAK_CLOSING, PEAK_FORCE, IMPULSE, CONTACT_TIME, WORK, UNDECIDED, CLOSING, LARGEST_TERM,
+    DASHPOT_NOW, HALF_INVERSE_ROOT,
+) = range(0, 8 * 22, 8)  # fmt: skip
+_LINK_FIELDS = 23  # an odd number again
 LINK_CHECKPOINT, LINK_CHECKPOINT_END = LAW_LINEAR, CLOSING
 """Likewise."""
 

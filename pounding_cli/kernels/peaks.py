@@ -8,6 +8,7 @@ from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, at_link, at_term, of, of_link, of_link_integer, of_term
 from pounding_cli.kernels.clock import END, GROUND, GROUND_CHANGE, INVERSE_H, ORDER, SEGMENT, H
 from pounding_cli.kernels.foundations import rocking_peaks
+from pounding_cli.kernels.from_rest import count_from_rest
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import closed_lanes, closing_at_end, left_minus_right
 from pounding_cli.kernels.polynomial import highest
@@ -275,3 +276,4 @@ def track(run, foundations, order, any_closed, inelastic, founded):
         rocking_peaks(run, foundations)
     if run.link_stop > run.link_start:
         _link_peaks(run, order, any_closed)
+        count_from_rest(run)

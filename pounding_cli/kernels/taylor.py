@@ -54,6 +54,7 @@ from pounding_cli.kernels.clock import (
 from pounding_cli.kernels.crossings import first_link_event, first_storey_event
 from pounding_cli.kernels.foundations import advance_foundations, foundations_frame, start_foundations
 from pounding_cli.kernels.frame import DOUBLES, Frame, filler
+from pounding_cli.kernels.from_rest import start_in_touch
 from pounding_cli.kernels.islands import (
     APART,
     FOUND,
@@ -432,6 +433,7 @@ def build():
         take_slots(run, row, slots, state, peaks, ledger)
         take_links(run, row, links, state, peaks, ledger)
         initialise_branches(run)
+        start_in_touch(run)
         run.clock[SEGMENT_LENGTH] = length
         run.clock[LEAST_SCALE] = least_scale
         for b in range(row.number):

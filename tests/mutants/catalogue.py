@@ -71,6 +71,12 @@ LINKS = [
     ),
     Mutant("link-pushes-floors", "contact does not push the left floor", ("- gather", "- 0.0 * gather"), IMPACT),
     Mutant("impulse", "impulse without the length of the step", ("held,", "applied,"), IMPACT),
+    Mutant(
+        "contact-from-rest",
+        "contact of floors that begin in touch counts from where a double tells it",
+        ("time *", "run.clock[H] * run.clock[END] *"),
+        f"{VERIFICATION}/test_impact.py::test_floors_in_touch_press_from_the_start_or_not_at_all",
+    ),
     Mutant("infill-cubic", "infill's cubic without the 3 in 3 d^2", ("(3 * d**2)", "d**2"), INFILL),
     Mutant("infill-stiffened", "infill jumps at v = d, as eq. (9) is printed", ("CONTINUOUS", "PRINTED"), INFILL),
     Mutant(
