@@ -20,7 +20,7 @@ between which the branch holds; its guards, the first and one more than the last
 QUANTITY, AT, SIDE, NEXT, IMPACT, ONCE = range(6)
 """The places of a guard in its row: what it looks at (below); the closing at which it ends the branch [m]; 1 where it
 does so below that, -1 above; the branch that follows; whether that is a blow; whether it is asked no more after
-`crossings.MOST_TURNS` events at one instant (1 or 0)."""
+`crossings.MAX_EVENTS_AT_INSTANT` events at one instant (1 or 0)."""
 
 NOTHING, CLOSING, FORCE = 0, 1, 2
 """What a guard looks at, and so what is known exactly after its event."""
