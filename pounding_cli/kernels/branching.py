@@ -9,7 +9,7 @@ from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.cells import of, of_link, of_tie
 from pounding_cli.kernels.clock import END, GUARD, LINK
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import set_law
+from pounding_cli.kernels.link_series import difference, set_law
 from pounding_cli.kernels.recurrence import restencil
 from pounding_cli.kernels.simd import stand_alone
 from pounding_cli.kernels.storey_law import coefficients, transit
@@ -60,6 +60,15 @@ def storey_events(run):
             _storey_event(run, i, run.slots[of(i, c.DRIFT)])
 
 
+@njit(**PART)
+def _event_value(run, e, quantity):
+    """Closing [m] or rate [m/s] of link e at the step's end."""
+    left, right = run.ties[of_tie(e, c.LEFT_SLOT)], run.ties[of_tie(e, c.RIGHT_SLOT)]
+    if quantity == t.CLOSING:
+        return run.ends[left] - run.ends[right] - run.links[of_link(e, c.LEAVES_OUT)]
+    return difference(run.slots[of(left, c.V_END)], run.slots[of(right, c.V_END)], 0.0)
+
+
 @njit(**CALLED)
 def link_event(run):
     """Change the branch of the link whose event comes first."""
@@ -68,7 +77,10 @@ def link_event(run):
     g = run.tally[GUARD]
     run.ties[of_tie(e, c.BRANCH)] = int(t.guard(run, g, t.NEXT))
     run.ties[of_tie(e, c.SNAPPED)] = int(t.guard(run, g, t.QUANTITY))
-    run.links[of_link(e, c.EXACTLY)] = t.guard(run, g, t.AT)
+    memory = run.links[of_link(e, c.MEMORY)]
+    run.links[of_link(e, c.EXACTLY)] = t.guard(run, g, t.AT) + t.guard(run, g, t.OF_MEMORY) * memory
+    if t.guard(run, g, t.REMEMBERS) != t.NOTHING:
+        run.links[of_link(e, c.MEMORY)] = _event_value(run, e, t.guard(run, g, t.REMEMBERS))
     run.ties[of_tie(e, c.IMPACTS)] += int(t.guard(run, g, t.IMPACT))
     run.links[of_link(e, c.TURNS)] += 1.0
     set_law(run, e)

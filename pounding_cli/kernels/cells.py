@@ -31,10 +31,10 @@ SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE  # fault: island-slots-put-back
 # A link: what its closing leaves out; what a step leaves to the next: the law of its branch (`link_series`), the
 # closing known exactly, events at this instant, peaks and work; what a step is told by: its start.
 (
-    LEAVES_OUT, LINEAR_LAW, CUBIC_LAW, OFFSET_LAW, RATE_LAW, ROOT_LAW, APPLIED, CLOSED, LOW, HIGH, EXACTLY, TURNS,
-    MOST_CLOSING, MOST_FORCE, IMPULSE, CONTACT, WORK_DONE, CLOSING, SIZE, DAMPING, HALF,
-) = range(0, 8 * 21, 8)  # fmt: skip
-_LINK = 21  # an odd number again
+    LEAVES_OUT, LINEAR_LAW, CUBIC_LAW, OFFSET_LAW, RATE_LAW, ROOT_LAW, APPLIED, CLOSED, LOW, HIGH, EXACTLY, MEMORY,
+    TURNS, MOST_CLOSING, MOST_FORCE, IMPULSE, CONTACT, WORK_DONE, CLOSING, SIZE, DAMPING, HALF,
+) = range(0, 8 * 22, 8)  # fmt: skip
+_LINK = 23  # one more than there are, an odd number again
 LINK_LEFT, LINK_LEFT_END = LINEAR_LAW, CLOSING
 """Likewise."""
 
@@ -50,7 +50,7 @@ _TERM = 5
 
 _POINTERS = {
     "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "snapped": INTEGERS, "links": DOUBLES, "ties": INTEGERS,
-    "branches": DOUBLES, "guards": DOUBLES, "gains": INTEGERS, "losses": INTEGERS, "pushed": DOUBLES,
+    "branches": DOUBLES, "guards": DOUBLES, "operations": DOUBLES, "gains": INTEGERS, "losses": INTEGERS, "pushed": DOUBLES,
     "series": DOUBLES, "rule": DOUBLES,
     "reciprocal": DOUBLES, "clock": DOUBLES, "tally": INTEGERS, "scratch": DOUBLES, "tilt": DOUBLES,
 }  # fmt: skip
@@ -234,6 +234,7 @@ def take_links(run, row, links, state, peaks, ledger):
         e = row.seats[link]
         c[of_link(e, LEAVES_OUT)] = links.offset[link]
         c[of_link(e, EXACTLY)] = state.link_at[link]
+        c[of_link(e, MEMORY)] = state.link_memory[link]
         c[of_link(e, TURNS)] = 0.0
         c[of_link(e, MOST_CLOSING)] = peaks.closing[link]
         c[of_link(e, MOST_FORCE)] = peaks.force[link]
@@ -266,4 +267,5 @@ def give_links(run, row, state, peaks, ledger):
         state.link_branch[link] = n[of_tie(e, BRANCH)]
         state.snapped_link[link] = n[of_tie(e, SNAPPED)]
         state.link_at[link] = c[of_link(e, EXACTLY)]
+        state.link_memory[link] = c[of_link(e, MEMORY)]
         peaks.impacts[link] = n[of_tie(e, IMPACTS)]

@@ -48,18 +48,32 @@ def start_feet(run, feet):
 
 @njit(**CALLED)
 def expand_feet(run, feet, k):
+    """Order k of what foundations add (`foundation_forces`), and order k + 1 of the rocking angle and its rate."""
+    stand_alone()
+    h = run.clock[H]
+    after = h * run.reciprocal[k + 1]
+    row = k * run.padded
+    foundation_forces(run, feet, k, run.W, row - run.padded, h * run.reciprocal[k] if k > 0 else 1.0)
+    for f in range(run.feet):
+        feet.D[(k + 1) * run.feet + f] = feet.W[k * run.feet + f] * after
+        turning_after = feet.W[(k + 1) * run.feet + f] * after
+        feet.W[(k + 1) * run.feet + f] = turning_after
+        for i in range(feet.first[f], feet.stop[f]):
+            run.tilt[row + 2 * run.padded + i] = run.slots[of(i, c.RISE)] * turning_after
+
+
+@njit(**CALLED)
+def foundation_forces(run, feet, k, rows, above, before):
     """Order k of what foundations add, into FORCE: rocking's share of the storey shears, the mass-proportional damping
-    of the structural motion; and order k + 1 of the rocking angle."""
+    of the structural motion; and of the angular acceleration, in the place of the next rate.
+
+    Order k of the displacements is `before` times `rows`, from `above` on.
+    """
     stand_alone()
     count = run.feet
-    padded = run.padded
     slots = run.slots
-    h = run.clock[H]
-    before = h * run.reciprocal[k] if k > 0 else 1.0
-    after = h * run.reciprocal[k + 1]
-    row = k * padded
-    above = row - padded
-    for b in range(0, padded, 8):
+    row = k * run.padded
+    for b in range(0, run.padded, 8):
         store(slots, at(b, c.FORCE), splat(0.0))
     for f in range(count):
         angle = feet.D[k * count + f]
@@ -73,11 +87,11 @@ def expand_feet(run, feet, k):
             dashpot = slots[of(i, c.DASHPOT)]
             turned = rise * (tangent * angle + dashpot * turning)
             slots[of(i, c.FORCE)] += turned
-            drift = before * run.W[above + i]
+            drift = before * rows[above + i]
             rate = run.W[row + i]
             if slots[of(i, c.COUPLE)] != 0.0:
                 slots[of(i - 1, c.FORCE)] -= turned
-                drift -= before * run.W[above + i - 1]
+                drift -= before * rows[above + i - 1]
                 rate -= run.W[row + i - 1]
             shear = tangent * drift + dashpot * rate - turned
             if k == 0:
@@ -88,11 +102,7 @@ def expand_feet(run, feet, k):
             if base >= 0:
                 slots[of(base, c.FORCE)] += drag  # fault: base-drag
             moment += drag * arm + shear * rise  # fault: base-moment
-        turning_after = moment / feet.inertia[f] * after
-        feet.D[(k + 1) * count + f] = turning * after
-        feet.W[(k + 1) * count + f] = turning_after
-        for i in range(feet.first[f], feet.stop[f]):
-            run.tilt[row + 2 * padded + i] = slots[of(i, c.RISE)] * turning_after
+        feet.W[(k + 1) * count + f] = moment / feet.inertia[f]
 
 
 @njit(**PART)

@@ -43,7 +43,7 @@ def ledger_pointers(a):
     )
 
 
-_SHARES = 8 * MOST_POINTS
+SHARES = 8 * MOST_POINTS
 """Where the weights begin in `Run.rule`."""
 
 _LEFTS = 16 * MOST_POINTS
@@ -63,14 +63,14 @@ def _set_rule(run, nodes, weights, order):
     duration = end * run.clock[H]
     for g in range(points):
         store(run.rule, 8 * g, splat(nodes[row + g] * end))
-        store(run.rule, _SHARES + 8 * g, splat(weights[row + g] * duration))
+        store(run.rule, SHARES + 8 * g, splat(weights[row + g] * duration))
     return points
 
 
 @njit(**PART)
 def _powers(rule, g, s, v, couple, ground, change, pushed, drag, dashed):
     """The three sums with what the velocities v at one point add."""
-    share = load(rule, _SHARES + g)
+    share = load(rule, SHARES + g)
     rate = v - couple * from_left(load(rule, _LEFTS + g), v)
     store(rule, _LEFTS + g, v)
     part = v * share
@@ -97,8 +97,8 @@ def _by_law(run, b, points, order):
             rate = load(run.series, at_term(run, k, b, c.RATE_TERM))
             rate0 = fused(rate0, s0, rate)
             rate1 = fused(rate1, s1, rate)
-        squares = fused(rate0 * load(rule, _SHARES + g), rate0, squares)
-        squares = fused(rate1 * load(rule, _SHARES + g + 8), rate1, squares)
+        squares = fused(rate0 * load(rule, SHARES + g), rate0, squares)
+        squares = fused(rate1 * load(rule, SHARES + g + 8), rate1, squares)
     return fused(load(links, at_link(b, c.RATE_LAW)), squares, mean * (last - first))
 
 
@@ -119,8 +119,8 @@ def _by_force(run, b, points, order):
             force1 = fused(force1, s1, force)
             rate0 = fused(rate0, s0, rate)
             rate1 = fused(rate1, s1, rate)
-        spent = fused(force0 * load(rule, _SHARES + g), rate0, spent)
-        spent = fused(force1 * load(rule, _SHARES + g + 8), rate1, spent)
+        spent = fused(force0 * load(rule, SHARES + g), rate0, spent)
+        spent = fused(force1 * load(rule, SHARES + g + 8), rate1, spent)
     return spent
 
 
@@ -157,7 +157,7 @@ def account(run, feet, nodes, weights, order, busy, curved, inelastic, founded):
         store(slots, at(b, c.DASHED), fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHED))))
         store(slots, at(b, c.DRAGGED), fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAGGED))))
     if founded:
-        charge_feet(run, feet, points, _SHARES)
+        charge_feet(run, feet, points, SHARES)
     if busy != 0:
         for b in range(run.first, run.last, 8):
             if closed_at(run, b) != 0:

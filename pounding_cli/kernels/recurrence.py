@@ -83,7 +83,7 @@ def _by_floors(slots, b, k, before, ground, u_left, u, u_right, w_left, w, w_rig
 
 
 @njit(**PART)
-def _set_allowed(run, tolerance):
+def set_allowed(run, tolerance):
     """What a term may leave out: `tolerance` times the slot's acceleration of late (`renew_scale`), or of what is not
     resolved."""
     slots = run.slots
@@ -118,7 +118,7 @@ def expand(run, feet, busy, curved, cut, snapped, tolerance, most, founded):
 
     Returns (order, whether that held).
     """
-    _set_allowed(run, tolerance)
+    set_allowed(run, tolerance)
     links = run.last - run.first
     slots = run.high - run.low
     if slots == 8 and links == 0 and not founded:

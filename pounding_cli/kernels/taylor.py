@@ -95,6 +95,8 @@ from pounding_cli.kernels.ledger import RULE_ROOM, account, ledger_pointers
 from pounding_cli.kernels.link_series import closings
 from pounding_cli.kernels.peaks import sample, track, widen
 from pounding_cli.kernels.polynomial import NEVER
+from pounding_cli.kernels.program_series import programs_frame, room_for_programs
+from pounding_cli.kernels.program_step import PLAIN_STEP, no_program_step, program_step
 from pounding_cli.kernels.recurrence import expand, renew_scale, rescale, shrink
 from pounding_cli.kernels.simd import further, load, pointer, splat, stand_alone, store
 from pounding_cli.kernels.source import source_digest
@@ -128,14 +130,21 @@ FRAMES = 64
 """Integers that each frame has room for."""
 
 
-def room_needed(padded: int, feet: int, links: int, rounds: int, buildings: int) -> tuple[int, int]:
-    """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally."""
+def room_needed(
+    padded: int, feet: int, links: int, rounds: int, buildings: int, registers: int
+) -> tuple[int, int]:
+    """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally. `registers`: of
+    a force written as operations; 0 where there is none."""
     doubles, integers = room_for(padded, links, _ROWS)
     rows = (_ROWS + 1) * (2 if feet else 1) + 4
     small = 2 * _ROWS + CLOCK + RULE_ROOM + 2 * (_ROWS + 1) * feet + 64
     shelf, ties = room_for(padded, links, 0)
-    tables = 2 * max(rounds, 1) * padded + NOTES * buildings + 4 * FRAMES
-    return doubles + rows * padded + links + small + shelf + 2 * padded, TALLY + integers + ties + tables
+    tables = 2 * max(rounds, 1) * padded + NOTES * buildings + 5 * FRAMES
+    written, resting = room_for_programs(padded, links, registers, feet, _ROWS) if registers else (0, 0)
+    return (
+        doubles + rows * padded + links + small + shelf + 2 * padded + written,
+        TALLY + integers + ties + tables + resting,
+    )
 
 
 @njit(**PART)
@@ -166,7 +175,7 @@ def _carve(feet, links, row, room, integers):
         reciprocal[k] = 1.0 / k
     run = run_frame(further(notes, NOTES * row.number), (
         0, padded, 0, linked, padded, linked, row.rounds, feet.number, further(room, padded), ends, records, snapped,
-        link_records, ties, links.branches, links.guards, gains, losses, pushed, series,
+        link_records, ties, links.branches, links.guards, links.operations, gains, losses, pushed, series,
         rule, reciprocal, clock, integers, scratch, tilt,
     ))  # fmt: skip
     frames = further(notes, NOTES * row.number + FRAMES)
@@ -210,16 +219,17 @@ def _shorten(run, feet, busy, cut, order, tolerance, founded):
 
 
 @njit(**PART)
-def _go_on(run, whole, happened, settings):
-    """Count a step and move time, to -1 at the segment's end; returns an outcome, or -1 while the run goes on."""
+def _go_on(run, moved, finished, happened, settings):
+    """Count a step and move time by so much [s], to -1 at the segment's end; returns an outcome, or -1 while the run
+    goes on."""
     clock = run.clock
     tally = run.tally
     tally[STEPS] += 1
     tally[ORDERS] += tally[ORDER]
     if clock[END] > 0.0:
         tally[STANDING] = 0
-    clock[SINCE] += clock[H] * clock[END]
-    if (whole and clock[END] == 1.0) or clock[SINCE] >= clock[LENGTH]:
+    clock[SINCE] += moved
+    if finished or clock[SINCE] >= clock[LENGTH]:
         clock[SINCE] = -1.0
     if not np.isfinite(run.ends[run.low] + run.slots[of(run.low, V_END)]):
         return NOT_FINITE
@@ -233,48 +243,62 @@ def _go_on(run, whole, happened, settings):
     return STEP_BOUND if tally[STEPS] > settings.most_steps else -1
 
 
-@njit(**CALLED)
-def _cross(run, feet, settings, snapped):
-    """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
-
-    `snapped`: something may be exactly zero: touching floors at the start, or what an event just met."""
-    stand_alone()
+@njit(**PART)
+def _plain_step(run, feet, settings, snapped):
+    """A step by time series; as `program_step`."""
     inelastic = settings.inelastic > 0
     founded = settings.founded > 0
     tolerance = settings.tolerance
     linked = run.last > run.first
     clock = run.clock
+    whole = _set_out(run)
+    if founded:
+        start_feet(run, feet)
+    busy = 0
+    curved = 0
+    cut = 0
+    if linked:
+        busy, curved, cut = closings(run, snapped)
+    order, close = expand(run, feet, busy, curved, cut, snapped, tolerance, settings.most_order, founded)
+    run.tally[ORDER] = order
+    if not close:
+        ratio = _shorten(run, feet, busy, cut, order, tolerance, founded)
+        if not ratio > SHORTEST:
+            return STEP_BOUND if np.isfinite(ratio) else NOT_FINITE, False, False, False
+        whole = whole and ratio >= 1.0
+    summarise(run, feet, order, founded)
+    storeys = inelastic and first_storey_event(run, founded)
+    link = linked and first_link_event(run)
+    if clock[END] < 1.0:
+        stop_at(run, feet, order, founded)
+    else:
+        clock[END] = 1.0
+    account(run, feet, settings.nodes, settings.weights, order, busy, curved, inelastic, founded)
+    track(run, feet, order, busy, inelastic, founded)
+    if settings.apart > 0:
+        widen(run)
+    return -1, storeys, link, whole and clock[END] == 1.0
+
+
+@njit(**PART)
+def _through(other_step, run, feet, programs, settings, snapped):
+    """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
+
+    `other_step`: what takes the steps that plain ones cannot. `snapped`: something may be exactly zero: touching floors
+    at the start, or what an event just met."""
+    founded = settings.founded > 0
+    clock = run.clock
     clock[SINCE] = 0.0
     clock[PACE] = clock[LENGTH]
     status = -1
     while status < 0 and clock[SINCE] >= 0.0:
-        whole = _set_out(run)
-        if founded:
-            start_feet(run, feet)
-        busy = 0
-        curved = 0
-        cut = 0
-        if linked:
-            busy, curved, cut = closings(run, snapped)
-        order, close = expand(run, feet, busy, curved, cut, snapped, tolerance, settings.most_order, founded)
-        run.tally[ORDER] = order
-        if not close:
-            ratio = _shorten(run, feet, busy, cut, order, tolerance, founded)
-            if not ratio > SHORTEST:
-                status = STEP_BOUND if np.isfinite(ratio) else NOT_FINITE
-                break
-            whole = whole and ratio >= 1.0
-        summarise(run, feet, order, founded)
-        storeys = inelastic and first_storey_event(run, founded)
-        link = linked and first_link_event(run)
-        if clock[END] < 1.0:
-            stop_at(run, feet, order, founded)
-        else:
-            clock[END] = 1.0
-        account(run, feet, settings.nodes, settings.weights, order, busy, curved, inelastic, founded)
-        track(run, feet, order, busy, inelastic, founded)
-        if settings.apart > 0:
-            widen(run)
+        status, storeys, link, finished = other_step(run, feet, programs, settings)
+        moved = clock[H]
+        if status == PLAIN_STEP:
+            status, storeys, link, finished = _plain_step(run, feet, settings, snapped)
+            moved = clock[H] * clock[END]
+        if status >= 0:
+            break
         renew_scale(run)
         if snapped and clock[END] > 0.0:
             unsnap(run)
@@ -286,13 +310,28 @@ def _cross(run, feet, settings, snapped):
         if link or storeys:
             snapped = True
             clock[PACE] = clock[LENGTH]
-        status = _go_on(run, whole, link or storeys, settings)
+        status = _go_on(run, moved, finished, link or storeys, settings)
         for b in range(run.low, run.high, 8):
             store(run.W, b - run.padded, load(run.ends, b))
             store(run.W, b, load(run.slots, at(b, V_END)))
         if founded:
             move_feet(run, feet)
     return status, snapped
+
+
+@njit(**CALLED)
+def _cross(run, feet, programs, settings, snapped):
+    """`_through` by plain steps alone. A function that is passed to one that is called, not copied, could not be kept
+    on disk, so there are two of these."""
+    stand_alone()
+    return _through(no_program_step, run, feet, programs, settings, snapped)
+
+
+@njit(**CALLED)
+def _cross_with_programs(run, feet, programs, settings, snapped):
+    """`_through` with program steps."""
+    stand_alone()
+    return _through(program_step, run, feet, programs, settings, snapped)
 
 
 @njit(**CALLED)
@@ -323,7 +362,7 @@ def _part(run, row, apart):
 
 
 @njit(**PART)
-def _solve(run, row, feet, settings):
+def _solve(cross, run, row, feet, programs, settings):
     """Solve every island that is not solved yet; returns an outcome, or -1."""
     notes = row.notes
     left = 0
@@ -340,7 +379,7 @@ def _solve(run, row, feet, settings):
                 store(run.ends, 2 * run.padded + b, splat(-1e300))
                 store(run.ends, 3 * run.padded + b, splat(1e300))
             before = run.tally[EVENTS]
-            status, snapped = _cross(run, feet, settings, snapped)
+            status, snapped = cross(run, feet, programs, settings, snapped)
             if status >= 0:
                 return status
             notes[left * NOTES + HAPPENED] = run.tally[EVENTS] - before
@@ -381,64 +420,96 @@ def _go_ashore(row):
         notes[mine + FRESH] = notes[mine + NEXT]
 
 
+@njit(**PART)
+def _integrate(
+    cross, slot_arrays, foot_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays, nodes,
+    weights, room, integers, starts, slopes, length, inelastic, apart, tolerance, quiet, most_order, most_steps,
+    most_events, most_standing,
+):  # fmt: skip
+    """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
+
+    `room` and `integers` are scratch (`room_needed`), zeroed, `room` at a cache line. `nodes` and `weights` are
+    Gauss-Legendre rules on [0, 1] (`ledger.MOST_POINTS`). `inelastic`: storeys can yield. `apart`: islands are
+    looked for; without it the row is one. `quiet`: the acceleration below which nothing is resolved [m/s2]. Fills
+    state, peaks and ledger in place; returns (status, steps, events, orders computed, time reached [s]).
+    """
+    slots, given_feet, links = slot_pointers(slot_arrays), foot_pointers(foot_arrays), link_pointers(link_arrays)
+    state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
+    ledger = ledger_pointers(ledger_arrays)
+    accelerations, rates = pointer(starts), pointer(slopes)
+    run, row, frames, rest = _carve(given_feet, links, row_pointers(row_arrays), pointer(room), pointer(integers))
+    feet = footing_of(frames, given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
+    founded = 1 if run.feet > 0 else 0
+    settings = _settings_frame(further(frames, FRAMES), (
+        1 if inelastic else 0, founded, 1 if apart else 0, most_order, most_steps, most_events, most_standing,
+        tolerance, pointer(nodes), pointer(weights),
+    ))  # fmt: skip
+    programs = programs_frame(
+        further(frames, 2 * FRAMES), run, links.registers, _ROWS, further(rest, 2 * (_ROWS + 1) * run.feet),
+        further(frames, 3 * FRAMES),
+    )  # fmt: skip
+    take_slots(run, row, slots, state, peaks, ledger)
+    take_links(run, row, links, state, peaks, ledger)
+    settle(run)
+    run.clock[LENGTH] = length
+    run.clock[QUIET] = quiet
+    for b in range(row.number):
+        row.notes[b * NOTES + FRESH] = 1
+    status = -1
+    segment = 0
+    while segment < starts.size:
+        run.tally[SEGMENT] = segment
+        run.clock[START] = accelerations[segment]
+        run.clock[SLOPE] = rates[segment]
+        _part(run, row, apart)
+        unsettled = True
+        while unsettled:
+            status = _solve(cross, run, row, feet, programs, settings)
+            unsettled = status < 0 and _join(run, row)
+        if status >= 0:
+            break
+        _go_ashore(row)
+        if peaks.watched != 0:
+            sample(run, row, slots.size, peaks.samples)
+        segment += 1
+    give_slots(run, row, state, peaks, ledger)
+    give_links(run, row, state, peaks, ledger)
+    time = segment * length + (max(run.clock[SINCE], 0.0) if segment < starts.size else 0.0)
+    return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time
+
+
 @functools.cache
-def build():
-    """The integrator, compiled on first use; what a scene does not need costs it a few untaken branches."""
+def build(programs: bool):
+    """The integrator, compiled on first use; what a scene does not need costs it a few untaken branches.
+
+    programs : with the steps that forces written as operations need
+    """
 
     source = source_digest()
+    if programs:
+
+        @njit(**PLAIN)
+        def integrate_programs(
+            slots, feet, links, row, state, peaks, ledger, nodes, weights, room, integers, starts, slopes, length,
+            inelastic, apart, tolerance, quiet, most_order, most_steps, most_events, most_standing,
+        ):  # fmt: skip
+            _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
+            return _integrate(
+                _cross_with_programs, slots, feet, links, row, state, peaks, ledger, nodes, weights, room, integers, starts,
+                slopes, length, inelastic, apart, tolerance, quiet, most_order, most_steps, most_events, most_standing,
+            )  # fmt: skip
+
+        return integrate_programs
 
     @njit(**PLAIN)
     def integrate(
-        slot_arrays, foot_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays, nodes, weights,
-        room, integers, starts, slopes, length, inelastic, apart, tolerance, quiet, most_order, most_steps,
-        most_events, most_standing,
+        slots, feet, links, row, state, peaks, ledger, nodes, weights, room, integers, starts, slopes, length,
+        inelastic, apart, tolerance, quiet, most_order, most_steps, most_events, most_standing,
     ):  # fmt: skip
-        """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
-
-        `room` and `integers` are scratch (`room_needed`), zeroed, `room` at a cache line. `nodes` and `weights` are
-        Gauss-Legendre rules on [0, 1] (`ledger.MOST_POINTS`). `inelastic`: storeys can yield. `apart`: islands are
-        looked for; without it the row is one. `quiet`: the acceleration below which nothing is resolved [m/s2]. Fills
-        state, peaks and ledger in place; returns (status, steps, events, orders computed, time reached [s]).
-        """
-        _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
-        slots, given_feet, links = slot_pointers(slot_arrays), foot_pointers(foot_arrays), link_pointers(link_arrays)
-        state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
-        ledger = ledger_pointers(ledger_arrays)
-        accelerations, rates = pointer(starts), pointer(slopes)
-        run, row, frames, rest = _carve(given_feet, links, row_pointers(row_arrays), pointer(room), pointer(integers))
-        feet = footing_of(frames, given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
-        founded = 1 if run.feet > 0 else 0
-        settings = _settings_frame(further(frames, FRAMES), (
-            1 if inelastic else 0, founded, 1 if apart else 0, most_order, most_steps, most_events, most_standing,
-            tolerance, pointer(nodes), pointer(weights),
-        ))  # fmt: skip
-        take_slots(run, row, slots, state, peaks, ledger)
-        take_links(run, row, links, state, peaks, ledger)
-        settle(run)
-        run.clock[LENGTH] = length
-        run.clock[QUIET] = quiet
-        for b in range(row.number):
-            row.notes[b * NOTES + FRESH] = 1
-        status = -1
-        segment = 0
-        while segment < starts.size:
-            run.tally[SEGMENT] = segment
-            run.clock[START] = accelerations[segment]
-            run.clock[SLOPE] = rates[segment]
-            _part(run, row, apart)
-            unsettled = True
-            while unsettled:
-                status = _solve(run, row, feet, settings)
-                unsettled = status < 0 and _join(run, row)
-            if status >= 0:
-                break
-            _go_ashore(row)
-            if peaks.watched != 0:
-                sample(run, row, slots.size, peaks.samples)
-            segment += 1
-        give_slots(run, row, state, peaks, ledger)
-        give_links(run, row, state, peaks, ledger)
-        time = segment * length + (max(run.clock[SINCE], 0.0) if segment < starts.size else 0.0)
-        return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time
+        _ = source
+        return _integrate(
+            _cross, slots, feet, links, row, state, peaks, ledger, nodes, weights, room, integers, starts,
+            slopes, length, inelastic, apart, tolerance, quiet, most_order, most_steps, most_events, most_standing,
+        )  # fmt: skip
 
     return integrate

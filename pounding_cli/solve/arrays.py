@@ -129,6 +129,7 @@ def at_rest(arrays: Arrays) -> State:
         link_branch=branch,
         snapped_link=known,
         link_at=at,
+        link_memory=np.zeros(at.size),
         phi=np.zeros(feet),
         phi_v=np.zeros(feet),
     )

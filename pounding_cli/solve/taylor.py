@@ -143,10 +143,12 @@ def prepare(
 
     tolerance = local_tolerance(accuracy)
     row, feet = lined_up(scene, arrays)
-    needed = row.first[-1], arrays.feet.number, row.joints[-1], row.rounds, row.number
+    programs = any(link.law.general for link in scene.links)
+    registers = arrays.links.registers if programs else 0
+    needed = row.first[-1], arrays.feet.number, row.joints[-1], row.rounds, row.number, registers
     doubles, whole = taylor.room_needed(*needed)
     room, integers = aligned(doubles), np.zeros(whole, np.int64)
-    kernel, rules = taylor.build(), gauss_rules(MOST_POINTS)
+    kernel, rules = taylor.build(programs), gauss_rules(MOST_POINTS)
     inelastic = everything or effects_of(scene).yielding
     apart = not everything and _stand_alone(row, feet)  # fault: stands-apart
     quiet = quiet_acceleration(scene, arrays, state)
