@@ -26,7 +26,7 @@ API = {
         "pounding_cli.api.scenes.building",
         "pounding_cli.api.scenes.motion",
         "pounding_cli.api.scenes.scene",
-        "pounding_cli.solve.methods.solve",
+        "pounding_cli.solve.run.solve",
         "pounding_cli.api.scenes.history",
     ),
     "What a scene is made of": (

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from pounding_cli.model.links import Link
     from pounding_cli.model.scene import Scene
     from pounding_cli.records.motion import Motion
-    from pounding_cli.solve.methods import solve
     from pounding_cli.solve.response import Response
+    from pounding_cli.solve.run import solve
     from pounding_cli.study.load import Study
 
 __all__ = [
@@ -71,7 +71,7 @@ _HOMES = {
     "open_results": "api.studies",
     "run": "api.studies",
     "scene": "api.scenes",
-    "solve": "solve.methods",
+    "solve": "solve.run",
 }
 """Name -> the module below `pounding_cli` that holds it."""
 

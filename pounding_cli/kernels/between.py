@@ -10,7 +10,7 @@ from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import branch_at, closing_of, held_force_rate
 from pounding_cli.kernels.link_table import branch
 from pounding_cli.kernels.polynomial import highest
-from pounding_cli.kernels.storey_law import held_coefficients, returned
+from pounding_cli.kernels.storey_law import fused_coefficients, return_mapping
 
 SHORTEST = 1e-7
 """Steps shorter than this [s], between events that coincide, have no mean acceleration: it is a difference of
@@ -22,8 +22,8 @@ def restoring(slots, i, drift, line, plastic, located):
     """Shear of storey i [N] at `drift`: on its branch where branches are located, else by return mapping."""
     k, a = slots.stiffness[i], slots.hardening[i]
     if not located:
-        return returned(k, a, slots.yield_drift[i], plastic, drift)[0]
-    tangent, offset = held_coefficients(k, a, slots.plateau[i], line, plastic)
+        return return_mapping(k, a, slots.yield_drift[i], plastic, drift)[0]
+    tangent, offset = fused_coefficients(k, a, slots.plateau[i], line, plastic)
     return tangent * drift + offset
 
 

@@ -15,13 +15,13 @@ from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import closing_of, held_force, held_force_rate, link_force
 from pounding_cli.kernels.link_table import branch, guard
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-from pounding_cli.kernels.storey_law import held_coefficients, held_transit
+from pounding_cli.kernels.storey_law import fused_coefficients, fused_transition
 
 
 @njit(**INLINE)
 def held_shear(slots, state, i, drift):
     """Restoring force of storey i [N] on its branch."""
-    tangent, offset = held_coefficients(
+    tangent, offset = fused_coefficients(
         slots.stiffness[i], slots.hardening[i], slots.plateau[i], state.line[i], state.plastic[i]
     )
     return tangent * drift + offset
@@ -29,10 +29,12 @@ def held_shear(slots, state, i, drift):
 
 @njit(**INLINE)
 def held_accelerations(
-    slots, feet, links, state, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
+    slots, foundations, links, state, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
 ):  # fmt: skip
     """`forces.accelerations` with every storey and link on the branch that `state` gives it."""
-    accelerations(slots, feet, links, state.plastic, u, v, phi, phi_v, ground, False, out, out_phi, drift, shear, force)
+    accelerations(
+        slots, foundations, links, state.plastic, u, v, phi, phi_v, ground, False, out, out_phi, drift, shear, force
+    )
     size = slots.size
     if inelastic:
         for i in range(size):
@@ -45,9 +47,9 @@ def held_accelerations(
             if slots.couple[i] != 0.0:
                 out[i - 1] += excess * slots.inverse_mass[i - 1]
             if slots.rise[i] != 0.0:
-                for f in range(feet.number):
-                    if feet.first[f] <= i < feet.stop[f]:
-                        out_phi[f] += excess * slots.rise[i] / feet.inertia[f]
+                for f in range(foundations.number):
+                    if foundations.first[f] <= i < foundations.stop[f]:
+                        out_phi[f] += excess * slots.rise[i] / foundations.inertia[f]
     for e in range(links.number):
         left = links.left[e]
         right = links.right[e]
@@ -76,12 +78,12 @@ def storey_branch_end(slots, state, i, h, d0, r0, q0, d1, r1, q1, scratch):
     limit = slots.yield_drift[i]
     swing = 0.5 * h * (abs(r0) + abs(r1))
     for side in (1.0, -1.0):
-        room0 = limit - side * (d0 - state.plastic[i])
-        room1 = limit - side * (d1 - state.plastic[i])
-        if min(room0, room1) > swing:
+        distance0 = limit - side * (d0 - state.plastic[i])
+        distance1 = limit - side * (d1 - state.plastic[i])
+        if min(distance0, distance1) > swing:
             continue
-        quintic(scratch, h, room0, -side * r0, -side * q0, room1, -side * r1, -side * q1)
-        if state.snapped_storey[i] == side:  # just unloaded: on the line and at rest
+        quintic(scratch, h, distance0, -side * r0, -side * q0, distance1, -side * r1, -side * q1)
+        if state.pinned_storey[i] == side:  # just unloaded: on the line and at rest
             scratch[0] = 0.0
             scratch[1] = 0.0
         earliest = min(earliest, first_crossing(scratch, 5, 1.0))
@@ -107,14 +109,14 @@ def link_branch_end(links, state, e, h, v0, r0, q0, v1, r1, q1, scratch):
     for g in range(int(branch(links, b, t.FIRST_GUARD)), int(branch(links, b, t.LAST_GUARD))):
         side = guard(links, g, t.SIDE)
         at = guard(links, g, t.AT)
-        known = state.snapped_link[e] == guard(links, g, t.QUANTITY)
+        known = state.pinned_link[e] == guard(links, g, t.QUANTITY)
         if guard(links, g, t.QUANTITY) == t.CLOSING:
-            room0 = side * (v0 - at)
-            room1 = side * (v1 - at)
-            known = known and state.link_at[e] == at
-            if not known and min(room0, room1) > swing:
+            distance0 = side * (v0 - at)
+            distance1 = side * (v1 - at)
+            known = known and state.pinned_closing[e] == at
+            if not known and min(distance0, distance1) > swing:
                 continue
-            quintic(scratch, h, room0, side * r0, side * q0, room1, side * r1, side * q1)
+            quintic(scratch, h, distance0, side * r0, side * q0, distance1, side * r1, side * q1)
             if known:
                 scratch[0] = 0.0
             s = _leaves_zero(scratch, known and r0 == 0.0 and q0 == 0.0)
@@ -136,7 +138,7 @@ def link_branch_end(links, state, e, h, v0, r0, q0, v1, r1, q1, scratch):
 @njit(**INLINE)
 def switch_storey(slots, state, i, drift):
     """Storey i leaves its branch at `drift` [m]: onto a yield line, or off it."""
-    state.line[i], state.plastic[i], state.snapped_storey[i] = held_transit(
+    state.line[i], state.plastic[i], state.pinned_storey[i] = fused_transition(
         state.line[i], state.plastic[i], slots.yield_drift[i], drift
     )
 
@@ -145,6 +147,6 @@ def switch_storey(slots, state, i, drift):
 def switch_link(links, state, peaks, e, g):
     """Link e has met guard g: the branch that follows, what is known exactly now, and whether that was a blow."""
     state.link_branch[e] = int(guard(links, g, t.NEXT))
-    state.snapped_link[e] = int(guard(links, g, t.QUANTITY))
-    state.link_at[e] = guard(links, g, t.AT)
+    state.pinned_link[e] = int(guard(links, g, t.QUANTITY))
+    state.pinned_closing[e] = guard(links, g, t.AT)
     peaks.impacts[e] += int(guard(links, g, t.IMPACT))

@@ -1,5 +1,5 @@
-"""Where a run keeps what it knows: one record of doubles for every eight slots (or links), so that whatever a loop
-over them needs stands at constant distances from one pointer.
+"""The memory of a run: one record of doubles for every eight slots (or links), so that whatever a loop over them needs
+stands at constant distances from one pointer.
 
 A compiler keeps a dozen pointers in registers, not a hundred: with an array for every quantity, moving the pointers
 cost more than the arithmetic. Field f of the eight slots from b on begins at `at(b, f)`; that of slot i alone is at
@@ -13,135 +13,148 @@ from numba import njit, types
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_table import NO_LINK
-from pounding_cli.kernels.simd import stand_alone
+from pounding_cli.kernels.simd import no_inline
 
 # A slot: what it is, in the order of `layout.Slots`; its stencils (`recurrence`); what a step leaves to the next: its
-# branch and scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what a step is told by: its
-# ends and strays (`summary`).
+# branch and scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what describes a step: values
+# at its start (0) and end (1) and deviations from the chord between them (`summary`).
 (
     COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, REAL, YIELD_DRIFT, HARDENING, PLATEAU, RISE,
-    ELEVATION, OWN, LEFT, RIGHT, OWN_RATE, LEFT_RATE, RIGHT_RATE, PUSH, LINE, PLASTIC, TANGENT, OFFSET, SCALE,
-    MOST_DRIFT, MOST_SHEAR, MOST_PULL, TOP, BOTTOM, INPUT, DASHED, DRAGGED, HYSTERESIS, FORCE, ROOT, ALLOWED, V_END,
-    DRIFT0, DRIFT, RATE0, RATE, PULL0, PULL, V_STRAY, DRIFT_STRAY, RATE_STRAY, PULL_STRAY,
+    ELEVATION, STENCIL_U, STENCIL_U_BELOW, STENCIL_U_ABOVE, STENCIL_V, STENCIL_V_BELOW, STENCIL_V_ABOVE,
+    OFFSET_ACCELERATION, LINE, PLASTIC, TANGENT, OFFSET, SCALE, PEAK_DRIFT, PEAK_SHEAR, PEAK_ACCELERATION,
+    MAX_DISPLACEMENT, MIN_DISPLACEMENT, INPUT_ENERGY, DASHPOT_ENERGY, DRAG_ENERGY, HYSTERESIS_ENERGY, FOUNDATION_FORCE,
+    EVENT_ROOT, TERM_TOLERANCE, V1, DRIFT0, DRIFT1, DRIFT_RATE0, DRIFT_RATE1, TOTAL_ACCELERATION0, TOTAL_ACCELERATION1,
+    V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION,
 ) = range(0, 8 * 48, 8)  # fmt: skip
-_SLOT = 49  # one more than there are: an odd number of cache lines spreads them over the cache
-SLOT_LEFT, SLOT_LEFT_END = LINE, FORCE  # fault: island-slots-put-back
-"""The fields that a step leaves to the next, from the first to before the second; stencils follow from the branch."""
+_SLOT_FIELDS = 49  # one more than there are: an odd number of cache lines spreads them over the cache
+SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = LINE, FOUNDATION_FORCE  # fault: island-slots-restored
+"""The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
-# A link: what its closing leaves out; what a step leaves to the next: the law of its branch (`link_series`), the
-# closing known exactly, events at this instant, peaks and work; what a step is told by: its start.
+# A link: what its law leaves out of the closing; what a step leaves to the next: the law of its branch (`link_series`),
+# the closing it is pinned at, what it remembers, events at this instant, peaks and work, for how long
+# contact is undecided (`from_rest`); what describes a step: its start.
 (
-    LEAVES_OUT, LINEAR_LAW, CUBIC_LAW, OFFSET_LAW, RATE_LAW, ROOT_LAW, APPLIED, CLOSED, LOW, HIGH, EXACTLY, MEMORY,
-    TURNS, MOST_CLOSING, MOST_FORCE, IMPULSE, CONTACT, WORK_DONE, CLOSING, SIZE, DAMPING, HALF,
-) = range(0, 8 * 22, 8)  # fmt: skip
-_LINK = 23  # one more than there are, an odd number again
-LINK_LEFT, LINK_LEFT_END = LINEAR_LAW, CLOSING
+    LINK_OFFSET, LAW_LINEAR, LAW_CUBIC, LAW_OFFSET, LAW_DASHPOT, LAW_ROOT, ACTS, CLOSED, LOW, HIGH, PINNED_CLOSING,
+    MEMORY, EVENTS_AT_INSTANT, PEAK_CLOSING, PEAK_FORCE, IMPULSE, CONTACT_TIME, WORK, UNDECIDED, CLOSING, LARGEST_TERM,
+    DASHPOT_NOW, HALF_INVERSE_ROOT,
+) = range(0, 8 * 23, 8)  # fmt: skip
+_LINK_FIELDS = 23  # an odd number again
+LINK_CHECKPOINT, LINK_CHECKPOINT_END = LAW_LINEAR, CLOSING
 """Likewise."""
 
-# A link in integers: its slots; what a step leaves: branch, what is known exactly, impacts.
-LEFT_SLOT, RIGHT_SLOT, BRANCH, SNAPPED, IMPACTS = range(0, 8 * 5, 8)
-TIE = 5  # integers a link
-TIE_LEFT, TIE_LEFT_END = BRANCH, 8 * TIE  # fault: island-links-put-back
+# A link in integers: its slots; what a step leaves to the next: branch, what the last event pinned, impacts.
+LEFT_SLOT, RIGHT_SLOT, BRANCH, PINNED_AT_EVENT, IMPACTS = range(0, 8 * 5, 8)
+LINK_INTEGERS = 5  # integers a link
+LINK_INTEGER_CHECKPOINT, LINK_INTEGER_CHECKPOINT_END = BRANCH, 8 * LINK_INTEGERS  # fault: island-links-restored
 """Likewise."""
 
 # The series of a link, by order: closing [m], its rate [m/s], force [N]; the infill's v^2 and sqrt(s_cur).
-V_TERM, RATE_TERM, F_TERM, SQUARE_TERM, ROOT_TERM = range(0, 8 * 5, 8)
-_TERM = 5
+CLOSING_TERM, RATE_TERM, FORCE_TERM, SQUARE_TERM, ROOT_TERM = range(0, 8 * 5, 8)
+_TERM_FIELDS = 5
 
 _POINTERS = {
-    "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "snapped": INTEGERS, "links": DOUBLES, "ties": INTEGERS,
-    "branches": DOUBLES, "guards": DOUBLES, "operations": DOUBLES, "gains": INTEGERS, "losses": INTEGERS, "pushed": DOUBLES,
-    "series": DOUBLES, "rule": DOUBLES,
-    "reciprocal": DOUBLES, "clock": DOUBLES, "tally": INTEGERS, "scratch": DOUBLES, "tilt": DOUBLES,
+    "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "pinned": INTEGERS, "links": DOUBLES, "link_integers": INTEGERS,
+    "branches": DOUBLES, "guards": DOUBLES, "operations": DOUBLES, "left_links": INTEGERS, "right_links": INTEGERS,
+    "link_forces": DOUBLES, "series": DOUBLES, "rule": DOUBLES, "reciprocal": DOUBLES, "clock": DOUBLES,
+    "tally": INTEGERS, "scratch": DOUBLES, "rocking_drift": DOUBLES,
 }  # fmt: skip
-RUN = Frame(
-    "run",
-    dict.fromkeys(("low", "high", "first", "last", "padded", "linked", "rounds", "feet"), types.int64) | _POINTERS,
-    movable=("low", "high", "first", "last"),
-)
-"""[low, high) and [first, last): places of the buildings that are run now, and of the links between them (`focus`);
-padded, linked: places in all; rounds: see `layout.Row`; feet: number of foundations. W: coefficients of velocity by
-order and place [m/s], after a row of displacements at the step's start [m]. ends: rows of displacements at the step's
-end, of their strays (`summary`), and of what they stay below and above in this segment [m]. slots, links, ties, series:
-records as above; snapped: of storeys, as in `layout.State`; branches, guards: the tables of the links' laws
-(`link_table`); gains, losses: by round and place, the link that pushes the
-slot to the right and to the left, or `linked`, the first of eight zeros behind one order's link forces, `pushed` [N];
-where rounds is 0, the first of eight links. rule: the ledger's points and weights. reciprocal[k] = 1 / k. clock, tally:
-see `clock`. scratch: one polynomial. tilt: storey height times rocking rate by order and place, after a row of the same
-of the angle."""
+_RANGES = ("slot_start", "slot_stop", "link_start", "link_stop")
+_COUNTS = ("padded", "padded_links", "links_per_side", "foundations")
+RUN = Frame("run", dict.fromkeys(_RANGES + _COUNTS, types.int64) | _POINTERS, movable=_RANGES)
+"""[slot_start, slot_stop), [link_start, link_stop) : places of the buildings that are solved now, and of the links
+    between them (`set_range`)
+padded, padded_links : numbers of places in all
+links_per_side : see `layout.Row`
+foundations : number of foundations
+W : coefficients of velocity by order and place [m/s], after a row of displacements at the step's start [m]
+ends : rows of displacements at the step's end, of their chord deviations (`summary`), and of the largest and smallest
+    displacements possible in this segment [m]
+slots, links, link_integers, series : records as above
+pinned : of storeys, `layout.State.pinned_storey`
+branches, guards, operations : the tables of the links' laws (`link_table`)
+left_links, right_links : of every place, the link on its left, which pushes it to the right, and the one on its right;
+    a row for each of `links_per_side`. `padded_links` where there is none: there eight zeros stand behind the forces.
+    Where `links_per_side` is 0, the first of eight links
+link_forces : one order of the force of every link [N]
+rule : points and weights of the ledger
+reciprocal : reciprocal[k] = 1 / k
+clock, tally : see `clock`
+scratch : one polynomial
+rocking_drift : storey height times rocking rate by order and place [m/s], after a row of storey height times angle [m]
+"""
 
 run_frame = filler(RUN)
-focus = mover(RUN)
+set_range = mover(RUN)
 
 
 @njit(**PART)
 def at(b, field):
     """Where a field of eight slots begins; b is a multiple of eight."""
-    return b * _SLOT + field
+    return b * _SLOT_FIELDS + field
 
 
 @njit(**PART)
 def of(i, field):
     """Where the field of one slot is."""
-    return (i & -8) * _SLOT + field + (i & 7)
+    return (i & -8) * _SLOT_FIELDS + field + (i & 7)
 
 
 @njit(**PART)
 def at_link(b, field):
     """Where a field of eight links begins."""
-    return b * _LINK + field
+    return b * _LINK_FIELDS + field
 
 
 @njit(**PART)
 def of_link(e, field):
     """Where the field of one link is."""
-    return (e & -8) * _LINK + field + (e & 7)
+    return (e & -8) * _LINK_FIELDS + field + (e & 7)
 
 
 @njit(**PART)
-def at_tie(b, field):
+def at_link_integer(b, field):
     """Where an integer of eight links begins."""
-    return b * TIE + field
+    return b * LINK_INTEGERS + field
 
 
 @njit(**PART)
-def of_tie(e, field):
+def of_link_integer(e, field):
     """Where the integer of one link is."""
-    return (e & -8) * TIE + field + (e & 7)
+    return (e & -8) * LINK_INTEGERS + field + (e & 7)
 
 
 @njit(**PART)
 def at_term(run, k, b, field):
     """Where order k of the series of eight links begins."""
-    return (k * run.linked + b) * _TERM + field
+    return (k * run.padded_links + b) * _TERM_FIELDS + field
 
 
 @njit(**PART)
 def of_term(run, k, e, field):
     """Where order k of the series of one link is."""
-    return (k * run.linked + (e & -8)) * _TERM + field + (e & 7)
+    return (k * run.padded_links + (e & -8)) * _TERM_FIELDS + field + (e & 7)
 
 
-def room_for(padded: int, links: int, orders: int) -> tuple[int, int]:
+def record_sizes(padded: int, links: int, orders: int) -> tuple[int, int]:
     """Doubles and integers of the records of so many slots and links, padding included."""
-    return _SLOT * padded + (_LINK + orders * _TERM) * links, padded + TIE * links
+    return _SLOT_FIELDS * padded + (_LINK_FIELDS + orders * _TERM_FIELDS) * links, padded + LINK_INTEGERS * links
 
 
 @njit(**PART)
-def parts_of(padded, links, orders):
+def record_parts(padded, links, orders):
     """Doubles of the slots', the links' and the series' records."""
-    return _SLOT * padded, _LINK * links, orders * _TERM * links
+    return _SLOT_FIELDS * padded, _LINK_FIELDS * links, orders * _TERM_FIELDS * links
 
 
 @njit(**CALLED)
 def take_slots(run, row, slots, state, peaks, ledger):
     """Copy what is given by slot into the records; places without a slot stay zero."""
-    stand_alone()
+    no_inline()
     c = run.slots
     for i in range(run.padded):
         c[of(i, YIELD_DRIFT)] = np.inf
     for slot in range(row.slots):
-        i = row.spots[slot]
+        i = row.slot_places[slot]
         c[of(i, COUPLE)] = slots.couple[slot]
         c[of(i, COUPLE_RIGHT)] = slots.couple_right[slot]
         c[of(i, STIFFNESS)] = slots.stiffness[slot]
@@ -159,59 +172,59 @@ def take_slots(run, row, slots, state, peaks, ledger):
         run.W[i] = state.v[slot]
         c[of(i, LINE)] = state.line[slot]
         c[of(i, PLASTIC)] = state.plastic[slot]
-        run.snapped[i] = state.snapped_storey[slot]
+        run.pinned[i] = state.pinned_storey[slot]
         c[of(i, SCALE)] = 0.0
-        c[of(i, MOST_DRIFT)] = peaks.drift[slot]
-        c[of(i, MOST_SHEAR)] = peaks.shear[slot]
-        c[of(i, MOST_PULL)] = peaks.acceleration[slot]
-        c[of(i, TOP)] = peaks.displacement_max[slot]
-        c[of(i, BOTTOM)] = peaks.displacement_min[slot]
-        c[of(i, INPUT)] = ledger.input[slot]
-        c[of(i, DASHED)] = ledger.dashpots[slot]
-        c[of(i, DRAGGED)] = ledger.drag[slot]
-        c[of(i, HYSTERESIS)] = ledger.hysteresis[slot]
+        c[of(i, PEAK_DRIFT)] = peaks.drift[slot]
+        c[of(i, PEAK_SHEAR)] = peaks.shear[slot]
+        c[of(i, PEAK_ACCELERATION)] = peaks.acceleration[slot]
+        c[of(i, MAX_DISPLACEMENT)] = peaks.displacement_max[slot]
+        c[of(i, MIN_DISPLACEMENT)] = peaks.displacement_min[slot]
+        c[of(i, INPUT_ENERGY)] = ledger.input[slot]
+        c[of(i, DASHPOT_ENERGY)] = ledger.dashpots[slot]
+        c[of(i, DRAG_ENERGY)] = ledger.drag[slot]
+        c[of(i, HYSTERESIS_ENERGY)] = ledger.hysteresis[slot]
 
 
 @njit(**CALLED)
 def give_slots(run, row, state, peaks, ledger):
     """Copy what has changed by slot back."""
-    stand_alone()
+    no_inline()
     c = run.slots
     for slot in range(row.slots):
-        i = row.spots[slot]
+        i = row.slot_places[slot]
         state.u[slot] = run.W[i - run.padded]
         state.v[slot] = run.W[i]
         state.line[slot] = c[of(i, LINE)]
         state.plastic[slot] = c[of(i, PLASTIC)]
-        state.snapped_storey[slot] = run.snapped[i]
-        peaks.drift[slot] = c[of(i, MOST_DRIFT)]
-        peaks.shear[slot] = c[of(i, MOST_SHEAR)]
-        peaks.acceleration[slot] = c[of(i, MOST_PULL)]
-        peaks.displacement_max[slot] = c[of(i, TOP)]
-        peaks.displacement_min[slot] = c[of(i, BOTTOM)]
-        ledger.input[slot] = c[of(i, INPUT)]
-        ledger.dashpots[slot] = c[of(i, DASHED)]
-        ledger.drag[slot] = c[of(i, DRAGGED)]
-        ledger.hysteresis[slot] = c[of(i, HYSTERESIS)]
+        state.pinned_storey[slot] = run.pinned[i]
+        peaks.drift[slot] = c[of(i, PEAK_DRIFT)]
+        peaks.shear[slot] = c[of(i, PEAK_SHEAR)]
+        peaks.acceleration[slot] = c[of(i, PEAK_ACCELERATION)]
+        peaks.displacement_max[slot] = c[of(i, MAX_DISPLACEMENT)]
+        peaks.displacement_min[slot] = c[of(i, MIN_DISPLACEMENT)]
+        ledger.input[slot] = c[of(i, INPUT_ENERGY)]
+        ledger.dashpots[slot] = c[of(i, DASHPOT_ENERGY)]
+        ledger.drag[slot] = c[of(i, DRAG_ENERGY)]
+        ledger.hysteresis[slot] = c[of(i, HYSTERESIS_ENERGY)]
 
 
 @njit(**PART)
-def _pair_up(run, row):
+def _pair_places(run, row):
     """Sides of the links where each eight of them join eight places to eight, in order."""
     for b in range(row.number - 1):
-        for e in range(row.joints[b], row.joints[b + 1]):
-            on = e - row.joints[b]
-            run.ties[of_tie(e, LEFT_SLOT)] = row.first[b] + on
-            run.ties[of_tie(e, RIGHT_SLOT)] = row.first[b + 1] + on
+        for e in range(row.first_link[b], row.first_link[b + 1]):
+            on = e - row.first_link[b]
+            run.link_integers[of_link_integer(e, LEFT_SLOT)] = row.first_slot[b] + on
+            run.link_integers[of_link_integer(e, RIGHT_SLOT)] = row.first_slot[b + 1] + on
             if (on & 7) == 0:
-                run.losses[row.first[b] + on] = e
-                run.gains[row.first[b + 1] + on] = e
+                run.right_links[row.first_slot[b] + on] = e
+                run.left_links[row.first_slot[b + 1] + on] = e
 
 
 @njit(**PART)
-def _list(run, table, i, e):
-    """Enter link e in the first round in which slot i has none."""
-    while table[i] != run.linked:
+def _enter_link(run, table, i, e):
+    """Enter link e in the first row in which slot i has none."""
+    while table[i] != run.padded_links:
         i += run.padded
     table[i] = e
 
@@ -219,53 +232,53 @@ def _list(run, table, i, e):
 @njit(**CALLED)
 def take_links(run, row, links, state, peaks, ledger):
     """Copy what is given by link into the records."""
-    stand_alone()
+    no_inline()
     c = run.links
-    n = run.ties
-    for e in range(run.linked):
-        n[of_tie(e, BRANCH)] = NO_LINK
-        c[of_link(e, MOST_CLOSING)] = np.inf
-    for i in range(max(run.rounds, 1) * run.padded):
-        run.gains[i] = run.linked
-        run.losses[i] = run.linked
-    if run.rounds == 0:
-        _pair_up(run, row)
+    n = run.link_integers
+    for e in range(run.padded_links):
+        n[of_link_integer(e, BRANCH)] = NO_LINK
+        c[of_link(e, PEAK_CLOSING)] = np.inf
+    for i in range(max(run.links_per_side, 1) * run.padded):
+        run.left_links[i] = run.padded_links
+        run.right_links[i] = run.padded_links
+    if run.links_per_side == 0:
+        _pair_places(run, row)
     for link in range(row.links):
-        e = row.seats[link]
-        c[of_link(e, LEAVES_OUT)] = links.offset[link]
-        c[of_link(e, EXACTLY)] = state.link_at[link]
+        e = row.link_places[link]
+        c[of_link(e, LINK_OFFSET)] = links.offset[link]
+        c[of_link(e, PINNED_CLOSING)] = state.pinned_closing[link]
         c[of_link(e, MEMORY)] = state.link_memory[link]
-        c[of_link(e, TURNS)] = 0.0
-        c[of_link(e, MOST_CLOSING)] = peaks.closing[link]
-        c[of_link(e, MOST_FORCE)] = peaks.force[link]
+        c[of_link(e, EVENTS_AT_INSTANT)] = 0.0
+        c[of_link(e, PEAK_CLOSING)] = peaks.closing[link]
+        c[of_link(e, PEAK_FORCE)] = peaks.force[link]
         c[of_link(e, IMPULSE)] = peaks.impulse[link]
-        c[of_link(e, CONTACT)] = peaks.contact_time[link]
-        c[of_link(e, WORK_DONE)] = ledger.links[link]
-        if run.rounds > 0:
-            n[of_tie(e, LEFT_SLOT)] = row.spots[links.left[link]]
-            n[of_tie(e, RIGHT_SLOT)] = row.spots[links.right[link]]
-            _list(run, run.gains, n[of_tie(e, RIGHT_SLOT)], e)
-            _list(run, run.losses, n[of_tie(e, LEFT_SLOT)], e)
-        n[of_tie(e, BRANCH)] = state.link_branch[link]
-        n[of_tie(e, SNAPPED)] = state.snapped_link[link]
-        n[of_tie(e, IMPACTS)] = peaks.impacts[link]
+        c[of_link(e, CONTACT_TIME)] = peaks.contact_time[link]
+        c[of_link(e, WORK)] = ledger.links[link]
+        if run.links_per_side > 0:
+            n[of_link_integer(e, LEFT_SLOT)] = row.slot_places[links.left[link]]
+            n[of_link_integer(e, RIGHT_SLOT)] = row.slot_places[links.right[link]]
+            _enter_link(run, run.left_links, n[of_link_integer(e, RIGHT_SLOT)], e)
+            _enter_link(run, run.right_links, n[of_link_integer(e, LEFT_SLOT)], e)
+        n[of_link_integer(e, BRANCH)] = state.link_branch[link]
+        n[of_link_integer(e, PINNED_AT_EVENT)] = state.pinned_link[link]
+        n[of_link_integer(e, IMPACTS)] = peaks.impacts[link]
 
 
 @njit(**CALLED)
 def give_links(run, row, state, peaks, ledger):
     """Copy what has changed by link back."""
-    stand_alone()
+    no_inline()
     c = run.links
-    n = run.ties
+    n = run.link_integers
     for link in range(row.links):
-        e = row.seats[link]
-        peaks.closing[link] = c[of_link(e, MOST_CLOSING)]
-        peaks.force[link] = c[of_link(e, MOST_FORCE)]
+        e = row.link_places[link]
+        peaks.closing[link] = c[of_link(e, PEAK_CLOSING)]
+        peaks.force[link] = c[of_link(e, PEAK_FORCE)]
         peaks.impulse[link] = c[of_link(e, IMPULSE)]
-        peaks.contact_time[link] = c[of_link(e, CONTACT)]
-        ledger.links[link] = c[of_link(e, WORK_DONE)]
-        state.link_branch[link] = n[of_tie(e, BRANCH)]
-        state.snapped_link[link] = n[of_tie(e, SNAPPED)]
-        state.link_at[link] = c[of_link(e, EXACTLY)]
+        peaks.contact_time[link] = c[of_link(e, CONTACT_TIME)]
+        ledger.links[link] = c[of_link(e, WORK)]
+        state.link_branch[link] = n[of_link_integer(e, BRANCH)]
+        state.pinned_link[link] = n[of_link_integer(e, PINNED_AT_EVENT)]
+        state.pinned_closing[link] = c[of_link(e, PINNED_CLOSING)]
         state.link_memory[link] = c[of_link(e, MEMORY)]
-        peaks.impacts[link] = n[of_tie(e, IMPACTS)]
+        peaks.impacts[link] = n[of_link_integer(e, IMPACTS)]

@@ -14,12 +14,12 @@ from numba import njit
 from pounding_cli.kernels.layout import INLINE, OPTIONS
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
-from pounding_cli.kernels.stepping import WHOLE, causes, march, nothing_after
+from pounding_cli.kernels.stepping import STEP_DONE, fill_forces, march, no_event
 
 
-def room_needed(size: int, feet: int, links: int) -> int:
+def memory_needed(size: int, foundations: int, links: int) -> int:
     """Doubles of the method's own scratch: whether a half step has been, and its velocities."""
-    return 1 + size + feet
+    return 1 + size + foundations
 
 
 @njit(**INLINE)
@@ -34,16 +34,16 @@ def _kick(count, half, h, kick, u, v, a, out_u, out_v):
 
 @njit(**INLINE)
 def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
-    size, count = scene.slots.size, scene.feet.number
+    size, count = scene.slots.size, scene.foundations.number
     kick = h if own[0] != 0.0 else 0.5 * h
     own[0] = 1.0
     half = further(own, 1)
     _kick(size, half, h, kick, p.u, p.v, p.a, out.u, out.v)
-    _kick(count, further(half, size), h, kick, p.phi, p.phi_v, p.turn, out.phi, out.phi_v)
+    _kick(count, further(half, size), h, kick, p.phi, p.phi_v, p.phi_a, out.phi, out.phi_v)
     for i in range(size):
         out.plastic[i] = p.plastic[i]
-    causes(scene, out, ground + h * slope, inelastic, False)
-    return h, WHOLE
+    fill_forces(scene, out, ground + h * slope, inelastic, False)
+    return h, STEP_DONE
 
 
 @functools.cache
@@ -52,11 +52,11 @@ def build(inelastic: bool):
     source = source_digest()
 
     @njit(**OPTIONS)
-    def integrate(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
+    def integrate(slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
         return march(
-            _advance, nothing_after, False, False, inelastic, slots, feet, links, state, peaks, room, tally, starts,
-            slopes, dt, parts, most_events,
+            _advance, no_event, False, False, inelastic, slots, foundations, links, state, peaks, memory, tally, starts,
+            slopes, dt, parts, max_events,
         )  # fmt: skip
 
     return integrate

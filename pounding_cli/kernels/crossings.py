@@ -8,10 +8,10 @@ from numba import njit
 
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels import link_table as t
-from pounding_cli.kernels.cells import at, at_link, of, of_link, of_term, of_tie
-from pounding_cli.kernels.clock import END, GUARD, LINK, ORDER, PER_H, H
+from pounding_cli.kernels.cells import at, at_link, of, of_link, of_link_integer, of_term
+from pounding_cli.kernels.clock import END, EVENT_GUARD, EVENT_LINK, INVERSE_H, ORDER, H
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import difference, link_end
+from pounding_cli.kernels.link_series import closing_at_end, difference
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
 from pounding_cli.kernels.simd import (
     greater,
@@ -20,13 +20,13 @@ from pounding_cli.kernels.simd import (
     magnitude,
     maximum,
     minimum,
+    no_inline,
     splat,
-    stand_alone,
     store,
 )
-from pounding_cli.kernels.summary import bends, drift_series, rate_term
+from pounding_cli.kernels.summary import drift_series, may_turn_by_ends, rate_term
 
-MOST_TURNS = 2
+MAX_EVENTS_AT_INSTANT = 2
 """Events of a link at one instant after which some guards are asked no more until time goes on: an event that undoes
 itself at once is rounding (floors that part from rest at a high order of their motion, say)."""
 
@@ -34,7 +34,7 @@ itself at once is rounding (floors that part from rest at a high order of their 
 @njit(**CALLED)
 def _storey_crossing(run, i, founded):
     """First s in [0, 1] where storey i leaves its branch."""
-    stand_alone()
+    no_inline()
     slots = run.slots
     scratch = run.scratch
     order = run.tally[ORDER]
@@ -46,15 +46,15 @@ def _storey_crossing(run, i, founded):
     earliest = NEVER
     plastic = slots[of(i, c.PLASTIC)]
     first = slots[of(i, c.DRIFT0)] - plastic
-    last = slots[of(i, c.DRIFT)] - plastic
+    last = slots[of(i, c.DRIFT1)] - plastic
     limit = slots[of(i, c.YIELD_DRIFT)]
     # fault: yield-guard
     for line in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
-        if max(line * first, line * last) + slots[of(i, c.DRIFT_STRAY)] <= limit:
+        if max(line * first, line * last) + slots[of(i, c.DRIFT_CHORD_DEVIATION)] <= limit:
             continue
         drift_series(run, run.clock[H], i, order, -line, founded)
         scratch[0] = limit - line * first
-        if run.snapped[i] == line:  # just unloaded: exactly on the line and at rest
+        if run.pinned[i] == line:  # just unloaded: exactly on the line and at rest
             scratch[0] = 0.0
             scratch[1] = 0.0
         earliest = min(earliest, first_crossing(scratch, order, min(1.0, earliest)))
@@ -64,30 +64,30 @@ def _storey_crossing(run, i, founded):
 @njit(**CALLED)
 def first_storey_event(run, founded):
     """Whether there is a storey event in [0, 1], the first one's place in END; ROOT tells every storey's own."""
-    stand_alone()
+    no_inline()
     slots = run.slots
     zero = splat(0.0)
     never = splat(NEVER)
     found = False
-    for b in range(run.low, run.high, 8):
-        store(slots, at(b, c.ROOT), never)
+    for b in range(run.slot_start, run.slot_stop, 8):
+        store(slots, at(b, c.EVENT_ROOT), never)
         plastic = load(slots, at(b, c.PLASTIC))
         first = magnitude(load(slots, at(b, c.DRIFT0)) - plastic)
-        reach = maximum(first, magnitude(load(slots, at(b, c.DRIFT)) - plastic))
-        suspects = greater(reach + load(slots, at(b, c.DRIFT_STRAY)), load(slots, at(b, c.YIELD_DRIFT)))
+        reach = maximum(first, magnitude(load(slots, at(b, c.DRIFT1)) - plastic))
+        suspects = greater(reach + load(slots, at(b, c.DRIFT_CHORD_DEVIATION)), load(slots, at(b, c.YIELD_DRIFT)))
         if suspects == 0:
             continue
         # On a yield line (where `plastic` is infinite, so always suspect) all is well while the drift goes on outward.
         line = load(slots, at(b, c.LINE))
-        rate0 = load(slots, at(b, c.RATE0)) * line
-        rate = load(slots, at(b, c.RATE)) * line
-        outward = greater(minimum(rate0, rate), load(slots, at(b, c.RATE_STRAY)))
+        rate0 = load(slots, at(b, c.DRIFT_RATE0)) * line
+        rate = load(slots, at(b, c.DRIFT_RATE1)) * line
+        outward = greater(minimum(rate0, rate), load(slots, at(b, c.DRIFT_RATE_CHORD_DEVIATION)))
         suspects &= ~(outward & greater(line * line, zero))
         while suspects != 0:
             i = b + lowest(suspects)
             suspects &= suspects - 1
             s = _storey_crossing(run, i, founded)
-            slots[of(i, c.ROOT)] = s  # fault: storey-guard-root
+            slots[of(i, c.EVENT_ROOT)] = s  # fault: storey-guard-root
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
                 found = True
@@ -99,9 +99,9 @@ def _closing_series(run, e, first, factor):
     """`factor` times the coefficients of link e's closing, `first` at order 0, into `scratch`; exactly zero where both
     floors move alike."""
     h = factor * run.clock[H]
-    left = run.ties[of_tie(e, c.LEFT_SLOT)]
-    right = run.ties[of_tie(e, c.RIGHT_SLOT)]
-    size = max(abs(run.W[left - run.padded]), abs(run.W[right - run.padded])) * run.clock[PER_H]
+    left = run.link_integers[of_link_integer(e, c.LEFT_SLOT)]
+    right = run.link_integers[of_link_integer(e, c.RIGHT_SLOT)]
+    size = max(abs(run.W[left - run.padded]), abs(run.W[right - run.padded])) * run.clock[INVERSE_H]
     run.scratch[0] = factor * first
     for k in range(1, run.tally[ORDER] + 1):
         a = run.W[(k - 1) * run.padded + left]
@@ -113,15 +113,15 @@ def _closing_series(run, e, first, factor):
 @njit(**CALLED)
 def _link_crossing(run, e, end):
     """(s, guard) of the first guard of its branch that link e meets in [0, end]; NEVER if there is none."""
-    stand_alone()
+    no_inline()
     scratch = run.scratch
     order = run.tally[ORDER]
     earliest = NEVER
     first = -1
-    b = run.ties[of_tie(e, c.BRANCH)]
+    b = run.link_integers[of_link_integer(e, c.BRANCH)]
     closing = run.links[of_link(e, c.CLOSING)]
     for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
-        if t.guard(run, g, t.ONCE) != 0.0 and run.links[of_link(e, c.TURNS)] >= MOST_TURNS:
+        if t.guard(run, g, t.ONCE) != 0.0 and run.links[of_link(e, c.EVENTS_AT_INSTANT)] >= MAX_EVENTS_AT_INSTANT:
             continue
         side = t.guard(run, g, t.SIDE)
         n = order
@@ -130,8 +130,8 @@ def _link_crossing(run, e, end):
         else:
             n = order - 1
             for k in range(order):
-                scratch[k] = side * run.series[of_term(run, k, e, c.F_TERM)]
-            if run.ties[of_tie(e, c.SNAPPED)] == t.FORCE:
+                scratch[k] = side * run.series[of_term(run, k, e, c.FORCE_TERM)]
+            if run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] == t.FORCE:
                 scratch[0] = 0.0
         s = first_crossing(scratch, n, min(end, earliest))  # fault: contact-begins
         if s < earliest:
@@ -141,29 +141,30 @@ def _link_crossing(run, e, end):
 
 
 @njit(**PART)
-def _may_leave(run, b, first, last, stray):
-    """Lanes whose link may leave its branch, by its closing at both ends of the step and that one's stray."""
+def _may_leave(run, b, first, last, deviation):
+    """Lanes whose link may leave its branch, by its closing at both ends of the step and the chord deviation."""
     low = load(run.links, at_link(b, c.LOW))
     high = load(run.links, at_link(b, c.HIGH))
     least = minimum(first, last)
-    most = maximum(first, last)
-    stays = greater(least - stray, low) & greater(high, most + stray)
+    largest = maximum(first, last)
+    stays = greater(least - deviation, low) & greater(high, largest + deviation)
     # Monotone, it may begin where the branch ends: it has just come from there.
     began = ~(greater(low, first) | greater(first, high))
-    stays |= ~bends(first, last, stray) & began & greater(last, low) & greater(high, last)  # fault: closing-is-monotone
+    inside = greater(last, low) & greater(high, last)
+    stays |= ~may_turn_by_ends(first, last, deviation) & began & inside  # fault: closing-is-monotone
     return ~stays & 255
 
 
 @njit(**CALLED)
 def first_link_event(run):
     """Whether a link event comes before what stands in END: its place goes there, link and guard into the tally."""
-    stand_alone()
+    no_inline()
     found = False
-    for b in range(run.first, run.last, 8):
+    for b in range(run.link_start, run.link_stop, 8):
         first = load(run.links, at_link(b, c.CLOSING))
-        last, stray = link_end(run, b)
-        last = last - load(run.links, at_link(b, c.LEAVES_OUT))
-        suspects = _may_leave(run, b, first, last, stray)
+        last, deviation = closing_at_end(run, b)
+        last = last - load(run.links, at_link(b, c.LINK_OFFSET))
+        suspects = _may_leave(run, b, first, last, deviation)
         while suspects != 0:
             e = b + lowest(suspects)
             suspects &= suspects - 1
@@ -171,7 +172,7 @@ def first_link_event(run):
             s, guard = _link_crossing(run, e, end)
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
-                run.tally[LINK] = e
-                run.tally[GUARD] = guard
+                run.tally[EVENT_LINK] = e
+                run.tally[EVENT_GUARD] = guard
                 found = True
     return found

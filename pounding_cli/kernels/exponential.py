@@ -32,14 +32,14 @@ BEND = 1.5
 turns by 1.5 radians."""
 
 
-def room_needed(width: int, wide: int) -> int:
+def memory_needed(width: int, wide: int) -> int:
     """Doubles of scratch that `march` needs for states of `width` and `wide` tracked quantities, padded."""
     return 2 * (width + 8) + 3 * wide + 64
 
 
 # Kept as part of the march: captured by it, it would be another one in every process, and never found again.
 @njit(**{**INLINE, "forceinline": False})
-def look_closely(powers, m, orders, total, z, c, side, best):
+def peak_within_step(powers, m, orders, total, z, c, side, best):
     """The larger of `best` and the largest value of quantity m, times `side`, within the step from the state z."""
     for k in range(orders):
         term = further(powers, (m * orders + k) * total)
@@ -57,7 +57,7 @@ def build():
 
     @njit(**OPTIONS)
     def march(
-        step, rows, bends, jumps, powers, forms, starts, slopes, length, parts, ends, room, peaks, sums, visited,
+        step, rows, bends, jumps, powers, forms, starts, slopes, length, parts, ends, memory, peaks, sums, visited,
         first_watched, samples,
     ):  # fmt: skip
         """Step through all segments of the ground motion from the state in `ends[0]` to that in `ends[1]`.
@@ -71,7 +71,7 @@ def build():
         ends : q and q' at the start and at the end, shape (2, n)
         starts, slopes : the ground in every segment [m/s2], [m/s3]
         length : of one step [s]; `parts` of them make a segment
-        room : scratch (`room_needed`)
+        room : scratch (`memory_needed`)
         peaks : largest and smallest value of everything tracked, shape (2, wide)
         sums : z' W z of every form summed over the segments' starts, shape (F, 8), to be summed over the last
         visited : z summed over the segments' starts, shape (n + 2,)
@@ -89,7 +89,7 @@ def build():
         )  # fmt: skip
         jump = pointer(jumps)
         stride = width + 8
-        z = pointer(room)
+        z = pointer(memory)
         values = further(z, 2 * stride)
         bows = further(values, wide)
         c = further(bows, wide)
@@ -132,7 +132,7 @@ def build():
                     value = fused(load(look, j * wide + b), x, value)
                     bend = fused(load(bow, j * wide + b), x, bend)
                 last = load(values, b)
-                stray = maximum(magnitude(load(bows, b)), magnitude(bend - load(jump, b) * turned)) * BEND
+                deviation = maximum(magnitude(load(bows, b)), magnitude(bend - load(jump, b) * turned)) * BEND
                 store(values, b, value)
                 store(bows, b, bend)
                 if r == 0:
@@ -145,19 +145,19 @@ def build():
                 down = minimum(load(low, b), below)
                 store(high, b, up)
                 store(low, b, down)
-                turns = greater(stray * 4.0, above - below)  # fault: exact-monotone
-                tops_out = turns & greater(above + stray, up)  # fault: exact-peaks
-                bottoms_out = turns & greater(down, below - stray)
-                while tops_out != 0:
-                    m = b + lowest(tops_out)
-                    tops_out &= tops_out - 1
+                turns = greater(deviation * 4.0, above - below)  # fault: exact-monotone
+                may_exceed = turns & greater(above + deviation, up)  # fault: exact-peaks
+                may_undercut = turns & greater(down, below - deviation)
+                while may_exceed != 0:
+                    m = b + lowest(may_exceed)
+                    may_exceed &= may_exceed - 1
                     if m < count:
-                        high[m] = look_closely(terms, m, orders, total, before, c, 1.0, high[m])
-                while bottoms_out != 0:
-                    m = b + lowest(bottoms_out)
-                    bottoms_out &= bottoms_out - 1
+                        high[m] = peak_within_step(terms, m, orders, total, before, c, 1.0, high[m])
+                while may_undercut != 0:
+                    m = b + lowest(may_undercut)
+                    may_undercut &= may_undercut - 1
                     if m < count:
-                        low[m] = -look_closely(terms, m, orders, total, before, c, -1.0, -low[m])
+                        low[m] = -peak_within_step(terms, m, orders, total, before, c, -1.0, -low[m])
             if r > 0 and part == 0:
                 for i in range(watched):
                     samples[segment - 1, i] = values[first_watched + i]

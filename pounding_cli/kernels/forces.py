@@ -10,11 +10,13 @@ from numba import njit
 
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import closing_of, link_force
-from pounding_cli.kernels.storey_law import returned
+from pounding_cli.kernels.storey_law import return_mapping
 
 
 @njit(**INLINE)
-def accelerations(slots, feet, links, plastic, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force):
+def accelerations(
+    slots, foundations, links, plastic, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
+):
     """Fill `out` with u'' [m/s2], `out_phi` with phi'' [rad/s2], `drift`, `shear` (restoring force) and link `force`.
 
     Moves `plastic` where a storey yields: call it once a step with the states of that step, in order.
@@ -25,8 +27,8 @@ def accelerations(slots, feet, links, plastic, u, v, phi, phi_v, ground, inelast
         turned = 0.0
         turned_v = 0.0
         if slots.rise[i] != 0.0:
-            for f in range(feet.number):
-                if feet.first[f] <= i < feet.stop[f]:
+            for f in range(foundations.number):
+                if foundations.first[f] <= i < foundations.stop[f]:
                     turned = slots.rise[i] * phi[f]
                     turned_v = slots.rise[i] * phi_v[f]
         below = u[i - 1] if slots.couple[i] != 0.0 else 0.0
@@ -35,7 +37,7 @@ def accelerations(slots, feet, links, plastic, u, v, phi, phi_v, ground, inelast
         drift[i] = d
         restoring = slots.stiffness[i] * d
         if inelastic:
-            restoring, plastic[i] = returned(
+            restoring, plastic[i] = return_mapping(
                 slots.stiffness[i], slots.hardening[i], slots.yield_drift[i], plastic[i], d
             )
         shear[i] = restoring
@@ -45,18 +47,18 @@ def accelerations(slots, feet, links, plastic, u, v, phi, phi_v, ground, inelast
         if slots.couple[i] != 0.0:
             out[i - 1] += force[i]
         out[i] -= slots.alpha[i] * slots.mass[i] * v[i]
-    for f in range(feet.number):
-        base = feet.base[f]
+    for f in range(foundations.number):
+        base = foundations.base[f]
         sway = v[base] if base >= 0 else 0.0
-        moment = -feet.stiffness[f] * phi[f] - feet.dashpot[f] * phi_v[f]
-        for i in range(feet.first[f], feet.stop[f]):
+        moment = -foundations.stiffness[f] * phi[f] - foundations.dashpot[f] * phi_v[f]
+        for i in range(foundations.first[f], foundations.stop[f]):
             arm = slots.elevation[i]
-            drag = feet.alpha[f] * slots.mass[i] * (v[i] - sway - arm * phi_v[f])
+            drag = foundations.alpha[f] * slots.mass[i] * (v[i] - sway - arm * phi_v[f])
             out[i] -= drag
             if base >= 0:
                 out[base] += drag
             moment += drag * arm + force[i] * slots.rise[i]
-        out_phi[f] = moment / feet.inertia[f]
+        out_phi[f] = moment / foundations.inertia[f]
     for e in range(links.number):
         left = links.left[e]
         right = links.right[e]

@@ -19,21 +19,21 @@ from pounding_cli.kernels.link_force import branch_at, closing_of, stiffness_and
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.stepping import (
+    DIVERGED,
     EVENTS,
-    FURTHEST,
     ITERATIONS,
-    PART,
-    WHOLE,
-    causes,
+    STEP_CUT,
+    STEP_DONE,
+    fill_forces,
     march,
-    nothing_after,
+    no_event,
 )
 from pounding_cli.kernels.storey_law import yields
 
 NO_ROOT = 10
 """Outcome: a step had no root however short it was made."""
 
-MOST_ITERATIONS = 25
+MAX_ITERATIONS = 25
 CONVERGED = 1e-12
 """Largest change of a displacement in the last iteration, over the largest displacement."""
 
@@ -46,14 +46,14 @@ _BETA, _GAMMA, _ALPHA_M, _ALPHA_F, _MOST_CUTS, _UNKNOWNS, _STEP, _DONE, _LEVEL, 
 PARAMETERS = _DONE
 
 
-def room_needed(size: int, feet: int, links: int, unknowns: int) -> int:
+def memory_needed(size: int, foundations: int, links: int, unknowns: int) -> int:
     """Doubles of the method's own scratch."""
-    return matrices_at(size, feet, links) + 2 * unknowns * unknowns + 2 * unknowns
+    return matrices_at(size, foundations, links) + 2 * unknowns * unknowns + 2 * unknowns
 
 
-def matrices_at(size: int, feet: int, links: int) -> int:
+def matrices_at(size: int, foundations: int, links: int) -> int:
     """Where in it mass (N,) and damping (N N, row by row) stand, without links; whoever calls fills them in."""
-    return 10 + 3 * size + 2 * feet + 2 * links
+    return 10 + 3 * size + 2 * foundations + 2 * links
 
 
 @njit(**INLINE)
@@ -85,7 +85,7 @@ def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
 
 
 @njit(**INLINE)
-def _add_tangents(slots, feet, links, matrix, n, unknowns, tangent, dashpot, share, rate_share):
+def _add_tangents(slots, foundations, links, matrix, n, unknowns, tangent, dashpot, share, rate_share):
     """Add storeys and links to the matrix of a Newton iteration."""
     size = slots.size
     for i in range(n):
@@ -95,8 +95,8 @@ def _add_tangents(slots, feet, links, matrix, n, unknowns, tangent, dashpot, sha
             matrix[(i - 1) * unknowns + i - 1] += stiff
             matrix[i * unknowns + i - 1] -= stiff
         if slots.rise[i] != 0.0:
-            for f in range(feet.number):
-                if feet.first[f] <= i < feet.stop[f]:
+            for f in range(foundations.number):
+                if foundations.first[f] <= i < foundations.stop[f]:
                     row = (n + f) * unknowns
                     lean = stiff * slots.rise[i]
                     matrix[row + n + f] += lean * slots.rise[i]
@@ -116,19 +116,19 @@ def _add_tangents(slots, feet, links, matrix, n, unknowns, tangent, dashpot, sha
 def _try(scene, p, out, own, tally, h, ground, inelastic):
     """Newton's iterations towards the point h after p, whose ground acceleration is `ground`: 1 when they converge, 0
     when they do not, -1 when the matrix is not positive."""
-    slots, feet, links = scene.slots, scene.feet, scene.links
-    size, count, unknowns = slots.size, feet.number, int(own[_UNKNOWNS])
+    slots, foundations, links = scene.slots, scene.foundations, scene.links
+    size, count, unknowns = slots.size, foundations.number, int(own[_UNKNOWNS])
     n = unknowns - count
     beta, gamma, alpha_m, alpha_f = own[_BETA], own[_GAMMA], own[_ALPHA_M], own[_ALPHA_F]
-    a0, turn0, a, turn, tangent, dashpot, mass, damping, matrix, right_side = _scratch(own, slots, feet, links)
+    a0, phi_a0, a, phi_a, tangent, dashpot, mass, damping, matrix, right_side = _scratch(own, slots, foundations, links)
     mass_share = (1.0 - alpha_m) / (beta * h * h)
     rate_share = (1.0 - alpha_f) * gamma / (beta * h)
     share = 1.0 - alpha_f
     for i in range(size):
         out.u[i] = p.u[i] + h * p.v[i] + 0.5 * h * h * (p.a[i] + a0[i])
     for f in range(count):
-        out.phi[f] = p.phi[f] + h * p.phi_v[f] + 0.5 * h * h * (p.turn[f] + turn0[f])
-    for _iteration in range(MOST_ITERATIONS):
+        out.phi[f] = p.phi[f] + h * p.phi_v[f] + 0.5 * h * h * (p.phi_a[f] + phi_a0[f])
+    for _iteration in range(MAX_ITERATIONS):
         tally[ITERATIONS] += 1
         for i in range(size):
             last = p.a[i] + a0[i]
@@ -136,10 +136,10 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
             out.v[i] = p.v[i] + h * ((1.0 - gamma) * last + gamma * a[i])
             out.plastic[i] = p.plastic[i]
         for f in range(count):
-            last = p.turn[f] + turn0[f]
-            turn[f] = (out.phi[f] - p.phi[f] - h * p.phi_v[f] - h * h * (0.5 - beta) * last) / (beta * h * h)
-            out.phi_v[f] = p.phi_v[f] + h * ((1.0 - gamma) * last + gamma * turn[f])
-        causes(scene, out, ground, inelastic, False)
+            last = p.phi_a[f] + phi_a0[f]
+            phi_a[f] = (out.phi[f] - p.phi[f] - h * p.phi_v[f] - h * h * (0.5 - beta) * last) / (beta * h * h)
+            out.phi_v[f] = p.phi_v[f] + h * ((1.0 - gamma) * last + gamma * phi_a[f])
+        fill_forces(scene, out, ground, inelastic, False)
         changed = _tangents(slots, links, out.plastic, out.drift, out.u, inelastic, tangent, dashpot)
         if changed or own[_FACTORED] != own[_LEVEL] + 1.0:
             for k in range(unknowns * unknowns):
@@ -147,8 +147,8 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
             for i in range(unknowns):
                 matrix[i * unknowns + i] += mass_share * mass[i]
             for f in range(count):
-                matrix[(n + f) * (unknowns + 1)] += share * feet.stiffness[f]
-            _add_tangents(slots, feet, links, matrix, n, unknowns, tangent, dashpot, share, rate_share)
+                matrix[(n + f) * (unknowns + 1)] += share * foundations.stiffness[f]
+            _add_tangents(slots, foundations, links, matrix, n, unknowns, tangent, dashpot, share, rate_share)
             own[_FACTORED] = own[_LEVEL] + 1.0
             if not factorise(matrix, unknowns):
                 return -1
@@ -157,8 +157,8 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
             lack = (1.0 - alpha_m) * a[i] + alpha_m * (p.a[i] + a0[i]) - share * out.a[i] - alpha_f * p.a[i]
             right_side[i] = -mass[i] * lack
         for f in range(count):
-            lack = (1.0 - alpha_m) * turn[f] + alpha_m * (p.turn[f] + turn0[f])
-            lack -= share * out.turn[f] + alpha_f * p.turn[f]
+            lack = (1.0 - alpha_m) * phi_a[f] + alpha_m * (p.phi_a[f] + phi_a0[f])
+            lack -= share * out.phi_a[f] + alpha_f * p.phi_a[f]
             right_side[n + f] = -mass[n + f] * lack
         solve(matrix, unknowns, right_side)
         largest = 0.0
@@ -176,32 +176,32 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
 
 
 @njit(**INLINE)
-def _scratch(own, slots, feet, links):
+def _scratch(own, slots, foundations, links):
     """Places in the method's scratch: what the last step's accelerations have beyond the forces', this one's, tangents,
     the scene's matrices."""
-    size, count, unknowns = slots.size, feet.number, int(own[_UNKNOWNS])
+    size, count, unknowns = slots.size, foundations.number, int(own[_UNKNOWNS])
     a0 = further(own, 10)
-    turn0 = further(a0, size)
-    a = further(turn0, count)
-    turn = further(a, size)
-    tangent = further(turn, count)
+    phi_a0 = further(a0, size)
+    a = further(phi_a0, count)
+    phi_a = further(a, size)
+    tangent = further(phi_a, count)
     dashpot = further(tangent, size + links.size)
     mass = further(dashpot, links.size)
     damping = further(mass, unknowns)
     matrix = further(damping, unknowns * unknowns)
-    return a0, turn0, a, turn, tangent, dashpot, mass, damping, matrix, further(matrix, unknowns * unknowns)
+    return a0, phi_a0, a, phi_a, tangent, dashpot, mass, damping, matrix, further(matrix, unknowns * unknowns)
 
 
 @njit(**INLINE)
 def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
-    a0, turn0, a, turn, _, _, _, _, _, _ = _scratch(own, scene.slots, scene.feet, scene.links)
+    a0, phi_a0, a, phi_a, _, _, _, _, _, _ = _scratch(own, scene.slots, scene.foundations, scene.links)
     while True:
         fraction = 0.5 ** own[_LEVEL]
         taken = own[_STEP] * fraction
         found = _try(scene, p, out, own, tally, taken, ground + slope * taken, inelastic)
         if found == 1:
             break
-        if found == -1 or not np.isfinite(out.u[0]) or abs(out.u[0]) > FURTHEST:
+        if found == -1 or not np.isfinite(out.u[0]) or abs(out.u[0]) > DIVERGED:
             return 0.0, NOT_FINITE
         tally[EVENTS] += 1
         own[_LEVEL] += 1.0
@@ -209,17 +209,17 @@ def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
             return 0.0, NO_ROOT
     for i in range(scene.slots.size):
         a0[i] = a[i] - out.a[i]
-    for f in range(scene.feet.number):
-        turn0[f] = turn[f] - out.turn[f]
+    for f in range(scene.foundations.number):
+        phi_a0[f] = phi_a[f] - out.phi_a[f]
     own[_DONE] += fraction
     while own[_LEVEL] > 0.0 and own[_DONE] * 0.5 ** (1.0 - own[_LEVEL]) == np.floor(
         own[_DONE] * 0.5 ** (1.0 - own[_LEVEL])
     ):
         own[_LEVEL] -= 1.0
     if own[_DONE] < 1.0:
-        return taken, PART
+        return taken, STEP_CUT
     own[_DONE] = 0.0
-    return taken, WHOLE
+    return taken, STEP_DONE
 
 
 @functools.cache
@@ -228,11 +228,11 @@ def build(inelastic: bool):
     source = source_digest()
 
     @njit(**OPTIONS)
-    def integrate(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
+    def integrate(slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
         return march(
-            _advance, nothing_after, False, False, inelastic, slots, feet, links, state, peaks, room, tally, starts,
-            slopes, dt, parts, most_events,
+            _advance, no_event, False, False, inelastic, slots, foundations, links, state, peaks, memory, tally, starts,
+            slopes, dt, parts, max_events,
         )  # fmt: skip
 
     return integrate

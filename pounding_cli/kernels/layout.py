@@ -34,7 +34,7 @@ PART: dict[str, Any] = {**PLAIN, "cache": False, "forceinline": True, **PIECE}
 """A piece of such a kernel that stands in a file of its own."""
 
 CALLED: dict[str, Any] = {**PLAIN, "cache": False, **PIECE}
-"""A piece that is called, not copied: large, and rarely needed (with `simd.stand_alone`)."""
+"""A piece that is called, not copied: large, and rarely needed (with `simd.no_inline`)."""
 
 DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED = 0, 1, 2, 3, 4
 """How a run ended."""
@@ -49,7 +49,7 @@ foundation's), inverse_mass [1/kg], mass [kg], alpha [1/s] (0 over a foundation)
 [m] (inf: never), hardening [-], plateau (1 - a) Vy [N] (0 where it never yields), rise [m] (storey height where the
 building rocks, else 0), elevation [m]."""
 
-Feet = namedtuple("Feet", "number first stop base inertia stiffness dashpot alpha")
+Foundations = namedtuple("Foundations", "number first stop base inertia stiffness dashpot alpha")
 """number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway),
 inertia [kg m2] (inf: no rocking), rocking stiffness [N m/rad], rocking dashpot [N m s/rad], alpha [1/s]."""
 
@@ -59,18 +59,21 @@ has; per link, shape (size,): slots left and right; offset,
 what its closing v leaves out of u_l - u_r [m]; its branches in the table of them, the first and one more than the last;
 the tables of branches, guards and operations (`link_table`)."""
 
-Row = namedtuple("Row", "number slots links rounds first joints spots seats")
+Row = namedtuple("Row", "number slots links links_per_side first_slot first_link slot_places link_places")
 """How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
 a multiple of eight *places*, and so do the links between each two (of a few buildings that would take more places so,
-one follows the other). number of buildings, slots and links; rounds: the most links that a slot has on one side, or 0
-where the links of two neighbours stand like the places they join; by building: the place of its first slot (and, one
-more, the number of places), the place of the first link to its right neighbour (the last is the number of these
-places); by slot and by link of the arrays: their places."""
+one follows the other). number of buildings, slots and links; links_per_side: the most links that a slot has on one
+side, or 0 where the links of two neighbours stand like the places they join; by building: the place of its first slot
+(and, one more, the number of places), the place of the first link to its right neighbour (the last is the number of
+these places); by slot and by link of the arrays: their places."""
 
-State = namedtuple("State", "u v line plastic snapped_storey link_branch snapped_link link_at link_memory phi phi_v")
+State = namedtuple(
+    "State", "u v line plastic pinned_storey link_branch pinned_link pinned_closing link_memory phi phi_v"
+)
 """What evolves: u [m], v [m/s]; per storey: line (0 between the yield lines, +1 or -1 on the upper or lower one),
-plastic drift [m] (inf on a line), snapped_storey (+1, -1: exactly on that line and at rest); of a link its branch, what
-is known exactly (its closing, or that its force is zero), the closing it then has [m] and what it remembers; rocking angle [rad] and its
+plastic drift [m] (inf on a line), pinned_storey (+1, -1: exactly on that line and at rest); of a link its branch, what
+the last event pinned (its closing, or that its force is zero), that closing [m] and what it remembers; rocking angle
+[rad] and its
 rate."""
 
 Peaks = namedtuple(
@@ -96,9 +99,9 @@ def slot_pointers(a):
 
 
 @njit(**INLINE)
-def foot_pointers(a):
-    """Feet of pointers from Feet of arrays."""
-    return Feet(
+def foundation_pointers(a):
+    """Foundations of pointers from Foundations of arrays."""
+    return Foundations(
         a.number, pointer(a.first), pointer(a.stop), pointer(a.base), pointer(a.inertia), pointer(a.stiffness),
         pointer(a.dashpot), pointer(a.alpha),
     )  # fmt: skip
@@ -117,7 +120,8 @@ def link_pointers(a):
 def row_pointers(a):
     """Row of pointers from Row of arrays."""
     return Row(
-        a.number, a.slots, a.links, a.rounds, pointer(a.first), pointer(a.joints), pointer(a.spots), pointer(a.seats),
+        a.number, a.slots, a.links, a.links_per_side, pointer(a.first_slot), pointer(a.first_link),
+        pointer(a.slot_places), pointer(a.link_places),
     )  # fmt: skip
 
 
@@ -125,9 +129,9 @@ def row_pointers(a):
 def state_pointers(a):
     """State of pointers from State of arrays."""
     return State(
-        pointer(a.u), pointer(a.v), pointer(a.line), pointer(a.plastic), pointer(a.snapped_storey),
-        pointer(a.link_branch), pointer(a.snapped_link), pointer(a.link_at), pointer(a.link_memory), pointer(a.phi),
-        pointer(a.phi_v),
+        pointer(a.u), pointer(a.v), pointer(a.line), pointer(a.plastic), pointer(a.pinned_storey),
+        pointer(a.link_branch), pointer(a.pinned_link), pointer(a.pinned_closing), pointer(a.link_memory),
+        pointer(a.phi), pointer(a.phi_v),
     )  # fmt: skip
 
 

@@ -13,19 +13,19 @@ from numba import njit
 
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, at_link, at_term
-from pounding_cli.kernels.clock import CHANGE, END, GROUND, H
-from pounding_cli.kernels.foundations import charge_feet
+from pounding_cli.kernels.clock import END, GROUND, GROUND_CHANGE, H
+from pounding_cli.kernels.foundations import account_foundations
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import closed_at
-from pounding_cli.kernels.simd import from_left, fused, load, pointer, splat, stand_alone, store
+from pounding_cli.kernels.link_series import closed_lanes
+from pounding_cli.kernels.simd import from_left, fused, load, no_inline, pointer, splat, store
 
-MOST_POINTS = 18
+MAX_POINTS = 18
 """Points of the largest rule; rule n stands in row n of the tables, its weights beyond n zero."""
 
-LEAST_POINTS = 4
+MIN_POINTS = 4
 """Points of the smallest rule: short series are of coarse accuracy, which is no reason to book carelessly."""
 
-Ledger = namedtuple("Ledger", "input dashpots drag hysteresis links feet")
+Ledger = namedtuple("Ledger", "input dashpots drag hysteresis links foundations")
 """Energies so far [J]: per slot the ground's input, the spring's dashpot, the mass-proportional drag (fixed base) and
 hysteresis; per link the work done on it; per foundation its drag and rocking dashpot."""
 
@@ -39,17 +39,17 @@ def ledger_pointers(a):
         pointer(a.drag),
         pointer(a.hysteresis),
         pointer(a.links),
-        pointer(a.feet),
+        pointer(a.foundations),
     )
 
 
-SHARES = 8 * MOST_POINTS
+SHARES = 8 * MAX_POINTS
 """Where the weights begin in `Run.rule`."""
 
-_LEFTS = 16 * MOST_POINTS
+_BLOCK_BEFORE = 16 * MAX_POINTS
 """Where the velocities of the block before begin."""
 
-RULE_ROOM = 24 * MOST_POINTS
+RULE_SIZE = 24 * MAX_POINTS
 """Doubles of `Run.rule`."""
 
 
@@ -57,8 +57,8 @@ RULE_ROOM = 24 * MOST_POINTS
 def _set_rule(run, nodes, weights, order):
     """Points (s of the step) and weights [s] for a series of this order, eight copies of each; returns their number,
     which is even."""
-    points = max((order + 8) // 6 * 2, LEAST_POINTS)
-    row = points * MOST_POINTS
+    points = max((order + 8) // 6 * 2, MIN_POINTS)
+    row = points * MAX_POINTS
     end = run.clock[END]
     duration = end * run.clock[H]
     for g in range(points):
@@ -68,26 +68,26 @@ def _set_rule(run, nodes, weights, order):
 
 
 @njit(**PART)
-def _powers(rule, g, s, v, couple, ground, change, pushed, drag, dashed):
+def _add_powers(rule, g, s, v, couple, ground, change, pushed, drag, dashed):
     """The three sums with what the velocities v at one point add."""
     share = load(rule, SHARES + g)
-    rate = v - couple * from_left(load(rule, _LEFTS + g), v)
-    store(rule, _LEFTS + g, v)
+    rate = v - couple * from_left(load(rule, _BLOCK_BEFORE + g), v)
+    store(rule, _BLOCK_BEFORE + g, v)
     part = v * share
     return fused(part, fused(change, s, ground), pushed), fused(part, v, drag), fused(rate * share, rate, dashed)
 
 
 @njit(**PART)
-def _by_law(run, b, points, order):
+def _work_of_linear_links(run, b, points, order):
     """Work done on eight links of straight laws: what springs hold more, and what dashpots take."""
     links = run.links
     rule = run.rule
-    first = load(run.series, at_term(run, 0, b, c.V_TERM))
+    first = load(run.series, at_term(run, 0, b, c.CLOSING_TERM))
     end = splat(run.clock[END])
     last = splat(0.0)  # from the series: a stiff spring is pressed by less than the last digits of displacements
     for k in range(order, -1, -1):
-        last = fused(last, end, load(run.series, at_term(run, k, b, c.V_TERM)))
-    mean = fused(load(links, at_link(b, c.LINEAR_LAW)), (first + last) * 0.5, load(links, at_link(b, c.OFFSET_LAW)))
+        last = fused(last, end, load(run.series, at_term(run, k, b, c.CLOSING_TERM)))
+    mean = fused(load(links, at_link(b, c.LAW_LINEAR)), (first + last) * 0.5, load(links, at_link(b, c.LAW_OFFSET)))
     squares = splat(0.0)
     for g in range(0, 8 * points, 16):
         s0 = load(rule, g)
@@ -99,11 +99,11 @@ def _by_law(run, b, points, order):
             rate1 = fused(rate1, s1, rate)
         squares = fused(rate0 * load(rule, SHARES + g), rate0, squares)
         squares = fused(rate1 * load(rule, SHARES + g + 8), rate1, squares)
-    return fused(load(links, at_link(b, c.RATE_LAW)), squares, mean * (last - first))
+    return fused(load(links, at_link(b, c.LAW_DASHPOT)), squares, mean * (last - first))
 
 
 @njit(**PART)
-def _by_force(run, b, points, order):
+def _work_by_quadrature(run, b, points, order):
     """Work done on eight links of any law."""
     rule = run.rule
     spent = splat(0.0)
@@ -113,7 +113,7 @@ def _by_force(run, b, points, order):
         force0, force1, rate0, rate1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
         for k in range(order - 1, -1, -1):
             term = at_term(run, k, b, 0)
-            force = load(run.series, term + c.F_TERM)
+            force = load(run.series, term + c.FORCE_TERM)
             rate = load(run.series, term + c.RATE_TERM)
             force0 = fused(force0, s0, force)
             force1 = fused(force1, s1, force)
@@ -125,18 +125,18 @@ def _by_force(run, b, points, order):
 
 
 @njit(**CALLED)
-def account(run, feet, nodes, weights, order, busy, curved, inelastic, founded):
+def account(run, foundations, nodes, weights, order, any_closed, curved, inelastic, founded):
     """Add the energies of the step up to s = END."""
-    stand_alone()
+    no_inline()
     padded = run.padded
     slots = run.slots
     rule = run.rule
     points = _set_rule(run, nodes, weights, order)
     ground = splat(run.clock[GROUND])
-    change = splat(run.clock[CHANGE])
+    change = splat(run.clock[GROUND_CHANGE])
     for g in range(0, 8 * points, 8):
-        store(rule, _LEFTS + g, splat(0.0))
-    for b in range(run.low, run.high, 8):
+        store(rule, _BLOCK_BEFORE + g, splat(0.0))
+    for b in range(run.slot_start, run.slot_stop, 8):
         couple = load(slots, at(b, c.COUPLE))
         pushed = splat(0.0)
         drag = splat(0.0)
@@ -150,22 +150,34 @@ def account(run, feet, nodes, weights, order, busy, curved, inelastic, founded):
                 w = load(run.W, row)
                 v0 = fused(v0, s0, w)
                 v1 = fused(v1, s1, w)
-            pushed, drag, dashed = _powers(rule, g, s0, v0, couple, ground, change, pushed, drag, dashed)
-            pushed, drag, dashed = _powers(rule, g + 8, s1, v1, couple, ground, change, pushed, drag, dashed)
+            pushed, drag, dashed = _add_powers(rule, g, s0, v0, couple, ground, change, pushed, drag, dashed)
+            pushed, drag, dashed = _add_powers(rule, g + 8, s1, v1, couple, ground, change, pushed, drag, dashed)
         mass = load(slots, at(b, c.MASS))
-        store(slots, at(b, c.INPUT), load(slots, at(b, c.INPUT)) - mass * pushed)  # fault: ground-input
-        store(slots, at(b, c.DASHED), fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHED))))
-        store(slots, at(b, c.DRAGGED), fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAGGED))))
+        store(slots, at(b, c.INPUT_ENERGY), load(slots, at(b, c.INPUT_ENERGY)) - mass * pushed)  # fault: ground-input
+        store(
+            slots,
+            at(b, c.DASHPOT_ENERGY),
+            fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHPOT_ENERGY))),
+        )
+        store(
+            slots,
+            at(b, c.DRAG_ENERGY),
+            fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAG_ENERGY))),
+        )
     if founded:
-        charge_feet(run, feet, points, SHARES)
-    if busy != 0:
-        for b in range(run.first, run.last, 8):
-            if closed_at(run, b) != 0:
-                spent = _by_force(run, b, points, order) if curved != 0 else _by_law(run, b, points, order)
-                done = fused(spent, load(run.links, at_link(b, c.APPLIED)), load(run.links, at_link(b, c.WORK_DONE)))
-                store(run.links, at_link(b, c.WORK_DONE), done)
+        account_foundations(run, foundations, points, SHARES)
+    if any_closed != 0:
+        for b in range(run.link_start, run.link_stop, 8):
+            if closed_lanes(run, b) != 0:
+                spent = (
+                    _work_by_quadrature(run, b, points, order)
+                    if curved != 0
+                    else _work_of_linear_links(run, b, points, order)
+                )
+                done = fused(spent, load(run.links, at_link(b, c.ACTS)), load(run.links, at_link(b, c.WORK)))
+                store(run.links, at_link(b, c.WORK), done)
     if inelastic:
-        for b in range(run.low, run.high, 8):
-            moved = load(slots, at(b, c.DRIFT)) - load(slots, at(b, c.DRIFT0))
+        for b in range(run.slot_start, run.slot_stop, 8):
+            moved = load(slots, at(b, c.DRIFT1)) - load(slots, at(b, c.DRIFT0))
             spent = load(slots, at(b, c.LINE)) * load(slots, at(b, c.PLATEAU)) * moved  # fault: hysteresis
-            store(slots, at(b, c.HYSTERESIS), load(slots, at(b, c.HYSTERESIS)) + spent)
+            store(slots, at(b, c.HYSTERESIS_ENERGY), load(slots, at(b, c.HYSTERESIS_ENERGY)) + spent)

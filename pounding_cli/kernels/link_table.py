@@ -16,13 +16,15 @@ from pounding_cli.kernels.layout import PART
 ) = range(21)  # fmt: skip
 """The places of a branch in its row: the coefficients [N/m, N/m3, N, N s/m, sqrt(kg)]; whether the force is followed,
 acts, and is cut off where it would pull (1 or 0); the closings [m] between which no guard has to be asked, and those
-between which the branch holds; its guards, the first and one more than the last."""
+between which the branch holds; its guards, the first and one more than the last; whether program steps alone can
+follow it, and whether its force is written as operations alone (1 or 0); the operations of its force, the first and
+one more than the last; b of q = v^(1/b) (1: the force needs no q), and the operations in q."""
 
 QUANTITY, AT, SIDE, NEXT, IMPACT, ONCE, OF_MEMORY, REMEMBERS = range(8)
-"""The places of a guard in its row: what it looks at (below); the closing at which it ends the branch [m]; 1 where it
-does so below that, -1 above; the branch that follows; whether that is a blow; whether it is asked no more after
-`crossings.MOST_TURNS` events at one instant (1 or 0); what times the link's memory is added to the closing or rate; what
-the link remembers of the event."""
+"""The places of a guard in its row: what it looks at (below); the value at which it ends the branch [m, m/s]; 1
+where it does so below that, -1 above; the branch that follows; whether that is a blow; whether it is asked no more
+after `crossings.MAX_EVENTS_AT_INSTANT` events at one instant (1 or 0); how many times what the link remembers is
+added to that value; what the link remembers of the event."""
 
 CODE, X, Y, A, B, C = range(6)
 """The places of an operation in its row: `laws.program.Operation`, its registers, its numbers."""

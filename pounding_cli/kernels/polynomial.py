@@ -17,9 +17,9 @@ from pounding_cli.kernels.simd import (
     lowest,
     maximum,
     minimum,
+    no_inline,
     ramp,
     splat,
-    stand_alone,
 )
 
 FLAT = 1e-6
@@ -56,7 +56,7 @@ def first_crossing(c, n, end):
     is negative the answer is 0. From there the search marches: with |p''| <= M on the interval,
     p(s + x) >= p + p' x - M x^2 / 2, whose first zero is never beyond the root and closes in on it quadratically.
     """
-    stand_alone()
+    no_inline()
     first = 0
     while first <= n and c[first] == 0.0:
         first += 1
@@ -64,7 +64,7 @@ def first_crossing(c, n, end):
         return NEVER
     if c[first] < 0.0:
         return 0.0
-    # Ends, and how far value and slope can stray from the straight line between theirs: this settles most cases.
+    # Ends, and how far value and slope can deviate from the chords between theirs: this decides most cases.
     start = c[first]
     start_slope = c[first + 1] if first < n else 0.0
     size = start
@@ -98,7 +98,7 @@ def first_crossing(c, n, end):
 def _bracketed(c, first, n, low, high, start, last):
     """A root between `low`, where the polynomial is `start` > 0, and `high`, where it is `last` and not positive, by
     Newton kept inside a bracket. Of a monotone polynomial it is the only one."""
-    stand_alone()
+    no_inline()
     s = low + (high - low) * start / (start - last)
     for _ in range(100):
         p = c[n]
@@ -126,7 +126,7 @@ def _march(c, first, n, end, bound, floor, last):
     The steps become too short where several roots meet. Then the sign at `end` decides, where the polynomial is `last`:
     "never" is said only if it is positive there.
     """
-    stand_alone()
+    no_inline()
     s = 0.0
     p = floor
     for _ in range(400):
@@ -150,7 +150,7 @@ def _march(c, first, n, end, bound, floor, last):
 @njit(**CALLED)
 def _turn(c, n, low, high, slope_low, slope_high):
     """The polynomial where its derivative, which changes sign between low and high, is zero: Newton in a bracket."""
-    stand_alone()
+    no_inline()
     s = low + (high - low) * slope_low / (slope_low - slope_high)
     rising = slope_low > 0.0
     for _ in range(60):
@@ -181,13 +181,13 @@ def highest(c, n, end, best, absolute):
     a peak worth finding if the slope changes its sign there and the values at its ends, with what p can rise above
     the straight line between them, exceed `best`.
     """
-    stand_alone()
+    no_inline()
     if n < 2 or end <= 0.0:  # fault: highest-within-step
         return best
     first = c[1]
     last = first
     bent = 0.0  # largest |p''| end
-    bend = 0.0  # how far p' can stray from the straight line between its ends, eight times
+    bend = 0.0  # largest deviation of p' from its chord, eight times
     power = 1.0
     number = 2.0
     for k in range(2, n + 1):

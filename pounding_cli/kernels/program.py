@@ -9,7 +9,7 @@ from numba import njit
 
 from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.layout import CALLED
-from pounding_cli.kernels.simd import further, short_array, stand_alone
+from pounding_cli.kernels.simd import further, no_inline, short_array
 from pounding_cli.laws.program import GIVEN, Operation
 
 CLOSING, RATE, MEMORY, ROOT = range(GIVEN)
@@ -43,7 +43,7 @@ def _power_term(x, y, exponent, k):
 @njit(**CALLED)
 def carry_out(operations, first, last, registers, rows, k):
     """Order k of what operations `first` to before `last` make; returns that of the last one, the force [N]."""
-    stand_alone()
+    no_inline()
     value = 0.0
     for n in range(first, last):
         step = further(operations, n * t.OPERATION_ROW)
@@ -67,7 +67,7 @@ def carry_out(operations, first, last, registers, rows, k):
 def force_and_slope(links, b, v, v_slope, rate, rate_slope):
     """(force [N], its derivative) of branch b, written as operations, at a closing [m] and a rate [m/s] with these
     derivatives: the operations at orders 0 and 1. Below v = 0 the closing counts as zero."""
-    stand_alone()
+    no_inline()
     first = int(links.branches[b * t.BRANCH_ROW + t.FIRST_STEP])
     last = int(links.branches[b * t.BRANCH_ROW + t.LAST_STEP])
     registers = short_array()

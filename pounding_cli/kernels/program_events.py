@@ -8,16 +8,26 @@ from numba import njit
 
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels import link_table as t
-from pounding_cli.kernels.cells import of, of_link, of_tie
-from pounding_cli.kernels.clock import CHANGE, END, GROUND, GUARD, LENGTH, LINK, ORDER, PER_H, SINCE, SLOPE, H
-from pounding_cli.kernels.crossings import MOST_TURNS
-from pounding_cli.kernels.foundations import end_feet
+from pounding_cli.kernels.cells import of, of_link, of_link_integer
+from pounding_cli.kernels.clock import (
+    ELAPSED,
+    END,
+    EVENT_GUARD,
+    EVENT_LINK,
+    GROUND,
+    GROUND_SLOPE,
+    INVERSE_H,
+    ORDER,
+    SEGMENT_LENGTH,
+    H,
+)
+from pounding_cli.kernels.crossings import MAX_EVENTS_AT_INSTANT
+from pounding_cli.kernels.foundations import end_foundations
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference
 from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
 from pounding_cli.kernels.program import CLOSING, RATE, ROOT
 from pounding_cli.kernels.program_series import (
-    B_ROOT,
     CHOSEN,
     branch_of,
     force_register,
@@ -25,7 +35,7 @@ from pounding_cli.kernels.program_series import (
     least_closing,
     register,
 )
-from pounding_cli.kernels.simd import further, stand_alone
+from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.summary import drifts, rate_term
 
 UNEVEN = 1e-14
@@ -35,7 +45,7 @@ UNEVEN = 1e-14
 @njit(**CALLED)
 def drift_terms(run, p, i, order, factor, founded):
     """`factor` times the coefficients of storey i's drift, into `scratch`."""
-    stand_alone()
+    no_inline()
     coupled = run.slots[of(i, c.COUPLE)] != 0.0
     for k in range(order + 1):
         row = k * run.padded + i
@@ -46,7 +56,7 @@ def drift_terms(run, p, i, order, factor, founded):
 @njit(**CALLED)
 def _storey_end(run, p, i, founded):
     """First s in [0, 1] where storey i leaves its branch."""
-    stand_alone()
+    no_inline()
     slots = run.slots
     order = run.tally[ORDER]
     line = slots[of(i, c.LINE)]
@@ -58,7 +68,7 @@ def _storey_end(run, p, i, founded):
     for side in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
         drift_terms(run, p, i, order, -side, founded)
         run.scratch[0] += slots[of(i, c.YIELD_DRIFT)] + side * slots[of(i, c.PLASTIC)]
-        if run.snapped[i] == side:  # just unloaded: exactly on the line and at rest
+        if run.pinned[i] == side:  # just unloaded: exactly on the line and at rest
             run.scratch[0] = 0.0
             run.scratch[1] = 0.0
         earliest = min(earliest, first_crossing(run.scratch, order, min(1.0, earliest)))
@@ -68,13 +78,13 @@ def _storey_end(run, p, i, founded):
 @njit(**CALLED)
 def _first_storey(run, p, founded):
     """Whether there is a storey event; its place goes to END, every storey's own to ROOT."""
-    stand_alone()
+    no_inline()
     found = False
-    for i in range(run.low, run.high):
-        run.slots[of(i, c.ROOT)] = NEVER
+    for i in range(run.slot_start, run.slot_stop):
+        run.slots[of(i, c.EVENT_ROOT)] = NEVER
         if run.slots[of(i, c.YIELD_DRIFT)] < math.inf:
             s = _storey_end(run, p, i, founded)
-            run.slots[of(i, c.ROOT)] = s
+            run.slots[of(i, c.EVENT_ROOT)] = s
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
                 found = True
@@ -90,13 +100,16 @@ def _copy(run, series, order, side):
 @njit(**CALLED)
 def _guarded(run, p, e, g):
     """The series that guard g of link e asks to stay positive, into `scratch`; returns its order."""
-    stand_alone()
+    no_inline()
     order = run.tally[ORDER]
     side = t.guard(run, g, t.SIDE)
     at = t.guard(run, g, t.AT) + t.guard(run, g, t.OF_MEMORY) * run.links[of_link(e, c.MEMORY)]
     quantity = t.guard(run, g, t.QUANTITY)
-    left, right = run.ties[of_tie(e, c.LEFT_SLOT)], run.ties[of_tie(e, c.RIGHT_SLOT)]
-    exact = run.ties[of_tie(e, c.SNAPPED)] == quantity
+    left, right = (
+        run.link_integers[of_link_integer(e, c.LEFT_SLOT)],
+        run.link_integers[of_link_integer(e, c.RIGHT_SLOT)],
+    )
+    exact = run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] == quantity
     if quantity == t.CLOSING and e == int(p.numbers[CHOSEN]) and at == 0.0:
         _copy(run, register(p, e, ROOT), order, side)
         return order
@@ -129,12 +142,12 @@ def _guarded(run, p, e, g):
 @njit(**CALLED)
 def _link_end(run, p, e, end):
     """(s, guard) of the first guard that link e meets in [0, end]; NEVER if there is none."""
-    stand_alone()
+    no_inline()
     earliest = NEVER
     first = -1
     b = branch_of(run, e)
     for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
-        if t.guard(run, g, t.ONCE) != 0.0 and run.links[of_link(e, c.TURNS)] >= MOST_TURNS:
+        if t.guard(run, g, t.ONCE) != 0.0 and run.links[of_link(e, c.EVENTS_AT_INSTANT)] >= MAX_EVENTS_AT_INSTANT:
             continue
         if p.resting[e] != 0 and t.guard(run, g, t.QUANTITY) != t.CLOSING:
             continue  # nothing is known of a force that is not resolved
@@ -149,14 +162,14 @@ def _link_end(run, p, e, end):
 @njit(**CALLED)
 def _first_link(run, p):
     """Whether a link event comes before END: its place goes there, link and guard into the tally."""
-    stand_alone()
+    no_inline()
     found = False
-    for e in range(run.first, run.last):
+    for e in range(run.link_start, run.link_stop):
         s, guard = _link_end(run, p, e, min(run.clock[END], 1.0))
         if s < run.clock[END] and s <= 1.0:
             run.clock[END] = s
-            run.tally[LINK] = e
-            run.tally[GUARD] = guard
+            run.tally[EVENT_LINK] = e
+            run.tally[EVENT_GUARD] = guard
             found = True
     return found
 
@@ -164,13 +177,16 @@ def _first_link(run, p):
 @njit(**CALLED)
 def _presses(run, p):
     """Whether the step ends where a force begins to be resolved; its place goes to END."""
-    stand_alone()
+    no_inline()
     order = run.tally[ORDER]
     found = False
-    for e in range(run.first, run.last):
+    for e in range(run.link_start, run.link_stop):
         if is_closed(run, e) and p.resting[e] != 0:
             least = least_closing(run, p, e)
-            left, right = run.ties[of_tie(e, c.LEFT_SLOT)], run.ties[of_tie(e, c.RIGHT_SLOT)]
+            left, right = (
+                run.link_integers[of_link_integer(e, c.LEFT_SLOT)],
+                run.link_integers[of_link_integer(e, c.RIGHT_SLOT)],
+            )
             for k in range(1, order + 1):
                 row = k * run.padded
                 run.scratch[k] = p.U[row + right] - p.U[row + left]
@@ -186,9 +202,9 @@ def _presses(run, p):
 def find_end(run, p, inelastic, founded):
     """(whether a storey event ends the step, whether a link's does, whether it ends the segment); where it ends goes to
     END."""
-    stand_alone()
+    no_inline()
     order = run.tally[ORDER]
-    left_over = run.clock[LENGTH] - run.clock[SINCE]
+    left_over = run.clock[SEGMENT_LENGTH] - run.clock[ELAPSED]
     run.clock[END] = 1.0
     finished = False
     total = value(p.T, order, 1.0)
@@ -205,16 +221,16 @@ def find_end(run, p, inelastic, founded):
 
 
 @njit(**CALLED)
-def reach_end(run, feet, p, founded):
+def reach_end(run, foundations, p, founded):
     """Displacements, velocities, drifts and total accelerations at the step's end; the time that it took goes to H,
-    where the ground then is to CHANGE. Returns that time [s]."""
-    stand_alone()
+    where the ground then is to GROUND_CHANGE. Returns that time [s]."""
+    no_inline()
     order = run.tally[ORDER]
     end = run.clock[END]
     slots = run.slots
     duration = value(p.T, order, end)
-    ground = run.clock[GROUND] + run.clock[SLOPE] * duration
-    for i in range(run.low, run.high):
+    ground = run.clock[GROUND] + run.clock[GROUND_SLOPE] * duration
+    for i in range(run.slot_start, run.slot_stop):
         u, v, a = 0.0, 0.0, 0.0
         for k in range(order, -1, -1):
             row = k * run.padded + i
@@ -223,13 +239,11 @@ def reach_end(run, feet, p, founded):
             if k < order:
                 a = a * end + p.A[row]
         run.ends[i] = u
-        slots[of(i, c.V_END)] = v
-        slots[of(i, c.PULL0)] = p.A[i] + run.clock[GROUND]
-        slots[of(i, c.PULL)] = a + ground
+        slots[of(i, c.V1)] = v
+        slots[of(i, c.TOTAL_ACCELERATION0)] = p.A[i] + run.clock[GROUND]
+        slots[of(i, c.TOTAL_ACCELERATION1)] = a + ground
     drifts(run)
     if founded:
-        end_feet(run, feet, end)
-    run.clock[H] = duration
-    run.clock[PER_H] = 1.0 / duration if duration > 0.0 else 0.0
-    run.clock[CHANGE] = ground - run.clock[GROUND]
-    return duration
+        end_foundations(run, foundations, end)
+    run.clock[H] = duration / end if end > 0.0 else 0.0
+    run.clock[INVERSE_H] = 1.0 / run.clock[H] if duration > 0.0 else 0.0

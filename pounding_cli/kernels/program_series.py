@@ -17,14 +17,14 @@ from numba import njit, types
 
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels import link_table as t
-from pounding_cli.kernels.cells import at, of, of_link, of_tie
-from pounding_cli.kernels.clock import GROUND, LENGTH, QUIET, SINCE, SLOPE, START
-from pounding_cli.kernels.foundations import foundation_forces, start_feet, top_of
+from pounding_cli.kernels.cells import at, of, of_link, of_link_integer
+from pounding_cli.kernels.clock import ELAPSED, GROUND, GROUND_SLOPE, LEAST_SCALE, SEGMENT_GROUND, SEGMENT_LENGTH
+from pounding_cli.kernels.foundations import foundation_forces, start_foundations, top_of
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import difference, forces_on
+from pounding_cli.kernels.link_series import difference, link_forces_on
 from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT, carry_out, product_term
-from pounding_cli.kernels.simd import from_left, from_right, further, fused, load, splat, stand_alone, store
+from pounding_cli.kernels.simd import from_left, from_right, further, fused, load, no_inline, splat, store
 
 JUDGED = 6
 """Orders at the end of a series by which it is judged: those of a force in q are empty now and then."""
@@ -56,24 +56,24 @@ SCALE, CHOSEN, B_ROOT = range(3)
 NUMBERS = 8
 
 
-def room_for_programs(padded: int, linked: int, registers: int, feet: int, rows: int) -> tuple[int, int]:
+def room_for_programs(padded: int, linked: int, registers: int, foundations: int, rows: int) -> tuple[int, int]:
     """Doubles and integers of scratch."""
-    by_order = 2 + LARGEST_ROOT + registers * linked + 3 * padded + feet
+    by_order = 2 + LARGEST_ROOT + registers * linked + 3 * padded + foundations
     return NUMBERS + rows * by_order + 2 * linked, linked
 
 
 @njit(**PART)
-def programs_frame(place, run, registers, rows, room, integers):
-    """The frame at `place`, its rows in `room`."""
-    time = further(room, NUMBERS)
+def programs_frame(place, run, registers, rows, memory, integers):
+    """The frame at `place`, its rows in `memory`."""
+    time = further(memory, NUMBERS)
     powers = further(time, 2 * rows)
     written = further(powers, LARGEST_ROOT * rows)
-    sizes = further(written, registers * run.linked * rows)
-    displacements = further(sizes, 2 * run.linked)
+    sizes = further(written, registers * run.padded_links * rows)
+    displacements = further(sizes, 2 * run.padded_links)
     accelerations = further(displacements, rows * run.padded)
     lean = further(accelerations, rows * run.padded)
     return fill_programs(place, (
-        rows, registers * rows, integers, room, time, further(time, rows), powers, written, sizes, displacements,
+        rows, registers * rows, integers, memory, time, further(time, rows), powers, written, sizes, displacements,
         accelerations, lean, further(lean, rows * run.padded),
     ))  # fmt: skip
 
@@ -81,7 +81,7 @@ def programs_frame(place, run, registers, rows, room, integers):
 @njit(**PART)
 def branch_of(run, e):
     """The branch that link e is on."""
-    return run.ties[of_tie(e, c.BRANCH)]
+    return run.link_integers[of_link_integer(e, c.BRANCH)]
 
 
 @njit(**PART)
@@ -108,32 +108,32 @@ def force_register(run, p, e):
 @njit(**CALLED)
 def on_program(run):
     """Whether some link of the island is on a branch that plain steps cannot follow."""
-    stand_alone()
-    for e in range(run.first, run.last):
-        if t.branch(run, branch_of(run, e), t.GENERAL) != 0.0:
-            return True
-    return False
+    no_inline()
+    general = 0.0
+    for e in range(run.link_start, run.link_stop):
+        general = max(general, t.branch(run, branch_of(run, e), t.GENERAL))
+    return general > 0.0
 
 
 @njit(**PART)
 def _sides(run, e):
-    return run.ties[of_tie(e, c.LEFT_SLOT)], run.ties[of_tie(e, c.RIGHT_SLOT)]
+    return run.link_integers[of_link_integer(e, c.LEFT_SLOT)], run.link_integers[of_link_integer(e, c.RIGHT_SLOT)]
 
 
 @njit(**CALLED)
 def _start_link(run, p, e):
     """Order 0 of closing, rate and memory of link e, what is known exactly put in."""
-    stand_alone()
+    no_inline()
     left, right = _sides(run, e)
     links = run.links
     one, other = run.W[left - run.padded], run.W[right - run.padded]
-    v = difference(one - links[of_link(e, c.LEAVES_OUT)], other, 0.0)
+    v = difference(one - links[of_link(e, c.LINK_OFFSET)], other, 0.0)
     rate = difference(run.W[left], run.W[right], 0.0)
-    pinned = run.ties[of_tie(e, c.SNAPPED)]
+    pinned = run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)]
     if pinned == t.CLOSING:
-        v = links[of_link(e, c.EXACTLY)]
+        v = links[of_link(e, c.PINNED_CLOSING)]
     if pinned == t.RATE:
-        rate = links[of_link(e, c.EXACTLY)]
+        rate = links[of_link(e, c.PINNED_CLOSING)]
     register(p, e, CLOSING)[0] = v
     register(p, e, RATE)[0] = rate
     memory = register(p, e, MEMORY)
@@ -151,25 +151,26 @@ def _allowed_force(run, e):
     left, right = _sides(run, e)
     slots = run.slots
     return min(
-        slots[of(left, c.ALLOWED)] * slots[of(left, c.MASS)], slots[of(right, c.ALLOWED)] * slots[of(right, c.MASS)]
+        slots[of(left, c.TERM_TOLERANCE)] * slots[of(left, c.MASS)],
+        slots[of(right, c.TERM_TOLERANCE)] * slots[of(right, c.MASS)],
     )
 
 
 @njit(**CALLED)
 def least_closing(run, p, e):
     """A closing [m] below which the force of link e is not resolved, however it got there from where it is."""
-    stand_alone()
+    no_inline()
     left, right = _sides(run, e)
     b = branch_of(run, e)
     first, last = int(t.branch(run, b, t.FIRST_STEP)), int(t.branch(run, b, t.LAST_STEP))
     allowed = _allowed_force(run, e)
-    pull = max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], run.clock[QUIET])
+    acceleration = max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], run.clock[LEAST_SCALE])
     closing, rate = register(p, e, CLOSING), register(p, e, RATE)
     v0, r0 = closing[0], rate[0]
     v = 1e-3
     while v > 1e-60:
         closing[0] = v
-        rate[0] = max(abs(r0), math.sqrt(2.0 * pull * v))
+        rate[0] = max(abs(r0), math.sqrt(2.0 * acceleration * v))
         if abs(carry_out(run.operations, first, last, register(p, e, 0), p.rows, 0)) <= allowed:
             break
         v *= 0.125
@@ -178,21 +179,21 @@ def least_closing(run, p, e):
 
 
 @njit(**CALLED)
-def start(run, feet, p, founded):
+def start(run, foundations, p, founded):
     """Order 0 of the step: displacements, links, the link whose q it is taken in, and its length to begin with."""
-    stand_alone()
+    no_inline()
     clock = run.clock
-    clock[GROUND] = clock[START] + clock[SLOPE] * clock[SINCE]
-    for b in range(run.low, run.high, 8):
+    clock[GROUND] = clock[SEGMENT_GROUND] + clock[GROUND_SLOPE] * clock[ELAPSED]
+    for b in range(run.slot_start, run.slot_stop, 8):
         store(p.U, b, load(run.W, b - run.padded))
         store(p.lean, b, splat(0.0))
     if founded:
-        start_feet(run, feet)
-        for i in range(run.low, run.high):
-            p.lean[i] = run.tilt[i]
+        start_foundations(run, foundations)
+        for i in range(run.slot_start, run.slot_stop):
+            p.lean[i] = run.rocking_drift[i]
     nearest = math.inf
     p.numbers[CHOSEN], p.numbers[B_ROOT] = -1.0, 1.0
-    for e in range(run.first, run.last):
+    for e in range(run.link_start, run.link_stop):
         _start_link(run, p, e)
         p.resting[e] = 0
         if not is_closed(run, e) or t.branch(run, branch_of(run, e), t.REGULAR) <= 1.0:
@@ -200,14 +201,14 @@ def start(run, feet, p, founded):
         v, rate = register(p, e, CLOSING)[0], register(p, e, RATE)[0]
         least = least_closing(run, p, e)
         left, right = _sides(run, e)
-        pull = max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], clock[QUIET])
+        acceleration = max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], clock[LEAST_SCALE])
         p.resting[e] = 1 if v < least else 0
-        if v < least and not rate > math.sqrt(2.0 * pull * least):  # from rest q would stand still
+        if v < least and not rate > math.sqrt(2.0 * acceleration * least):  # from rest q would stand still
             continue
         if max(v, 0.0) / max(abs(rate), 1e-300) < nearest:
             nearest = max(v, 0.0) / max(abs(rate), 1e-300)
             p.numbers[CHOSEN], p.numbers[B_ROOT] = e, t.branch(run, branch_of(run, e), t.REGULAR)
-    left_over = clock[LENGTH] - clock[SINCE]
+    left_over = clock[SEGMENT_LENGTH] - clock[ELAPSED]
     h = left_over
     if p.numbers[CHOSEN] >= 0.0:
         e, root = int(p.numbers[CHOSEN]), p.numbers[B_ROOT]
@@ -240,8 +241,8 @@ def _time(p, k):
 @njit(**CALLED)
 def _links(run, p, k):
     """Order k of every closed link's force; what acts goes into `pushed` [N]."""
-    stand_alone()
-    for e in range(run.first, run.last):
+    no_inline()
+    for e in range(run.link_start, run.link_stop):
         closing, rate = register(p, e, CLOSING), register(p, e, RATE)
         if k > 0:
             left, right = _sides(run, e)
@@ -251,7 +252,7 @@ def _links(run, p, k):
             one, other = run.W[k * run.padded + left], run.W[k * run.padded + right]
             rate[k] = difference(one, other, p.sizes[2 * e + 1])
             p.sizes[2 * e + 1] = max(p.sizes[2 * e + 1], abs(one), abs(other))
-        run.pushed[e] = 0.0
+        run.link_forces[e] = 0.0
         if not is_closed(run, e):
             continue
         b = branch_of(run, e)
@@ -262,50 +263,50 @@ def _links(run, p, k):
         if e == int(p.numbers[CHOSEN]):
             first, last = t.branch(run, b, t.FIRST_REGULAR), t.branch(run, b, t.LAST_REGULAR)
         force = carry_out(run.operations, int(first), int(last), register(p, e, 0), p.rows, k)
-        run.pushed[e] = force * run.links[of_link(e, c.APPLIED)]
+        run.link_forces[e] = force * run.links[of_link(e, c.ACTS)]
 
 
 @njit(**CALLED)
-def _accelerations(run, feet, p, k, founded):
+def _accelerations(run, foundations, p, k, founded):
     """Order k of the accelerations, from that of displacements, velocities, the ground and the links."""
-    stand_alone()
+    no_inline()
     if founded:
-        foundation_forces(run, feet, k, p.U, k * run.padded, 1.0)
-        for f in range(run.feet):
-            p.angular[k * run.feet + f] = feet.W[(k + 1) * run.feet + f]
+        foundation_forces(run, foundations, k, p.U, k * run.padded, 1.0)
+        for f in range(run.foundations):
+            p.angular[k * run.foundations + f] = foundations.W[(k + 1) * run.foundations + f]
     slots = run.slots
     row = k * run.padded
     zero = splat(0.0)
-    ground = splat(run.clock[GROUND] if k == 0 else run.clock[SLOPE] * p.T[k])
+    ground = splat(run.clock[GROUND] if k == 0 else run.clock[GROUND_SLOPE] * p.T[k])
     u_left, w_left = zero, zero
-    for b in range(run.low, run.high, 8):
-        more = b + 8 < run.high
+    for b in range(run.slot_start, run.slot_stop, 8):
+        more = b + 8 < run.slot_stop
         u, w = load(p.U, row + b), load(run.W, row + b)
         u_right = load(p.U, row + b + 8) if more else zero
         w_right = load(run.W, row + b + 8) if more else zero
-        total = load(slots, at(b, c.OWN)) * u - load(slots, at(b, c.REAL)) * ground  # fault: program-ground
-        total = fused(load(slots, at(b, c.LEFT)), from_left(u_left, u), total)
-        total = fused(load(slots, at(b, c.RIGHT)), from_right(u, u_right), total)
-        total = fused(load(slots, at(b, c.OWN_RATE)), w, total)
-        total = fused(load(slots, at(b, c.LEFT_RATE)), from_left(w_left, w), total)
-        total = fused(load(slots, at(b, c.RIGHT_RATE)), from_right(w, w_right), total)
-        total = total + load(slots, at(b, c.PUSH)) if k == 0 else total
+        total = load(slots, at(b, c.STENCIL_U)) * u - load(slots, at(b, c.REAL)) * ground  # fault: program-ground
+        total = fused(load(slots, at(b, c.STENCIL_U_BELOW)), from_left(u_left, u), total)
+        total = fused(load(slots, at(b, c.STENCIL_U_ABOVE)), from_right(u, u_right), total)
+        total = fused(load(slots, at(b, c.STENCIL_V)), w, total)
+        total = fused(load(slots, at(b, c.STENCIL_V_BELOW)), from_left(w_left, w), total)
+        total = fused(load(slots, at(b, c.STENCIL_V_ABOVE)), from_right(w, w_right), total)
+        total = total + load(slots, at(b, c.OFFSET_ACCELERATION)) if k == 0 else total
         if founded:
-            total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FORCE)), total)
-        if run.last > run.first:
-            total = fused(load(slots, at(b, c.INVERSE_MASS)), forces_on(run, b), total)
+            total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FOUNDATION_FORCE)), total)
+        if run.link_stop > run.link_start:
+            total = fused(load(slots, at(b, c.INVERSE_MASS)), link_forces_on(run, b), total)
         store(p.A, row + b, total)
         u_left, w_left = u, w
 
 
 @njit(**CALLED)
-def _integrate(run, feet, p, k, founded):
+def _integrate(run, foundations, p, k, founded):
     """Order k + 1 of displacements and velocities: B times velocities and accelerations, integrated by s."""
-    stand_alone()
+    no_inline()
     padded = run.padded
     share = run.reciprocal[k + 1]
     last = k if p.numbers[B_ROOT] > 1.0 else 0
-    for b in range(run.low, run.high, 8):
+    for b in range(run.slot_start, run.slot_stop, 8):
         moved, gained = splat(0.0), splat(0.0)
         for i in range(last + 1):
             part = splat(p.B[i])
@@ -315,18 +316,18 @@ def _integrate(run, feet, p, k, founded):
         store(run.W, (k + 1) * padded + b, gained * share)
         store(p.lean, (k + 1) * padded + b, splat(0.0))
     if founded:
-        count = run.feet
+        count = run.foundations
         for f in range(count):
             turned, turning = 0.0, 0.0
             for i in range(last + 1):
-                turned += p.B[i] * feet.W[(k - i) * count + f]
+                turned += p.B[i] * foundations.W[(k - i) * count + f]
                 turning += p.B[i] * p.angular[(k - i) * count + f]
-            feet.D[(k + 1) * count + f] = turned * share
-            feet.W[(k + 1) * count + f] = turning * share
-            for i in range(feet.first[f], feet.stop[f]):
+            foundations.D[(k + 1) * count + f] = turned * share
+            foundations.W[(k + 1) * count + f] = turning * share
+            for i in range(foundations.first[f], foundations.stop[f]):
                 rise = run.slots[of(i, c.RISE)]
                 p.lean[(k + 1) * padded + i] = rise * turned * share
-                run.tilt[(k + 2) * padded + i] = rise * turning * share
+                run.rocking_drift[(k + 2) * padded + i] = rise * turning * share
     chosen = int(p.numbers[CHOSEN])
     if chosen >= 0:
         speed = p.numbers[SCALE] / p.numbers[B_ROOT]
@@ -334,17 +335,17 @@ def _integrate(run, feet, p, k, founded):
 
 
 @njit(**CALLED)
-def expand(run, feet, p, order, founded):
+def expand(run, foundations, p, order, founded):
     """All series up to `order`, forces and accelerations to the one before; returns whether they are finite."""
-    stand_alone()
+    no_inline()
     p.T[0] = 0.0
     for k in range(order):
         _time(p, k)
         _links(run, p, k)
-        _accelerations(run, feet, p, k, founded)
-        _integrate(run, feet, p, k, founded)
+        _accelerations(run, foundations, p, k, founded)
+        _integrate(run, foundations, p, k, founded)
     total = p.T[order]
-    for i in range(run.low, run.high):
+    for i in range(run.slot_start, run.slot_stop):
         total += run.W[order * run.padded + i] + p.U[order * run.padded + i]
     return np.isfinite(total)
 
@@ -356,19 +357,19 @@ def _worse(worst, part, k):
 
 
 @njit(**CALLED)
-def part_allowed(run, feet, p, order, tolerance, founded):
+def part_allowed(run, foundations, p, order, tolerance, founded):
     """The part of the step over which the last orders stay below what may be left out [-], at most 1."""
-    stand_alone()
+    no_inline()
     worst = 0.0
     for k in range(max(order - JUDGED, 2), order):
-        for i in range(run.low, run.high):
-            worst = _worse(worst, abs(p.A[k * run.padded + i]) / run.slots[of(i, c.ALLOWED)], k)
+        for i in range(run.slot_start, run.slot_stop):
+            worst = _worse(worst, abs(p.A[k * run.padded + i]) / run.slots[of(i, c.TERM_TOLERANCE)], k)
         if founded:
-            for f in range(run.feet):
-                top, _ = top_of(run, feet, k, f)
-                turning = abs(p.angular[k * run.feet + f]) * run.slots[of(top, c.ELEVATION)]
-                worst = _worse(worst, turning / run.slots[of(top, c.ALLOWED)], k)
-        for e in range(run.first, run.last):
+            for f in range(run.foundations):
+                top, _ = top_of(run, foundations, k, f)
+                turning = abs(p.angular[k * run.foundations + f]) * run.slots[of(top, c.ELEVATION)]
+                worst = _worse(worst, turning / run.slots[of(top, c.TERM_TOLERANCE)], k)
+        for e in range(run.link_start, run.link_stop):
             if is_closed(run, e):
                 worst = _worse(worst, abs(force_register(run, p, e)[k]) / _allowed_force(run, e), k)
     ratio = MARGIN / worst if worst > MARGIN else 1.0
@@ -393,22 +394,22 @@ def _rescale_rows(rows, width, order, ratio):
 
 
 @njit(**CALLED)
-def rescale(run, feet, p, order, ratio, founded):
+def rescale(run, foundations, p, order, ratio, founded):
     """All series for a step `ratio` times as long."""
-    stand_alone()
+    no_inline()
     p.numbers[SCALE] *= ratio
     _rescale_rows(p.T, 1, order, ratio)
     _rescale_rows(p.B, 1, order - 1, ratio)
     _rescale_rows(run.W, run.padded, order, ratio)
     _rescale_rows(p.U, run.padded, order, ratio)
     _rescale_rows(p.A, run.padded, order - 1, ratio)
-    for e in range(run.first, run.last):
+    for e in range(run.link_start, run.link_stop):
         for place in range(0, p.each, p.rows):
             _rescale_rows(further(p.registers, e * p.each + place), 1, order, ratio)
     if founded:
-        _rescale_rows(feet.W, run.feet, order, ratio)
-        _rescale_rows(feet.D, run.feet, order, ratio)
-        _rescale_rows(further(run.tilt, run.padded), run.padded, order, ratio)
+        _rescale_rows(foundations.W, run.foundations, order, ratio)
+        _rescale_rows(foundations.D, run.foundations, order, ratio)
+        _rescale_rows(further(run.rocking_drift, run.padded), run.padded, order, ratio)
         _rescale_rows(p.lean, run.padded, order, ratio)
     for k in range(order):  # B is by s as well
         p.B[k] *= ratio

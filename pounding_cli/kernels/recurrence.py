@@ -14,11 +14,11 @@ import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels.cells import at, of, of_link, of_term, of_tie
-from pounding_cli.kernels.clock import CHANGE, GROUND, ORDER, PER_H, QUIET, H
-from pounding_cli.kernels.foundations import expand_feet, feet_exceed, rescale_feet, top_of
+from pounding_cli.kernels.cells import at, of, of_link, of_link_integer, of_term
+from pounding_cli.kernels.clock import GROUND, GROUND_CHANGE, INVERSE_H, LEAST_SCALE, ORDER, H
+from pounding_cli.kernels.foundations import expand_foundations, foundations_exceed, rescale_foundations, top_of
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import expand_links, forces_on, push
+from pounding_cli.kernels.link_series import expand_links, link_force_terms, link_forces_on
 from pounding_cli.kernels.simd import (
     from_left,
     from_right,
@@ -27,12 +27,12 @@ from pounding_cli.kernels.simd import (
     load,
     magnitude,
     maximum,
+    no_inline,
     splat,
-    stand_alone,
     store,
 )
 
-LEAST_ORDER = 4
+MIN_ORDER = 4
 """No series is shorter: the first terms of a start from rest are small and say nothing."""
 
 FORGET = 0.9
@@ -40,7 +40,7 @@ FORGET = 0.9
 
 
 @njit(**PART)
-def restencil(run, i):
+def update_stencils(run, i):
     """Renew what depends on the branch of slot i: its own stencils (acceleration per displacement and per velocity of
     itself and its neighbours) and the push of the offsets [m/s2]."""
     slots = run.slots
@@ -56,30 +56,30 @@ def restencil(run, i):
     inverse = slots[of(i, c.INVERSE_MASS)]
     dashpot = slots[of(i, c.DASHPOT)]
     couple = slots[of(i, c.COUPLE)]
-    slots[of(i, c.OWN)] = -(below + above) * inverse
-    slots[of(i, c.LEFT)] = couple * below * inverse
-    slots[of(i, c.RIGHT)] = above * inverse  # fault: stencil-right
-    slots[of(i, c.OWN_RATE)] = -(dashpot + above_dashpot) * inverse - slots[of(i, c.ALPHA)]  # fault: stencil-own-rate
-    slots[of(i, c.LEFT_RATE)] = couple * dashpot * inverse
-    slots[of(i, c.RIGHT_RATE)] = above_dashpot * inverse
-    slots[of(i, c.PUSH)] = (above_offset - slots[of(i, c.OFFSET)]) * inverse
+    slots[of(i, c.STENCIL_U)] = -(below + above) * inverse
+    slots[of(i, c.STENCIL_U_BELOW)] = couple * below * inverse
+    slots[of(i, c.STENCIL_U_ABOVE)] = above * inverse  # fault: stencil-right
+    slots[of(i, c.STENCIL_V)] = -(dashpot + above_dashpot) * inverse - slots[of(i, c.ALPHA)]  # fault: stencil-own-rate
+    slots[of(i, c.STENCIL_V_BELOW)] = couple * dashpot * inverse
+    slots[of(i, c.STENCIL_V_ABOVE)] = above_dashpot * inverse
+    slots[of(i, c.OFFSET_ACCELERATION)] = (above_offset - slots[of(i, c.OFFSET)]) * inverse
 
 
 @njit(**PART)
-def _by_floors(slots, b, k, before, ground, u_left, u, u_right, w_left, w, w_right):
+def _floor_accelerations(slots, b, k, before, ground, u_left, u, u_right, w_left, w, w_right):
     """Order k of the accelerations of eight slots by their own and their neighbours' displacements (times `before`,
     h / k) and velocities, by the ground in orders 0 and 1, and by the branches' offsets in order 0.
 
     What waits for the newest velocities comes last."""
-    total = load(slots, at(b, c.OWN)) * u
-    total = fused(load(slots, at(b, c.LEFT)), u_left, total)
-    total = fused(load(slots, at(b, c.RIGHT)), u_right, total) * before
+    total = load(slots, at(b, c.STENCIL_U)) * u
+    total = fused(load(slots, at(b, c.STENCIL_U_BELOW)), u_left, total)
+    total = fused(load(slots, at(b, c.STENCIL_U_ABOVE)), u_right, total) * before
     if k < 2:
         total = total - load(slots, at(b, c.REAL)) * ground  # fault: ground-in-series
-        total = total + load(slots, at(b, c.PUSH)) if k == 0 else total
-    total = fused(load(slots, at(b, c.OWN_RATE)), w, total)
-    total = fused(load(slots, at(b, c.LEFT_RATE)), w_left, total)
-    return fused(load(slots, at(b, c.RIGHT_RATE)), w_right, total)
+        total = total + load(slots, at(b, c.OFFSET_ACCELERATION)) if k == 0 else total
+    total = fused(load(slots, at(b, c.STENCIL_V)), w, total)
+    total = fused(load(slots, at(b, c.STENCIL_V_BELOW)), w_left, total)
+    return fused(load(slots, at(b, c.STENCIL_V_ABOVE)), w_right, total)
 
 
 @njit(**PART)
@@ -87,10 +87,10 @@ def set_allowed(run, tolerance):
     """What a term may leave out: `tolerance` times the slot's acceleration of late (`renew_scale`), or of what is not
     resolved."""
     slots = run.slots
-    quiet = splat(run.clock[QUIET])
-    for b in range(run.low, run.high, 8):
+    least_scale = splat(run.clock[LEAST_SCALE])
+    for b in range(run.slot_start, run.slot_stop, 8):
         # fault: series-tolerance
-        store(slots, at(b, c.ALLOWED), maximum(load(slots, at(b, c.SCALE)), quiet) * tolerance)
+        store(slots, at(b, c.TERM_TOLERANCE), maximum(load(slots, at(b, c.SCALE)), least_scale) * tolerance)
 
 
 @njit(**CALLED)
@@ -99,46 +99,46 @@ def _largest_cut_term(run, k):
 
     It moves no floor, so the floors' series say nothing of its own, and that of an infill's dashpot (a square root)
     converges far more slowly; but its sign tells when the link presses again."""
-    stand_alone()
+    no_inline()
     largest = 0.0
-    for e in range(run.first, run.last):
+    for e in range(run.link_start, run.link_stop):
         closed = run.links[of_link(e, c.CLOSED)] != 0.0
-        if closed and run.links[of_link(e, c.APPLIED)] == 0.0:
+        if closed and run.links[of_link(e, c.ACTS)] == 0.0:
             allowed = np.inf
             for side in (c.LEFT_SLOT, c.RIGHT_SLOT):
-                i = run.ties[of_tie(e, side)]
-                allowed = min(allowed, run.slots[of(i, c.ALLOWED)] * run.slots[of(i, c.MASS)])
-            largest = max(largest, abs(run.series[of_term(run, k, e, c.F_TERM)]) / allowed)
+                i = run.link_integers[of_link_integer(e, side)]
+                allowed = min(allowed, run.slots[of(i, c.TERM_TOLERANCE)] * run.slots[of(i, c.MASS)])
+            largest = max(largest, abs(run.series[of_term(run, k, e, c.FORCE_TERM)]) / allowed)
     return largest
 
 
 @njit(**PART)
-def expand(run, feet, busy, curved, cut, snapped, tolerance, most, founded):
+def expand(run, foundations, any_closed, curved, cut, pinned_at_event, tolerance, max_order, founded):
     """Coefficients up to the order at which two acceleration terms in a row are below what may be left out, or up to
 
     Returns (order, whether that held).
     """
     set_allowed(run, tolerance)
-    links = run.last - run.first
-    slots = run.high - run.low
+    links = run.link_stop - run.link_start
+    slots = run.slot_stop - run.slot_start
     if slots == 8 and links == 0 and not founded:
-        return _expand_one(run, most)
-    if slots == 16 and (links == 0 or (links == 8 and run.rounds == 0)) and not founded and cut == 0:
-        return _expand_two(run, busy, curved, snapped, most)
-    return _expand_all(run, feet, busy, curved, cut, snapped, most, founded)
+        return _expand_one(run, max_order)
+    if slots == 16 and (links == 0 or (links == 8 and run.links_per_side == 0)) and not founded and cut == 0:
+        return _expand_two(run, any_closed, curved, pinned_at_event, max_order)
+    return _expand_all(run, foundations, any_closed, curved, cut, pinned_at_event, max_order, founded)
 
 
 @njit(**PART)
 def _judged(small, exceeding, k):
     """(How many orders in a row are small, by those before and what exceeds in order k; whether the series may end)."""
     small = small + 1 if exceeding == 0 else 0
-    return small, small > 1 and k >= LEAST_ORDER
+    return small, small > 1 and k >= MIN_ORDER
 
 
 @njit(**CALLED)
-def _expand_all(run, feet, busy, curved, cut, snapped, most, founded):
+def _expand_all(run, foundations, any_closed, curved, cut, pinned_at_event, max_order, founded):
     """The series of any number of slots."""
-    stand_alone()
+    no_inline()
     padded = run.padded
     slots = run.slots
     zero = splat(0.0)
@@ -149,56 +149,56 @@ def _expand_all(run, feet, busy, curved, cut, snapped, most, founded):
     k = 0
     while True:
         after = h * run.reciprocal[k + 1]
-        if busy != 0:
-            expand_links(run, k, after, curved, snapped)
+        if any_closed != 0:
+            expand_links(run, k, after, curved, pinned_at_event)
         if founded:
-            expand_feet(run, feet, k)
+            expand_foundations(run, foundations, k)
         row = k * padded
         exceeding = 0
         w_left = zero
         u_left = zero
-        w = load(run.W, row + run.low)
-        u = load(run.W, row - padded + run.low)
-        for b in range(run.low, run.high, 8):
-            more = b + 8 < run.high
+        w = load(run.W, row + run.slot_start)
+        u = load(run.W, row - padded + run.slot_start)
+        for b in range(run.slot_start, run.slot_stop, 8):
+            more = b + 8 < run.slot_stop
             w_right = load(run.W, row + b + 8) if more else zero
             u_right = load(run.W, row - padded + b + 8) if more else zero
-            total = _by_floors(
+            total = _floor_accelerations(
                 slots, b, k, before, ground, from_left(u_left, u), u, from_right(u, u_right),
                 from_left(w_left, w), w, from_right(w, w_right),
             )  # fmt: skip
             if founded:
-                total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FORCE)), total)
-            if busy != 0:
-                total = fused(load(slots, at(b, c.INVERSE_MASS)), forces_on(run, b), total)
+                total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FOUNDATION_FORCE)), total)
+            if any_closed != 0:
+                total = fused(load(slots, at(b, c.INVERSE_MASS)), link_forces_on(run, b), total)
             store(run.W, row + padded + b, total * after)
-            exceeding |= greater(magnitude(total), load(slots, at(b, c.ALLOWED)))
+            exceeding |= greater(magnitude(total), load(slots, at(b, c.TERM_TOLERANCE)))
             w_left = w
             u_left = u
             w = w_right
             u = u_right
-        if founded and feet_exceed(run, feet, k):
+        if founded and foundations_exceed(run, foundations, k):
             exceeding |= 1
         if cut != 0 and _largest_cut_term(run, k) > 1.0:  # fault: cut-series-ends
             exceeding |= 1
         k += 1
         small, close = _judged(small, exceeding, k)
-        if close or k == most:
+        if close or k == max_order:
             return k, close
         before = h * run.reciprocal[k]
-        ground = splat(run.clock[CHANGE])
+        ground = splat(run.clock[GROUND_CHANGE])
 
 
 @njit(**CALLED)
-def _expand_one(run, most):
+def _expand_one(run, max_order):
     """The same of one building of eight storeys at most: what one order leaves for the next stays in registers, where
     the loop above would wait for the memory."""
-    stand_alone()
+    no_inline()
     slots = run.slots
     zero = splat(0.0)
     h = splat(run.clock[H])
     ground = splat(run.clock[GROUND])
-    a = run.low
+    a = run.slot_start
     u = load(run.W, a - run.padded)
     u_left, u_right = from_left(zero, u), from_right(u, zero)
     w = load(run.W, a)
@@ -208,30 +208,30 @@ def _expand_one(run, most):
     while True:
         after = h * run.reciprocal[k + 1]
         w_left, w_right = from_left(zero, w), from_right(w, zero)  # fault: alone-neighbours-rates
-        total = _by_floors(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
-        exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
+        total = _floor_accelerations(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
+        exceeding = greater(magnitude(total), load(slots, at(a, c.TERM_TOLERANCE)))
         u, u_left, u_right = w, w_left, w_right
         w = total * after
         k += 1
         store(run.W, k * run.padded + a, w)
         small, close = _judged(small, exceeding, k)
-        if close or k == most:
+        if close or k == max_order:
             return k, close
         before = h * run.reciprocal[k]
-        ground = splat(run.clock[CHANGE])
+        ground = splat(run.clock[GROUND_CHANGE])
 
 
 @njit(**CALLED)
-def _expand_two(run, busy, curved, snapped, most):
+def _expand_two(run, any_closed, curved, pinned_at_event, max_order):
     """The same of two such buildings, and the links between them."""
-    stand_alone()
+    no_inline()
     slots = run.slots
     zero = splat(0.0)
     h = splat(run.clock[H])
     ground = splat(run.clock[GROUND])
-    a = run.low
+    a = run.slot_start
     b = a + 8
-    e = run.first
+    e = run.link_start
     # Displacement and velocity of the two halves, and of the left and right neighbours of their slots.
     u = load(run.W, a - run.padded)
     x = load(run.W, b - run.padded)
@@ -239,22 +239,22 @@ def _expand_two(run, busy, curved, snapped, most):
     w = load(run.W, a)
     y = load(run.W, b)
     v = zero
-    if busy != 0:
-        v = load(run.series, c.at_term(run, 0, e, c.V_TERM))
+    if any_closed != 0:
+        v = load(run.series, c.at_term(run, 0, e, c.CLOSING_TERM))
     small = 0
     before = splat(1.0)
     k = 0
     while True:
         after = h * run.reciprocal[k + 1]
         w_left, w_right, y_left, y_right = from_left(zero, w), from_right(w, y), from_left(w, y), from_right(y, zero)
-        total = _by_floors(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
-        total_right = _by_floors(slots, b, k, before, ground, x_left, x, x_right, y_left, y, y_right)
-        if busy != 0:
-            pushed, v = push(run, k, e, v, w - y, after, curved, snapped)
+        total = _floor_accelerations(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
+        total_right = _floor_accelerations(slots, b, k, before, ground, x_left, x, x_right, y_left, y, y_right)
+        if any_closed != 0:
+            pushed, v = link_force_terms(run, k, e, v, w - y, after, curved, pinned_at_event)
             total = total - load(slots, at(a, c.INVERSE_MASS)) * pushed
             total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)  # fault: lined-up-push
-        exceeding = greater(magnitude(total), load(slots, at(a, c.ALLOWED)))
-        exceeding |= greater(magnitude(total_right), load(slots, at(b, c.ALLOWED)))
+        exceeding = greater(magnitude(total), load(slots, at(a, c.TERM_TOLERANCE)))
+        exceeding |= greater(magnitude(total_right), load(slots, at(b, c.TERM_TOLERANCE)))
         u, u_left, u_right = w, w_left, w_right
         x, x_left, x_right = y, y_left, y_right
         w = total * after
@@ -263,10 +263,10 @@ def _expand_two(run, busy, curved, snapped, most):
         store(run.W, k * run.padded + a, w)
         store(run.W, k * run.padded + b, y)
         small, close = _judged(small, exceeding, k)
-        if close or k == most:
+        if close or k == max_order:
             return k, close
         before = h * run.reciprocal[k]
-        ground = splat(run.clock[CHANGE])
+        ground = splat(run.clock[GROUND_CHANGE])
 
 
 @njit(**PART)
@@ -274,31 +274,33 @@ def renew_scale(run):
     """The largest acceleration of late: a blow is forgotten at a tenth a step, so that what follows it is not
     sloppy."""
     slots = run.slots
-    for b in range(run.low, run.high, 8):
-        now = maximum(magnitude(load(slots, at(b, c.PULL0))), magnitude(load(slots, at(b, c.PULL))))
+    for b in range(run.slot_start, run.slot_stop, 8):
+        now = maximum(
+            magnitude(load(slots, at(b, c.TOTAL_ACCELERATION0))), magnitude(load(slots, at(b, c.TOTAL_ACCELERATION1)))
+        )
         store(slots, at(b, c.SCALE), maximum(load(slots, at(b, c.SCALE)) * FORGET, now))
 
 
 @njit(**CALLED)
-def shrink(run, feet, cut, tolerance):
+def shrink(run, foundations, cut, tolerance):
     """The fraction of a step that meets the tolerance at its highest order; rescales nothing."""
-    stand_alone()
+    no_inline()
     order = run.tally[ORDER]
-    quiet = run.clock[QUIET]
+    least_scale = run.clock[LEAST_SCALE]
     worst = 0.0
     for k in (order - 1, order):
-        number = k * run.clock[PER_H]
+        number = k * run.clock[INVERSE_H]
         sizes = splat(0.0)  # in parts of what may be left out
-        for b in range(run.low, run.high, 8):
+        for b in range(run.slot_start, run.slot_stop, 8):
             term = magnitude(load(run.W, k * run.padded + b)) * number
-            sizes = maximum(sizes, term / load(run.slots, at(b, c.ALLOWED)))
+            sizes = maximum(sizes, term / load(run.slots, at(b, c.TERM_TOLERANCE)))
         store(run.scratch, 0, sizes)
         size = 0.0
         for lane in range(8):
             size = max(size, run.scratch[lane])
-        for f in range(run.feet):
-            top, turning = top_of(run, feet, k, f)
-            size = max(size, number * turning / (max(run.slots[of(top, c.SCALE)], quiet) * tolerance))
+        for f in range(run.foundations):
+            top, turning = top_of(run, foundations, k, f)
+            size = max(size, number * turning / (max(run.slots[of(top, c.SCALE)], least_scale) * tolerance))
         if cut != 0:
             size = max(size, _largest_cut_term(run, k - 1))  # fault: cut-shortens-steps
         if size > 0.0:
@@ -307,19 +309,19 @@ def shrink(run, feet, cut, tolerance):
 
 
 @njit(**CALLED)
-def rescale(run, feet, ratio, busy, order, founded):
+def rescale(run, foundations, ratio, any_closed, order, founded):
     """Coefficients for a step `ratio` times as long: the motion is the same, only s is measured anew."""
-    stand_alone()
+    no_inline()
     power = splat(1.0)
     for k in range(order + 1):
         row = k * run.padded
-        for b in range(run.low, run.high, 8):
+        for b in range(run.slot_start, run.slot_stop, 8):
             store(run.W, row + b, load(run.W, row + b) * power)
-        if busy != 0:
-            for b in range(run.first, run.last, 8):
-                for field in (c.V_TERM, c.RATE_TERM, c.F_TERM):
+        if any_closed != 0:
+            for b in range(run.link_start, run.link_stop, 8):
+                for field in (c.CLOSING_TERM, c.RATE_TERM, c.FORCE_TERM):
                     place = c.at_term(run, k, b, field)
                     store(run.series, place, load(run.series, place) * power)
         power = power * ratio
     if founded:
-        rescale_feet(run, feet, order, ratio)
+        rescale_foundations(run, foundations, order, ratio)

@@ -27,14 +27,14 @@ from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.stepping import (
     EVENTS,
-    PART,
-    WHOLE,
-    causes,
+    STEP_CUT,
+    STEP_DONE,
+    drift_rate_of,
+    fill_forces,
     march,
-    nothing_after,
+    no_event,
     point,
     point_size,
-    rate_of,
 )
 
 # The method's own scratch: storey and link whose branch ends with the step (-1: none), the guard it meets, and whether
@@ -42,9 +42,9 @@ from pounding_cli.kernels.stepping import (
 _STOREY, _LINK, _GUARD, _ENDS, _SCRATCH, _STAGES = 0, 1, 2, 3, 4, 20
 
 
-def room_needed(size: int, feet: int, links: int) -> int:
+def memory_needed(size: int, foundations: int, links: int) -> int:
     """Doubles of the method's own scratch."""
-    return _STAGES + 3 * point_size(size, feet, links)
+    return _STAGES + 3 * point_size(size, foundations, links)
 
 
 @njit(**INLINE)
@@ -54,20 +54,20 @@ def _stage(scene, p, q, r, share, ground, inelastic, located):
         q.u[i] = p.u[i] + share * r.v[i]
         q.v[i] = p.v[i] + share * r.a[i]
         q.plastic[i] = p.plastic[i]
-    for f in range(scene.feet.number):
+    for f in range(scene.foundations.number):
         q.phi[f] = p.phi[f] + share * r.phi_v[f]
-        q.phi_v[f] = p.phi_v[f] + share * r.turn[f]
-    causes(scene, q, ground, inelastic, located)
+        q.phi_v[f] = p.phi_v[f] + share * r.phi_a[f]
+    fill_forces(scene, q, ground, inelastic, located)
 
 
 @njit(**INLINE)
 def _step(scene, p, out, own, h, ground, slope, inelastic, located):
     """From p over h to `out`, with what the end causes on the same branches."""
-    slots, feet, links = scene.slots, scene.feet, scene.links
-    each = 7 * slots.size + 3 * feet.number + links.size
+    slots, foundations, links = scene.slots, scene.foundations, scene.links
+    each = 7 * slots.size + 3 * foundations.number + links.size
     stages = further(own, _STAGES)
-    q2, q3 = point(stages, slots, feet, links), point(further(stages, each), slots, feet, links)
-    q4 = point(further(stages, 2 * each), slots, feet, links)
+    q2, q3 = point(stages, slots, foundations, links), point(further(stages, each), slots, foundations, links)
+    q4 = point(further(stages, 2 * each), slots, foundations, links)
     middle = ground + 0.5 * h * slope
     last = ground + h * slope
     _stage(scene, p, q2, p, 0.5 * h, middle, inelastic, located)
@@ -77,22 +77,22 @@ def _step(scene, p, out, own, h, ground, slope, inelastic, located):
         out.u[i] = p.u[i] + h * p.v[i] + h * h / 6.0 * (p.a[i] + q2.a[i] + q3.a[i])
         out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])  # fault: runge-kutta-stages
         out.plastic[i] = p.plastic[i]
-    for f in range(feet.number):
-        out.phi[f] = p.phi[f] + h * p.phi_v[f] + h * h / 6.0 * (p.turn[f] + q2.turn[f] + q3.turn[f])
-        out.phi_v[f] = p.phi_v[f] + h / 6.0 * (p.turn[f] + 2.0 * (q2.turn[f] + q3.turn[f]) + q4.turn[f])
-    causes(scene, out, last, inelastic, located)
+    for f in range(foundations.number):
+        out.phi[f] = p.phi[f] + h * p.phi_v[f] + h * h / 6.0 * (p.phi_a[f] + q2.phi_a[f] + q3.phi_a[f])
+        out.phi_v[f] = p.phi_v[f] + h / 6.0 * (p.phi_a[f] + 2.0 * (q2.phi_a[f] + q3.phi_a[f]) + q4.phi_a[f])
+    fill_forces(scene, out, last, inelastic, located)
 
 
 @njit(**INLINE)
 def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
     _step(scene, p, out, own, h, ground, slope, inelastic, False)
-    return h, WHOLE
+    return h, STEP_DONE
 
 
 @njit(**INLINE)
 def _first_event(scene, p, out, h, own, inelastic):
     """Where in the step the first branch ends [-]; notes which."""
-    slots, feet, links, state = scene.slots, scene.feet, scene.links, scene.state
+    slots, foundations, links, state = scene.slots, scene.foundations, scene.links, scene.state
     scratch = further(own, _SCRATCH)
     earliest = NEVER
     own[_STOREY] = own[_LINK] = -1.0
@@ -102,8 +102,10 @@ def _first_event(scene, p, out, h, own, inelastic):
                 continue
             s = storey_branch_end(
                 slots, state, i, h,
-                p.drift[i], rate_of(slots, feet, i, p.v, p.phi_v), rate_of(slots, feet, i, p.a, p.turn),
-                out.drift[i], rate_of(slots, feet, i, out.v, out.phi_v), rate_of(slots, feet, i, out.a, out.turn),
+                p.drift[i], drift_rate_of(slots, foundations, i, p.v, p.phi_v),
+                drift_rate_of(slots, foundations, i, p.a, p.phi_a),
+                out.drift[i], drift_rate_of(slots, foundations, i, out.v, out.phi_v),
+                drift_rate_of(slots, foundations, i, out.a, out.phi_a),
                 scratch,
             )  # fmt: skip
             if s < earliest:
@@ -132,10 +134,10 @@ def _advance_to_event(scene, p, out, own, tally, h, ground, slope, inelastic):
     s = _first_event(scene, p, out, h, own, inelastic)
     own[_ENDS] = 1.0 if s <= 1.0 else 0.0
     if s > 1.0:
-        return h, WHOLE
+        return h, STEP_DONE
     _step(scene, p, out, own, h * s, ground, slope, inelastic, True)  # fault: event-ends-step
     tally[EVENTS] += 1
-    return h * s, PART
+    return h * s, STEP_CUT
 
 
 @njit(**INLINE)
@@ -144,9 +146,9 @@ def _change_branch(scene, p, own, moved, ground, inelastic):
     state = scene.state
     if moved:
         for e in range(scene.links.number):
-            state.snapped_link[e] = t.NOTHING
+            state.pinned_link[e] = t.NOTHING
         for i in range(scene.slots.size):
-            state.snapped_storey[i] = 0
+            state.pinned_storey[i] = 0
     if own[_ENDS] == 0.0:
         return False
     if own[_STOREY] >= 0.0:
@@ -165,21 +167,23 @@ def build(inelastic: bool, located: bool):
     if located:
 
         @njit(**OPTIONS)
-        def integrate_to_events(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
+        def integrate_to_events(
+            slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events
+        ):
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return march(
-                _advance_to_event, _change_branch, True, True, inelastic, slots, feet, links, state, peaks, room,
-                tally, starts, slopes, dt, parts, most_events,
+                _advance_to_event, _change_branch, True, True, inelastic, slots, foundations, links, state, peaks,
+                memory, tally, starts, slopes, dt, parts, max_events,
             )  # fmt: skip
 
         return integrate_to_events
 
     @njit(**OPTIONS)
-    def integrate(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
+    def integrate(slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
         _ = source
         return march(
-            _advance, nothing_after, True, False, inelastic, slots, feet, links, state, peaks, room, tally, starts,
-            slopes, dt, parts, most_events,
+            _advance, no_event, True, False, inelastic, slots, foundations, links, state, peaks, memory, tally, starts,
+            slopes, dt, parts, max_events,
         )  # fmt: skip
 
     return integrate

@@ -301,7 +301,7 @@ def gather(typingctx, place, start, index, first):
 
 
 @instruction
-def stand_alone(typingctx):
+def no_inline(typingctx):
     """Called in a function: that function is compiled once and called, not copied to where it is used."""
 
     def codegen(context, builder, signature, args):

@@ -24,7 +24,7 @@ from pounding_cli.kernels.layout import (
     NOT_FINITE,
     OPTIONS,
     STALLED,
-    foot_pointers,
+    foundation_pointers,
     link_pointers,
     peak_pointers,
     slot_pointers,
@@ -33,73 +33,73 @@ from pounding_cli.kernels.layout import (
 from pounding_cli.kernels.link_force import branch_at, closing_of
 from pounding_cli.kernels.simd import further, pointer
 
-WHOLE, PART = -1, -2
+STEP_DONE, STEP_CUT = -1, -2
 """Verdicts of `advance`: the step is done, or it ended before its time and the rest is still to be taken. Any other is
 the outcome the run ends with."""
 
 EVENTS, ITERATIONS = 0, 1
 """Places in `tally`."""
 
-FURTHEST = 1e6
+DIVERGED = 1e6
 """Displacement at which a run counts as not finite [m]."""
 
-POLYNOMIAL = 16
+POLYNOMIAL_SIZE = 16
 """Doubles of scratch for a polynomial."""
 
-Scene = namedtuple("Scene", "slots feet links state peaks")
+Scene = namedtuple("Scene", "slots foundations links state peaks")
 """The arrays of a scene as pointers (`layout`)."""
 
-Point = namedtuple("Point", "u v a drift shear plastic phi phi_v turn force")
+Point = namedtuple("Point", "u v a drift shear plastic phi phi_v phi_a force")
 """A state and what it causes: per slot u, v, a [m, m/s, m/s2], drift, shear [m, N] and plastic drift [m]; per
-foundation phi, phi_v, turn [rad, rad/s, rad/s2]; `force` has the slots' forces with their dashpots', then the links'
+foundation phi, phi_v, phi_a [rad, rad/s, rad/s2]; `force` has the slots' forces with their dashpots', then the links'
 [N]."""
 
 
-def point_size(size: int, feet: int, links: int) -> int:
+def point_size(size: int, foundations: int, links: int) -> int:
     """Doubles of a point."""
-    return 7 * size + 3 * feet + links
+    return 7 * size + 3 * foundations + links
 
 
 @njit(**INLINE)
-def point(place, slots, feet, links):
+def point(place, slots, foundations, links):
     """A point at a place in the scratch."""
     size = slots.size
     at = further(place, 6 * size)
     return Point(
         place, further(place, size), further(place, 2 * size), further(place, 3 * size), further(place, 4 * size),
-        further(place, 5 * size), at, further(at, feet.number), further(at, 2 * feet.number),
-        further(at, 3 * feet.number),
+        further(place, 5 * size), at, further(at, foundations.number), further(at, 2 * foundations.number),
+        further(at, 3 * foundations.number),
     )  # fmt: skip
 
 
 @njit(**INLINE)
-def causes(scene, p, ground, inelastic, located):
+def fill_forces(scene, p, ground, inelastic, located):
     """Fill accelerations, drifts, shears and forces of a point; where nothing is located its plastic drifts move."""
     if located:
         held_accelerations(
-            scene.slots, scene.feet, scene.links, scene.state, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
-            p.turn, p.drift, p.shear, p.force,
+            scene.slots, scene.foundations, scene.links, scene.state, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
+            p.phi_a, p.drift, p.shear, p.force,
         )  # fmt: skip
     else:
         accelerations(
-            scene.slots, scene.feet, scene.links, p.plastic, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a, p.turn,
-            p.drift, p.shear, p.force,
+            scene.slots, scene.foundations, scene.links, p.plastic, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
+            p.phi_a, p.drift, p.shear, p.force,
         )  # fmt: skip
 
 
 @njit(**INLINE)
-def nothing_after(scene, p, own, moved, ground, inelastic):
+def no_event(scene, p, own, moved, ground, inelastic):
     """The `after` of a method that locates nothing."""
     return False
 
 
 @njit(**INLINE)
-def rate_of(slots, feet, i, v, phi_v):
+def drift_rate_of(slots, foundations, i, v, phi_v):
     """Rate of the drift of slot i, from rates `v` of the slots and `phi_v` of the foundations."""
     rate = v[i] - (v[i - 1] if slots.couple[i] != 0.0 else 0.0)
     if slots.rise[i] != 0.0:
-        for f in range(feet.number):
-            if feet.first[f] <= i < feet.stop[f]:
+        for f in range(foundations.number):
+            if foundations.first[f] <= i < foundations.stop[f]:
                 rate -= slots.rise[i] * phi_v[f]
     return rate
 
@@ -115,7 +115,7 @@ def _raise_ends(scene, p, ground):
         peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.real[i]))
         peaks.displacement_max[i] = max(peaks.displacement_max[i], p.u[i])
         peaks.displacement_min[i] = min(peaks.displacement_min[i], p.u[i])
-    for f in range(scene.feet.number):
+    for f in range(scene.foundations.number):
         peaks.rocking[f] = max(peaks.rocking[f], abs(p.phi[f]))
     for e in range(links.number):
         peaks.closing[e] = max(peaks.closing[e], p.u[links.left[e]] - p.u[links.right[e]])
@@ -147,15 +147,17 @@ def _hold_links(scene, p, out, h):
 @njit(**INLINE)
 def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
     """Peaks between two points; the state still has the branches of the step, p the plastic drifts of its start."""
-    slots, feet, links, state, peaks = scene.slots, scene.feet, scene.links, scene.state, scene.peaks
+    slots, foundations, links, state, peaks = scene.slots, scene.foundations, scene.links, scene.state, scene.peaks
     raise_displacements(slots, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a)
     if smooth:
         raise_accelerations(slots, peaks, h, ground, ground + change, p.v, p.a, out.v, out.a)
     for i in range(slots.size):
         raise_drift(
             slots, peaks, i, h,
-            p.drift[i], rate_of(slots, feet, i, p.v, p.phi_v), rate_of(slots, feet, i, p.a, p.turn),
-            out.drift[i], rate_of(slots, feet, i, out.v, out.phi_v), rate_of(slots, feet, i, out.a, out.turn),
+            p.drift[i], drift_rate_of(slots, foundations, i, p.v, p.phi_v),
+            drift_rate_of(slots, foundations, i, p.a, p.phi_a),
+            out.drift[i], drift_rate_of(slots, foundations, i, out.v, out.phi_v),
+            drift_rate_of(slots, foundations, i, out.a, out.phi_a),
             state.line[i], state.plastic[i] if located else p.plastic[i], located, scratch,
         )  # fmt: skip
     raise_links(
@@ -166,8 +168,8 @@ def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
 
 @njit(**INLINE)
 def march(
-    advance, after, between, located, inelastic, slot_arrays, foot_arrays, link_arrays, state_arrays, peak_arrays, room,
-    tally, starts, slopes, dt, parts, most_events,
+    advance, after, between, located, inelastic, slot_arrays, foundation_arrays, link_arrays, state_arrays,
+    peak_arrays, memory, tally, starts, slopes, dt, parts, max_events,
 ):  # fmt: skip
     """March through all segments, each cut into `parts` steps.
 
@@ -176,33 +178,37 @@ def march(
 
     Fills state and peaks in place; returns (status, steps, events, iterations, time reached [s]).
     """
-    slots, feet, links = slot_pointers(slot_arrays), foot_pointers(foot_arrays), link_pointers(link_arrays)
-    scene = Scene(slots, feet, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
-    state, size, count = scene.state, slots.size, feet.number
-    place = pointer(room)
+    slots, foundations, links = (
+        slot_pointers(slot_arrays),
+        foundation_pointers(foundation_arrays),
+        link_pointers(link_arrays),
+    )
+    scene = Scene(slots, foundations, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
+    state, size, count = scene.state, slots.size, foundations.number
+    place = pointer(memory)
     each = 7 * size + 3 * count + links.size
-    p, out = point(place, slots, feet, links), point(further(place, each), slots, feet, links)
+    p, out = point(place, slots, foundations, links), point(further(place, each), slots, foundations, links)
     scratch = further(place, 2 * each)
-    own = further(scratch, POLYNOMIAL)
+    own = further(scratch, POLYNOMIAL_SIZE)
     for i in range(size):
         p.u[i], p.v[i], p.plastic[i] = state.u[i], state.v[i], state.plastic[i]
     for f in range(count):
         p.phi[f], p.phi_v[f] = state.phi[f], state.phi_v[f]
     whole = dt / parts
     steps = 0
-    standing = 0
+    events_at_instant = 0
     reached = starts[0]
     for segment in range(starts.size):
         slope = slopes[segment]
         jumps = segment == 0 or starts[segment] != reached  # the ground jumps where a tail begins
         reached = starts[segment] + dt * slope
         if jumps:
-            causes(scene, p, starts[segment], inelastic, located)
+            fill_forces(scene, p, starts[segment], inelastic, located)
             _raise_ends(scene, p, starts[segment])
         for part in range(parts):
             gone = 0.0
-            verdict = PART
-            while verdict == PART:
+            verdict = STEP_CUT
+            while verdict == STEP_CUT:
                 ground = starts[segment] + slope * (part * whole + gone)  # fault: ground-of-a-step
                 h, verdict = advance(scene, p, out, own, tally, whole - gone, ground, slope, inelastic)
                 if verdict >= 0:
@@ -210,7 +216,7 @@ def march(
                 steps += 1
                 last = ground + h * slope
                 if h > 0.0:
-                    standing = 0
+                    events_at_instant = 0
                     # Accelerations jump with the contact forces: a parabola over a jump has peaks that are not there.
                     smooth = located or not _passes_over_contact(links, scene.peaks, p, out)
                     if between:
@@ -221,14 +227,14 @@ def march(
                 p, out = out, p
                 gone += h
                 if after(scene, p, own, h > 0.0, last, inelastic):
-                    causes(scene, p, last, inelastic, located)
+                    fill_forces(scene, p, last, inelastic, located)
                     _raise_ends(scene, p, last)
-                    standing += 1
-                    if standing > 20 + 4 * (size + links.size):
+                    events_at_instant += 1
+                    if events_at_instant > 20 + 4 * (size + links.size):
                         return STALLED, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
-                if tally[EVENTS] > most_events:
+                if tally[EVENTS] > max_events:
                     return EVENT_BOUND, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
-            if not np.isfinite(p.u[0] + p.v[0]) or abs(p.u[0]) > FURTHEST:
+            if not np.isfinite(p.u[0] + p.v[0]) or abs(p.u[0]) > DIVERGED:
                 return NOT_FINITE, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
     for i in range(size):
         state.u[i], state.v[i] = p.u[i], p.v[i]
@@ -245,10 +251,10 @@ def build(advance, inelastic: bool):
     have kernels in their own files, which are kept on disk."""
 
     @njit(**{**OPTIONS, "cache": False})
-    def integrate(slots, feet, links, state, peaks, room, tally, starts, slopes, dt, parts, most_events):
+    def integrate(slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
         return march(
-            advance, nothing_after, False, False, inelastic, slots, feet, links, state, peaks, room, tally, starts,
-            slopes, dt, parts, most_events,
+            advance, no_event, False, False, inelastic, slots, foundations, links, state, peaks, memory, tally, starts,
+            slopes, dt, parts, max_events,
         )  # fmt: skip
 
     return integrate

@@ -7,9 +7,10 @@ from numba import njit
 from pounding_cli.kernels.layout import INLINE, PART
 from pounding_cli.laws import bilinear
 
-coefficients, transit = (njit(**PART)(piece) for piece in (bilinear.coefficients, bilinear.transit))
+coefficients, transition = (njit(**PART)(piece) for piece in (bilinear.coefficients, bilinear.transition))
 
 # The same for one-step methods, whose arithmetic may be fused.
-held_coefficients, held_transit, returned, yields = (
-    njit(**INLINE)(piece) for piece in (bilinear.coefficients, bilinear.transit, bilinear.returned, bilinear.yields)
+fused_coefficients, fused_transition, return_mapping, yields = (
+    njit(**INLINE)(piece)
+    for piece in (bilinear.coefficients, bilinear.transition, bilinear.return_mapping, bilinear.yields)
 )

@@ -17,63 +17,63 @@ import functools
 import numpy as np
 from numba import njit, types
 
-from pounding_cli.kernels.branching import link_event, settle, storey_events, unsnap
 from pounding_cli.kernels.cells import (
-    TIE,
-    V_END,
+    LINK_INTEGERS,
+    V1,
     at,
     give_links,
     give_slots,
     of,
-    parts_of,
-    room_for,
+    record_parts,
+    record_sizes,
     run_frame,
     take_links,
     take_slots,
 )
 from pounding_cli.kernels.clock import (
-    CHANGE,
-    CLOCK,
+    CLOCK_SIZE,
+    ELAPSED,
     END,
     EVENTS,
+    EVENTS_AT_INSTANT,
     GROUND,
-    LENGTH,
+    GROUND_CHANGE,
+    GROUND_SLOPE,
+    INVERSE_H,
+    LEAST_SCALE,
+    LONGEST_STEP,
     ORDER,
     ORDERS,
-    PACE,
-    PER_H,
-    QUIET,
     SEGMENT,
-    SINCE,
-    SLOPE,
-    STANDING,
-    START,
+    SEGMENT_GROUND,
+    SEGMENT_LENGTH,
     STEPS,
-    TALLY,
+    TALLY_SIZE,
     H,
 )
 from pounding_cli.kernels.crossings import first_link_event, first_storey_event
-from pounding_cli.kernels.foundations import footing_of, move_feet, start_feet
+from pounding_cli.kernels.foundations import advance_foundations, foundations_frame, start_foundations
 from pounding_cli.kernels.frame import DOUBLES, Frame, filler
+from pounding_cli.kernels.from_rest import start_in_touch
 from pounding_cli.kernels.islands import (
     APART,
     FOUND,
-    FRESH,
-    HAPPENED,
-    HELD,
+    ISLAND_EVENTS,
     JOINED,
-    NEXT,
-    NOTES,
+    NOTE_COUNT,
+    PINNED,
+    PINNED_AT_END,
     SOLVED,
     TOUCH,
+    TOUCHED_BEFORE,
     first_of,
     last_of,
     may_touch,
-    put_back,
+    restore,
     row_frame,
-    set_apart,
-    shelve,
-    touch,
+    save_checkpoint,
+    select_island,
+    touches_now,
 )
 from pounding_cli.kernels.layout import (
     CALLED,
@@ -84,28 +84,29 @@ from pounding_cli.kernels.layout import (
     PLAIN,
     STALLED,
     STEP_BOUND,
-    foot_pointers,
+    foundation_pointers,
     link_pointers,
     peak_pointers,
     row_pointers,
     slot_pointers,
     state_pointers,
 )
-from pounding_cli.kernels.ledger import RULE_ROOM, account, ledger_pointers
-from pounding_cli.kernels.link_series import closings
-from pounding_cli.kernels.peaks import sample, track, widen
+from pounding_cli.kernels.ledger import RULE_SIZE, account, ledger_pointers
+from pounding_cli.kernels.link_series import start_closings
+from pounding_cli.kernels.peaks import sample, track, widen_ranges
 from pounding_cli.kernels.polynomial import NEVER
 from pounding_cli.kernels.program_series import programs_frame, room_for_programs
 from pounding_cli.kernels.program_step import PLAIN_STEP, no_program_step, program_step
 from pounding_cli.kernels.recurrence import expand, renew_scale, rescale, shrink
-from pounding_cli.kernels.simd import further, load, pointer, splat, stand_alone, store
+from pounding_cli.kernels.simd import further, load, no_inline, pointer, splat, store
 from pounding_cli.kernels.source import source_digest
-from pounding_cli.kernels.summary import stop_at, summarise
+from pounding_cli.kernels.summary import end_at_event, summarise
+from pounding_cli.kernels.transitions import initialise_branches, link_event, storey_events, unpin
 
-LARGEST_ORDER = 30
+MAX_ORDER = 30
 """No series is longer."""
 
-_ROWS = LARGEST_ORDER + 2
+_ROWS = MAX_ORDER + 2
 
 SHORTEST = 1e-14
 """Part of a step [-] below which shortening it would not let time go on."""
@@ -117,7 +118,8 @@ saves nothing, where there are many each is as long as can be."""
 SETTINGS = Frame(
     "settings",
     dict.fromkeys(
-        ("inelastic", "founded", "apart", "most_order", "most_steps", "most_events", "most_standing"), types.int64
+        ("inelastic", "founded", "use_islands", "max_order", "max_steps", "max_events", "max_events_at_instant"),
+        types.int64,
     )
     | {"tolerance": types.float64, "nodes": DOUBLES, "weights": DOUBLES},
 )
@@ -127,354 +129,367 @@ foundations, islands are looked for (1 or 0)."""
 _settings_frame = filler(SETTINGS)
 
 FRAMES = 64
-"""Integers that each frame has room for."""
+"""Most integers of a frame."""
 
 
-def room_needed(
-    padded: int, feet: int, links: int, rounds: int, buildings: int, registers: int
+def memory_needed(
+    padded: int, foundations: int, links: int, links_per_side: int, buildings: int, registers: int
 ) -> tuple[int, int]:
     """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally. `registers`: of
     a force written as operations; 0 where there is none."""
-    doubles, integers = room_for(padded, links, _ROWS)
-    rows = (_ROWS + 1) * (2 if feet else 1) + 4
-    small = 2 * _ROWS + CLOCK + RULE_ROOM + 2 * (_ROWS + 1) * feet + 64
-    shelf, ties = room_for(padded, links, 0)
-    tables = 2 * max(rounds, 1) * padded + NOTES * buildings + 5 * FRAMES
-    written, resting = room_for_programs(padded, links, registers, feet, _ROWS) if registers else (0, 0)
+    doubles, integers = record_sizes(padded, links, _ROWS)
+    rows = (_ROWS + 1) * (2 if foundations else 1) + 4
+    small = 2 * _ROWS + CLOCK_SIZE + RULE_SIZE + 2 * (_ROWS + 1) * foundations + 64
+    saved, link_integers = record_sizes(padded, links, 0)
+    tables = 2 * max(links_per_side, 1) * padded + NOTE_COUNT * buildings + 5 * FRAMES
+    written, resting = room_for_programs(padded, links, registers, foundations, _ROWS) if registers else (0, 0)
     return (
-        doubles + rows * padded + links + small + shelf + 2 * padded + written,
-        TALLY + integers + ties + tables + resting,
+        doubles + rows * padded + links + small + saved + 2 * padded + written,
+        TALLY_SIZE + integers + link_integers + tables + resting,
     )
 
 
 @njit(**PART)
-def _carve(feet, links, row, room, integers):
-    """The scratch of a run as records and rows, whole vectors first; returns (run, row, room for two
-    more frames, the room left for foundations)."""
-    padded, linked = row.first[row.number], row.joints[row.number - 1]
-    by_slot, by_link, by_term = parts_of(padded, linked, _ROWS)
-    ends = further(room, (_ROWS + 1) * padded)
+def _lay_out_scratch(foundations, links, row, memory, integers):
+    """The scratch of a run as records and rows, whole vectors first; returns (run, row, where two more
+    frames go, where the series of the foundations go)."""
+    padded, padded_links = row.first_slot[row.number], row.first_link[row.number - 1]
+    by_slot, by_link, by_term = record_parts(padded, padded_links, _ROWS)
+    ends = further(memory, (_ROWS + 1) * padded)
     records = further(ends, 4 * padded)
     link_records = further(records, by_slot)
     series = further(link_records, by_link)
-    pushed = further(series, by_term)
-    clock = further(pushed, linked + 8)
-    rule = further(clock, CLOCK)
-    shelf = further(rule, RULE_ROOM)
-    reciprocal = further(shelf, by_slot + by_link + 2 * padded)
+    link_forces = further(series, by_term)
+    clock = further(link_forces, padded_links + 8)
+    rule = further(clock, CLOCK_SIZE)
+    checkpoint = further(rule, RULE_SIZE)
+    reciprocal = further(checkpoint, by_slot + by_link + 2 * padded)
     scratch = further(reciprocal, _ROWS)
-    tilt = further(scratch, _ROWS)
-    ties = further(integers, TALLY)
-    snapped = further(ties, TIE * linked)
-    gains = further(snapped, padded)
-    losses = further(gains, max(row.rounds, 1) * padded)
-    shelved = further(losses, max(row.rounds, 1) * padded)
-    notes = further(shelved, padded + TIE * linked)
+    rocking_drift = further(scratch, _ROWS)
+    link_integers = further(integers, TALLY_SIZE)
+    pinned = further(link_integers, LINK_INTEGERS * padded_links)
+    left_links = further(pinned, padded)
+    right_links = further(left_links, max(row.links_per_side, 1) * padded)
+    checkpoint_integers = further(right_links, max(row.links_per_side, 1) * padded)
+    notes = further(checkpoint_integers, padded + LINK_INTEGERS * padded_links)
     reciprocal[0] = 0.0
     for k in range(1, _ROWS):
         reciprocal[k] = 1.0 / k
-    run = run_frame(further(notes, NOTES * row.number), (
-        0, padded, 0, linked, padded, linked, row.rounds, feet.number, further(room, padded), ends, records, snapped,
-        link_records, ties, links.branches, links.guards, links.operations, gains, losses, pushed, series,
-        rule, reciprocal, clock, integers, scratch, tilt,
+    run = run_frame(further(notes, NOTE_COUNT * row.number), (
+        0, padded, 0, padded_links, padded, padded_links, row.links_per_side, foundations.number,
+        further(memory, padded), ends, records, pinned, link_records, link_integers, links.branches, links.guards,
+        links.operations, left_links, right_links, link_forces, series, rule, reciprocal, clock, integers, scratch,
+        rocking_drift,
     ))  # fmt: skip
-    frames = further(notes, NOTES * row.number + FRAMES)
-    lined_up = row_frame(frames, (
-        row.number, row.slots, row.links, row.first, row.joints, row.spots, row.seats, notes, shelf, shelved,
+    frames = further(notes, NOTE_COUNT * row.number + FRAMES)
+    row_places = row_frame(frames, (
+        row.number, row.slots, row.links, row.first_slot, row.first_link, row.slot_places, row.link_places, notes,
+        checkpoint, checkpoint_integers,
     ))  # fmt: skip
-    return run, lined_up, further(frames, FRAMES), further(tilt, (_ROWS + 1) * padded if feet.number > 0 else 0)
+    return (
+        run,
+        row_places,
+        further(frames, FRAMES),
+        further(rocking_drift, (_ROWS + 1) * padded if foundations.number > 0 else 0),
+    )
 
 
 @njit(**PART)
-def _set_out(run):
+def _begin_step(run):
     """The step that is tried next: to the end of the segment, or as far as the last one that had to be shortened."""
-    since = run.clock[SINCE]
-    h = run.clock[LENGTH] - since
-    whole = h <= run.clock[PACE]
+    elapsed = run.clock[ELAPSED]
+    h = run.clock[SEGMENT_LENGTH] - elapsed
+    whole = h <= run.clock[LONGEST_STEP]
     if not whole:
-        h /= np.ceil(h / run.clock[PACE] - 1e-9)
+        h /= np.ceil(h / run.clock[LONGEST_STEP] - 1e-9)
     run.clock[H] = h
-    run.clock[PER_H] = 1.0 / h
-    run.clock[GROUND] = run.clock[START] + run.clock[SLOPE] * since
-    run.clock[CHANGE] = run.clock[SLOPE] * h
+    run.clock[INVERSE_H] = 1.0 / h
+    run.clock[GROUND] = run.clock[SEGMENT_GROUND] + run.clock[GROUND_SLOPE] * elapsed
+    run.clock[GROUND_CHANGE] = run.clock[GROUND_SLOPE] * h
     run.clock[END] = NEVER
     return whole  # fault: step-is-whole
 
 
 @njit(**PART)
-def _shorten(run, feet, busy, cut, order, tolerance, founded):
+def _shorten(run, foundations, any_closed, cut, order, tolerance, founded):
     """Shorten a step whose series did not become small enough; returns the part of it that is left [-]."""
-    ratio = shrink(run, feet, cut, tolerance)
+    ratio = shrink(run, foundations, cut, tolerance)
     if ratio > SHORTEST and ratio < 1.0:
         paced = ratio > FEW_PIECES
         if paced:
             ratio = 1.0 / np.ceil(1.0 / ratio)
-        rescale(run, feet, ratio, busy, order, founded)
+        rescale(run, foundations, ratio, any_closed, order, founded)
         run.clock[H] *= ratio
-        run.clock[PER_H] /= ratio
-        run.clock[CHANGE] *= ratio
+        run.clock[INVERSE_H] /= ratio
+        run.clock[GROUND_CHANGE] *= ratio
         if paced:
-            run.clock[PACE] = run.clock[H]
+            run.clock[LONGEST_STEP] = run.clock[H]
     return ratio
 
 
 @njit(**PART)
-def _go_on(run, moved, finished, happened, settings):
-    """Count a step and move time by so much [s], to -1 at the segment's end; returns an outcome, or -1 while the run
-    goes on."""
+def _count_step(run, finished, happened, settings):
+    """Count a step and move time, to -1 at the segment's end; returns an outcome, or -1 while the run goes on."""
     clock = run.clock
     tally = run.tally
     tally[STEPS] += 1
     tally[ORDERS] += tally[ORDER]
     if clock[END] > 0.0:
-        tally[STANDING] = 0
-    clock[SINCE] += moved
-    if finished or clock[SINCE] >= clock[LENGTH]:
-        clock[SINCE] = -1.0
-    if not np.isfinite(run.ends[run.low] + run.slots[of(run.low, V_END)]):
+        tally[EVENTS_AT_INSTANT] = 0
+    clock[ELAPSED] += clock[H] * clock[END]
+    if finished or clock[ELAPSED] >= clock[SEGMENT_LENGTH]:
+        clock[ELAPSED] = -1.0
+    if not np.isfinite(run.ends[run.slot_start] + run.slots[of(run.slot_start, V1)]):
         return NOT_FINITE
     if happened:
         tally[EVENTS] += 1
-        tally[STANDING] += 1
-        if tally[EVENTS] > settings.most_events:
+        tally[EVENTS_AT_INSTANT] += 1
+        if tally[EVENTS] > settings.max_events:
             return EVENT_BOUND
-        if tally[STANDING] > settings.most_standing:
+        if tally[EVENTS_AT_INSTANT] > settings.max_events_at_instant:
             return STALLED
-    return STEP_BOUND if tally[STEPS] > settings.most_steps else -1
+    return STEP_BOUND if tally[STEPS] > settings.max_steps else -1
 
 
 @njit(**PART)
-def _plain_step(run, feet, settings, snapped):
+def _plain_step(run, foundations, settings, pinned_at_event):
     """A step by time series; as `program_step`."""
     inelastic = settings.inelastic > 0
     founded = settings.founded > 0
     tolerance = settings.tolerance
-    linked = run.last > run.first
+    linked = run.link_stop > run.link_start
     clock = run.clock
-    whole = _set_out(run)
+    whole = _begin_step(run)
     if founded:
-        start_feet(run, feet)
-    busy = 0
+        start_foundations(run, foundations)
+    any_closed = 0
     curved = 0
     cut = 0
     if linked:
-        busy, curved, cut = closings(run, snapped)
-    order, close = expand(run, feet, busy, curved, cut, snapped, tolerance, settings.most_order, founded)
+        any_closed, curved, cut = start_closings(run, pinned_at_event)
+    order, close = expand(
+        run, foundations, any_closed, curved, cut, pinned_at_event, tolerance, settings.max_order, founded
+    )
     run.tally[ORDER] = order
     if not close:
-        ratio = _shorten(run, feet, busy, cut, order, tolerance, founded)
+        ratio = _shorten(run, foundations, any_closed, cut, order, tolerance, founded)
         if not ratio > SHORTEST:
             return STEP_BOUND if np.isfinite(ratio) else NOT_FINITE, False, False, False
         whole = whole and ratio >= 1.0
-    summarise(run, feet, order, founded)
+    summarise(run, foundations, order, founded)
     storeys = inelastic and first_storey_event(run, founded)
     link = linked and first_link_event(run)
     if clock[END] < 1.0:
-        stop_at(run, feet, order, founded)
+        end_at_event(run, foundations, order, founded)
     else:
         clock[END] = 1.0
-    account(run, feet, settings.nodes, settings.weights, order, busy, curved, inelastic, founded)
-    track(run, feet, order, busy, inelastic, founded)
-    if settings.apart > 0:
-        widen(run)
+    account(run, foundations, settings.nodes, settings.weights, order, any_closed, curved, inelastic, founded)
+    track(run, foundations, order, any_closed, inelastic, founded)
+    if settings.use_islands > 0:
+        widen_ranges(run)
     return -1, storeys, link, whole and clock[END] == 1.0
 
 
 @njit(**PART)
-def _through(other_step, run, feet, programs, settings, snapped):
+def _march(other_step, run, foundations, programs, settings, pinned_at_event):
     """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
 
-    `other_step`: what takes the steps that plain ones cannot. `snapped`: something may be exactly zero: touching floors
-    at the start, or what an event just met."""
+    `other_step`: what takes the steps that plain ones cannot. `pinned_at_event`: something may be exactly zero:
+    touching floors at the start, or what an event just met."""
     founded = settings.founded > 0
     clock = run.clock
-    clock[SINCE] = 0.0
-    clock[PACE] = clock[LENGTH]
+    clock[ELAPSED] = 0.0
+    clock[LONGEST_STEP] = clock[SEGMENT_LENGTH]
     status = -1
-    while status < 0 and clock[SINCE] >= 0.0:
-        status, storeys, link, finished = other_step(run, feet, programs, settings)
-        moved = clock[H]
+    while status < 0 and clock[ELAPSED] >= 0.0:
+        status, storeys, link, finished = other_step(run, foundations, programs, settings)
         if status == PLAIN_STEP:
-            status, storeys, link, finished = _plain_step(run, feet, settings, snapped)
-            moved = clock[H] * clock[END]
+            status, storeys, link, finished = _plain_step(run, foundations, settings, pinned_at_event)
         if status >= 0:
             break
         renew_scale(run)
-        if snapped and clock[END] > 0.0:
-            unsnap(run)
-            snapped = False
+        if pinned_at_event and clock[END] > 0.0:
+            unpin(run)
+            pinned_at_event = False
         if link:
             link_event(run)
         elif storeys:
             storey_events(run)
         if link or storeys:
-            snapped = True
-            clock[PACE] = clock[LENGTH]
-        status = _go_on(run, moved, finished, link or storeys, settings)
-        for b in range(run.low, run.high, 8):
+            pinned_at_event = True
+            clock[LONGEST_STEP] = clock[SEGMENT_LENGTH]
+        status = _count_step(run, finished, link or storeys, settings)
+        for b in range(run.slot_start, run.slot_stop, 8):
             store(run.W, b - run.padded, load(run.ends, b))
-            store(run.W, b, load(run.slots, at(b, V_END)))
+            store(run.W, b, load(run.slots, at(b, V1)))
         if founded:
-            move_feet(run, feet)
-    return status, snapped
+            advance_foundations(run, foundations)
+    return status, pinned_at_event
 
 
 @njit(**CALLED)
-def _cross(run, feet, programs, settings, snapped):
-    """`_through` by plain steps alone. A function that is passed to one that is called, not copied, could not be kept
+def _solve_island(run, foundations, programs, settings, pinned_at_event):
+    """`_march` by plain steps alone. A function that is passed to one that is called, not copied, could not be kept
     on disk, so there are two of these."""
-    stand_alone()
-    return _through(no_program_step, run, feet, programs, settings, snapped)
+    no_inline()
+    return _march(no_program_step, run, foundations, programs, settings, pinned_at_event)
 
 
 @njit(**CALLED)
-def _cross_with_programs(run, feet, programs, settings, snapped):
-    """`_through` with program steps."""
-    stand_alone()
-    return _through(program_step, run, feet, programs, settings, snapped)
+def _solve_island_with_programs(run, foundations, programs, settings, pinned_at_event):
+    """`_march` with program steps."""
+    no_inline()
+    return _march(program_step, run, foundations, programs, settings, pinned_at_event)
 
 
 @njit(**CALLED)
-def _part(run, row, apart):
+def _guess_islands(run, row, use_islands):
     """Begin a segment: who touches whom, as far as one can tell. A link that is closed or has just opened counts, so
     that none outside an island has anything left that it pushes with.
 
     Two neighbours that are alone are taken together: a step of both costs little more than a step of one."""
-    stand_alone()
+    no_inline()
     notes = row.notes
     alone = False
     for b in range(row.number):
-        mine = b * NOTES
+        mine = b * NOTE_COUNT
         notes[mine + SOLVED] = 0
         joined = APART
         if b + 1 < row.number:
-            held = notes[mine + HELD] + notes[mine + FRESH] + notes[mine + NOTES + FRESH] > 0
-            joined = TOUCH if held or not apart or touch(run, row, b) else APART
+            held = notes[mine + TOUCHED_BEFORE] + notes[mine + PINNED] + notes[mine + NOTE_COUNT + PINNED] > 0
+            joined = TOUCH if held or not use_islands or touches_now(run, row, b) else APART
         notes[mine + JOINED] = joined
-        before = b > 0 and notes[mine - NOTES + JOINED] == TOUCH
+        before = b > 0 and notes[mine - NOTE_COUNT + JOINED] == TOUCH
         if joined == TOUCH or before:
             alone = False
         elif alone:
-            notes[mine - NOTES + JOINED] = TOUCH
+            notes[mine - NOTE_COUNT + JOINED] = TOUCH
             alone = False
         else:
             alone = True
 
 
 @njit(**PART)
-def _solve(cross, run, row, feet, programs, settings):
+def _solve_islands(solve_island, run, row, foundations, programs, settings):
     """Solve every island that is not solved yet; returns an outcome, or -1."""
     notes = row.notes
     left = 0
     while left < row.number:
         right = last_of(notes, left)
-        if notes[left * NOTES + SOLVED] == 0:
-            set_apart(run, row, left, right)
+        if notes[left * NOTE_COUNT + SOLVED] == 0:
+            select_island(run, row, left, right)
             if left > 0 or right + 1 < row.number:
-                shelve(run, row)
-            snapped = False
+                save_checkpoint(run, row)
+            pinned_at_event = False
             for b in range(left, right + 1):
-                snapped = snapped or notes[b * NOTES + FRESH] > 0
-            for b in range(run.low, run.high, 8):
+                pinned_at_event = pinned_at_event or notes[b * NOTE_COUNT + PINNED] > 0
+            for b in range(run.slot_start, run.slot_stop, 8):
                 store(run.ends, 2 * run.padded + b, splat(-1e300))
                 store(run.ends, 3 * run.padded + b, splat(1e300))
             before = run.tally[EVENTS]
-            status, snapped = cross(run, feet, programs, settings, snapped)
+            status, pinned_at_event = solve_island(run, foundations, programs, settings, pinned_at_event)
             if status >= 0:
                 return status
-            notes[left * NOTES + HAPPENED] = run.tally[EVENTS] - before
+            notes[left * NOTE_COUNT + ISLAND_EVENTS] = run.tally[EVENTS] - before
             for b in range(left, right + 1):
-                notes[b * NOTES + SOLVED] = 1
-                notes[b * NOTES + NEXT] = 1 if snapped else 0
+                notes[b * NOTE_COUNT + SOLVED] = 1
+                notes[b * NOTE_COUNT + PINNED_AT_END] = 1 if pinned_at_event else 0
         left = right + 1
     return -1
 
 
 @njit(**CALLED)
-def _join(run, row):
+def _join_touching(run, row):
     """Join solved neighbours that may touch after all, and put them back; returns whether there are any."""
-    stand_alone()
+    no_inline()
     notes = row.notes
     found = False
     for b in range(row.number - 1):
-        solved = notes[b * NOTES + SOLVED] > 0 and notes[(b + 1) * NOTES + SOLVED] > 0
-        if notes[b * NOTES + JOINED] == APART and solved and may_touch(run, row, b):
-            notes[b * NOTES + JOINED] = FOUND
+        solved = notes[b * NOTE_COUNT + SOLVED] > 0 and notes[(b + 1) * NOTE_COUNT + SOLVED] > 0
+        if notes[b * NOTE_COUNT + JOINED] == APART and solved and may_touch(run, row, b):
+            notes[b * NOTE_COUNT + JOINED] = FOUND
             found = True
             for side in (b, b + 1):
-                put_back(run, row, side)
+                restore(run, row, side)
     for b in range(row.number - 1):
-        if notes[b * NOTES + JOINED] == FOUND:
-            notes[b * NOTES + JOINED] = TOUCH
+        if notes[b * NOTE_COUNT + JOINED] == FOUND:
+            notes[b * NOTE_COUNT + JOINED] = TOUCH
     return found
 
 
 @njit(**PART)
-def _go_ashore(row):
+def _end_segment(row):
     """End a segment. Neighbours between whom something happened are taken to touch in the next one."""
     notes = row.notes
     for b in range(row.number):
-        mine = b * NOTES
+        mine = b * NOTE_COUNT
         together = notes[mine + JOINED] == TOUCH
-        notes[mine + HELD] = notes[first_of(notes, b) * NOTES + HAPPENED] if together else 0
-        notes[mine + FRESH] = notes[mine + NEXT]
+        notes[mine + TOUCHED_BEFORE] = notes[first_of(notes, b) * NOTE_COUNT + ISLAND_EVENTS] if together else 0
+        notes[mine + PINNED] = notes[mine + PINNED_AT_END]
 
 
 @njit(**PART)
 def _integrate(
-    cross, slot_arrays, foot_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays, nodes,
-    weights, room, integers, starts, slopes, length, inelastic, apart, tolerance, quiet, most_order, most_steps,
-    most_events, most_standing,
+    solve_island, slot_arrays, foundation_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays,
+    nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order,
+    max_steps, max_events, max_events_at_instant,
 ):  # fmt: skip
     """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
 
-    `room` and `integers` are scratch (`room_needed`), zeroed, `room` at a cache line. `nodes` and `weights` are
-    Gauss-Legendre rules on [0, 1] (`ledger.MOST_POINTS`). `inelastic`: storeys can yield. `apart`: islands are
-    looked for; without it the row is one. `quiet`: the acceleration below which nothing is resolved [m/s2]. Fills
+    `memory` and `integers` are scratch (`memory_needed`), zeroed, `memory` at a cache line. `nodes` and `weights` are
+    Gauss-Legendre rules on [0, 1] (`ledger.MAX_POINTS`). `inelastic`: storeys can yield. `use_islands`: islands are
+    looked for; without it the row is one. `least_scale`: the acceleration below which nothing is resolved [m/s2]. Fills
     state, peaks and ledger in place; returns (status, steps, events, orders computed, time reached [s]).
     """
-    slots, given_feet, links = slot_pointers(slot_arrays), foot_pointers(foot_arrays), link_pointers(link_arrays)
+    slots, given_foundations, links = (
+        slot_pointers(slot_arrays),
+        foundation_pointers(foundation_arrays),
+        link_pointers(link_arrays),
+    )
     state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
     ledger = ledger_pointers(ledger_arrays)
     accelerations, rates = pointer(starts), pointer(slopes)
-    run, row, frames, rest = _carve(given_feet, links, row_pointers(row_arrays), pointer(room), pointer(integers))
-    feet = footing_of(frames, given_feet, state, peaks, ledger, run.feet, _ROWS, rest)
-    founded = 1 if run.feet > 0 else 0
+    run, row, frames, rest = _lay_out_scratch(
+        given_foundations, links, row_pointers(row_arrays), pointer(memory), pointer(integers)
+    )
+    foundations = foundations_frame(frames, given_foundations, state, peaks, ledger, run.foundations, _ROWS, rest)
+    founded = 1 if run.foundations > 0 else 0
     settings = _settings_frame(further(frames, FRAMES), (
-        1 if inelastic else 0, founded, 1 if apart else 0, most_order, most_steps, most_events, most_standing,
-        tolerance, pointer(nodes), pointer(weights),
+        1 if inelastic else 0, founded, 1 if use_islands else 0, max_order, max_steps, max_events,
+        max_events_at_instant, tolerance, pointer(nodes), pointer(weights),
     ))  # fmt: skip
     programs = programs_frame(
-        further(frames, 2 * FRAMES), run, links.registers, _ROWS, further(rest, 2 * (_ROWS + 1) * run.feet),
+        further(frames, 2 * FRAMES), run, links.registers, _ROWS, further(rest, 2 * (_ROWS + 1) * run.foundations),
         further(frames, 3 * FRAMES),
     )  # fmt: skip
     take_slots(run, row, slots, state, peaks, ledger)
     take_links(run, row, links, state, peaks, ledger)
-    settle(run)
-    run.clock[LENGTH] = length
-    run.clock[QUIET] = quiet
+    initialise_branches(run)
+    start_in_touch(run)
+    run.clock[SEGMENT_LENGTH] = length
+    run.clock[LEAST_SCALE] = least_scale
     for b in range(row.number):
-        row.notes[b * NOTES + FRESH] = 1
+        row.notes[b * NOTE_COUNT + PINNED] = 1
     status = -1
     segment = 0
     while segment < starts.size:
         run.tally[SEGMENT] = segment
-        run.clock[START] = accelerations[segment]
-        run.clock[SLOPE] = rates[segment]
-        _part(run, row, apart)
+        run.clock[SEGMENT_GROUND] = accelerations[segment]
+        run.clock[GROUND_SLOPE] = rates[segment]
+        _guess_islands(run, row, use_islands)
         unsettled = True
         while unsettled:
-            status = _solve(cross, run, row, feet, programs, settings)
-            unsettled = status < 0 and _join(run, row)
+            status = _solve_islands(solve_island, run, row, foundations, programs, settings)
+            unsettled = status < 0 and _join_touching(run, row)
         if status >= 0:
             break
-        _go_ashore(row)
+        _end_segment(row)
         if peaks.watched != 0:
             sample(run, row, slots.size, peaks.samples)
         segment += 1
     give_slots(run, row, state, peaks, ledger)
     give_links(run, row, state, peaks, ledger)
-    time = segment * length + (max(run.clock[SINCE], 0.0) if segment < starts.size else 0.0)
+    time = segment * length + (max(run.clock[ELAPSED], 0.0) if segment < starts.size else 0.0)
     return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time
 
 
@@ -490,26 +505,29 @@ def build(programs: bool):
 
         @njit(**PLAIN)
         def integrate_programs(
-            slots, feet, links, row, state, peaks, ledger, nodes, weights, room, integers, starts, slopes, length,
-            inelastic, apart, tolerance, quiet, most_order, most_steps, most_events, most_standing,
+            slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers, starts, slopes,
+            length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
+            max_events_at_instant,
         ):  # fmt: skip
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return _integrate(
-                _cross_with_programs, slots, feet, links, row, state, peaks, ledger, nodes, weights, room, integers, starts,
-                slopes, length, inelastic, apart, tolerance, quiet, most_order, most_steps, most_events, most_standing,
+                _solve_island_with_programs, slots, foundations, links, row, state, peaks, ledger, nodes, weights,
+                memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order,
+                max_steps, max_events, max_events_at_instant,
             )  # fmt: skip
 
         return integrate_programs
 
     @njit(**PLAIN)
     def integrate(
-        slots, feet, links, row, state, peaks, ledger, nodes, weights, room, integers, starts, slopes, length,
-        inelastic, apart, tolerance, quiet, most_order, most_steps, most_events, most_standing,
+        slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers, starts, slopes, length,
+        inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
     ):  # fmt: skip
         _ = source
         return _integrate(
-            _cross, slots, feet, links, row, state, peaks, ledger, nodes, weights, room, integers, starts,
-            slopes, length, inelastic, apart, tolerance, quiet, most_order, most_steps, most_events, most_standing,
+            _solve_island, slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers,
+            starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
+            max_events_at_instant,
         )  # fmt: skip
 
     return integrate

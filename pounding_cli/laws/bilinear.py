@@ -24,7 +24,7 @@ def coefficients(stiffness, hardening, plateau, line, plastic):
     return hardening * stiffness, line * plateau
 
 
-def transit(line, plastic, yield_drift, drift):
+def transition(line, plastic, yield_drift, drift):
     """(branch, plastic drift [m], side of the line that the storey is exactly on and at rest) after it has left its
     branch at `drift` [m]: onto a yield line, or off it."""
     if line == ELASTIC:  # the plastic drift means nothing on a line
@@ -32,7 +32,7 @@ def transit(line, plastic, yield_drift, drift):
     return ELASTIC, drift - line * yield_drift, int(line)
 
 
-def returned(stiffness, hardening, yield_drift, plastic, drift):
+def return_mapping(stiffness, hardening, yield_drift, plastic, drift):
     """(shear [N], plastic drift [m]) at a drift [m] where branches are not followed: the elastic part of the drift is
     cut back to the yield drift (return mapping)."""
     elastic = drift - plastic
@@ -46,7 +46,7 @@ def returned(stiffness, hardening, yield_drift, plastic, drift):
 
 
 def yields(yield_drift, plastic, drift):
-    """Whether a storey is on a yield line after `returned`, but for the last digits."""
+    """Whether a storey is on a yield line after `return_mapping`, but for the last digits."""
     return abs(drift - plastic) >= yield_drift * (1.0 - 1e-12)
 
 

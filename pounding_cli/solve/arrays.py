@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding_cli.kernels.layout import Feet, Links, Peaks, Slots, State
+from pounding_cli.kernels.layout import Foundations, Links, Peaks, Slots, State
 from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
@@ -25,11 +25,11 @@ class Arrays:
     slot or -1."""
 
     slots: Slots
-    feet: Feet
+    foundations: Foundations
     links: Links
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
-    foot: tuple[int, ...]  # place among the feet, or -1
+    foundation_of: tuple[int, ...]  # by building: place among the foundations, or -1
 
     @property
     def padded(self) -> int:
@@ -39,9 +39,9 @@ class Arrays:
 
 def aligned(count: int) -> np.ndarray:
     """Zeros that begin at a cache line, so that no vector lies across two."""
-    room = np.zeros(count + LANES)
-    skip = (-room.ctypes.data // 8) % LANES
-    return room[skip : skip + count]
+    memory = np.zeros(count + LANES)
+    skip = (-memory.ctypes.data // 8) % LANES
+    return memory[skip : skip + count]
 
 
 def rows(names: Iterable[str], count: int) -> dict[str, np.ndarray]:
@@ -59,9 +59,9 @@ def pack(scene: Scene) -> Arrays:
 
 @functools.lru_cache(maxsize=8)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
-    floors, bases, feet_of = [], [], []
+    floors, bases, foundation_of = [], [], []
     place = 0
-    feet: list[int] = []
+    founded: list[int] = []
     for b, building in enumerate(buildings):
         foundation = building.foundation
         sways = foundation is not None and foundation.sways
@@ -69,9 +69,9 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         place += int(sways)
         floors.append(slice(place, place + building.storeys))
         place += building.storeys
-        feet_of.append(len(feet) if foundation is not None else -1)
+        foundation_of.append(len(founded) if foundation is not None else -1)
         if foundation is not None:
-            feet.append(b)
+            founded.append(b)
     padded = -(-place // LANES) * LANES
 
     slots = Slots(padded, **rows(Slots._fields[1:], padded))
@@ -103,9 +103,9 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
     slots.couple_right[:-1] = slots.couple[1:]
     slots.inverse_mass[:place] = 1.0 / slots.mass[:place]
 
-    founded = [(floors[b], bases[b], buildings[b]) for b in feet]
-    grounds = [(span, base, b, b.foundation) for span, base, b in founded if b.foundation is not None]
-    foot_arrays = Feet(
+    placed = [(floors[b], bases[b], buildings[b]) for b in founded]
+    grounds = [(span, base, b, b.foundation) for span, base, b in placed if b.foundation is not None]
+    foundation_arrays = Foundations(
         number=len(grounds),
         first=np.array([span.start for span, *_ in grounds], np.int64),
         stop=np.array([span.stop for span, *_ in grounds], np.int64),
@@ -116,32 +116,32 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         alpha=np.array([b.alpha for _, _, b, _ in grounds], float),
     )
     packed_links = link_tables.pack_links(buildings, links, floors)
-    return Arrays(slots, foot_arrays, packed_links, tuple(floors), tuple(bases), tuple(feet_of))
+    return Arrays(slots, foundation_arrays, packed_links, tuple(floors), tuple(bases), tuple(foundation_of))
 
 
 def at_rest(arrays: Arrays) -> State:
     """The state before the motion: at rest, touching links exactly at v = 0."""
-    padded, feet = arrays.padded, arrays.feet.number
+    padded, foundations = arrays.padded, arrays.foundations.number
     branch, known, at = link_tables.at_rest(arrays.links)
     return State(
         **rows(("u", "v", "line", "plastic"), padded),
-        snapped_storey=np.zeros(padded, np.int64),
+        pinned_storey=np.zeros(padded, np.int64),
         link_branch=branch,
-        snapped_link=known,
-        link_at=at,
+        pinned_link=known,
+        pinned_closing=at,
         link_memory=np.zeros(at.size),
-        phi=np.zeros(feet),
-        phi_v=np.zeros(feet),
+        phi=np.zeros(foundations),
+        phi_v=np.zeros(foundations),
     )
 
 
 def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
     """Peaks before the first step; `watched` is the number of segments at whose ends displacements are wanted."""
-    padded, feet, count = arrays.padded, arrays.feet.number, arrays.links.size
+    padded, foundations, count = arrays.padded, arrays.foundations.number, arrays.links.size
     by_slot = rows(("drift", "shear", "acceleration", "displacement_max", "displacement_min"), padded)
     by_link = {n: np.zeros(count) for n in ("force", "impulse", "contact_time")}
     return Peaks(
-        watched=int(watched > 0), **by_slot, rocking=np.zeros(feet), closing=np.full(count, -1e300), **by_link,
+        watched=int(watched > 0), **by_slot, rocking=np.zeros(foundations), closing=np.full(count, -1e300), **by_link,
         samples=aligned(watched * padded).reshape(watched, padded), impacts=np.zeros(count, np.int64),
     )  # fmt: skip
 
@@ -149,7 +149,7 @@ def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
 def empty_ledger(arrays: Arrays) -> Ledger:
     """Energies before the first step."""
     by_slot = rows(Ledger._fields[:4], arrays.padded)
-    return Ledger(**by_slot, links=aligned(arrays.links.size), feet=np.zeros(arrays.feet.number))
+    return Ledger(**by_slot, links=aligned(arrays.links.size), foundations=np.zeros(arrays.foundations.number))
 
 
 def unpack(
@@ -160,7 +160,7 @@ def unpack(
     drift_now = drift_of(arrays, state)
     yielding = effects_of(scene).yielding  # elsewhere the kernels track drifts alone
     for b, building in enumerate(scene.buildings):
-        span, base, foot = arrays.floors[b], arrays.bases[b], arrays.foot[b]
+        span, base, foundation = arrays.floors[b], arrays.bases[b], arrays.foundation_of[b]
         drift = peaks.drift[span].copy()
         buildings.append(
             BuildingResponse(
@@ -172,7 +172,7 @@ def unpack(
                 displacement_min=peaks.displacement_min[span].copy(),
                 residual_drift=drift_now[span].copy(),
                 sway=float(max(peaks.displacement_max[base], -peaks.displacement_min[base])) if base >= 0 else 0.0,
-                rocking=float(peaks.rocking[foot]) if foot >= 0 else 0.0,
+                rocking=float(peaks.rocking[foundation]) if foundation >= 0 else 0.0,
             )
         )
     count = arrays.links.number
@@ -190,7 +190,7 @@ def drift_of(arrays: Arrays, state: State) -> np.ndarray:
     """Storey drifts (and sway of bases) of a state [m], by slot."""
     before = np.concatenate(([0.0], state.u[:-1]))
     drift = state.u - arrays.slots.couple * before
-    for f in range(arrays.feet.number):
-        span = slice(arrays.feet.first[f], arrays.feet.stop[f])
+    for f in range(arrays.foundations.number):
+        span = slice(arrays.foundations.first[f], arrays.foundations.stop[f])
         drift[span] -= arrays.slots.rise[span] * state.phi[f]
     return drift

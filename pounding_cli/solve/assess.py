@@ -16,8 +16,8 @@ from pounding_cli.methods import METHODS
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve.methods import solve
 from pounding_cli.solve.response import Response
+from pounding_cli.solve.run import solve
 
 NUDGE = 1e-6
 """Relative change of the motion's amplitude, growing from nothing at its start to this at its end. The same factor

@@ -15,7 +15,7 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, time_step: flo
     """Run at the largest step not above `time_step` [s] that divides the motion's; keeps no ledger."""
     from pounding_cli.kernels import central_difference as kernels
 
-    own = np.zeros(kernels.room_needed(*sizes(arrays)))
+    own = np.zeros(kernels.memory_needed(*sizes(arrays)))
     return march(kernels.build(is_inelastic(scene)), own, scene, arrays, state, peaks, time_step, bounds)
 
 

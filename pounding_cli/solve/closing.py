@@ -15,7 +15,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve.assess import finer
-from pounding_cli.solve.methods import solve
+from pounding_cli.solve.run import solve
 
 ACCURACY = 1e-9
 """Accuracy of closings between free neighbours [-], finer than that of a study: a gap a millionth wider than the

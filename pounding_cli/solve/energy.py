@@ -16,15 +16,15 @@ AT_REST = {"kinetic": 0.0, "stored": 0.0, "links_stored": 0.0}
 
 def held(scene: Scene, arrays: Arrays, state: State) -> dict[str, float]:
     """Energy in the scene now [J]: kinetic, stored in storeys and foundations, stored in links."""
-    slots, feet = arrays.slots, arrays.feet
+    slots, foundations = arrays.slots, arrays.foundations
     kinetic = 0.5 * float(slots.mass @ state.v**2)
     drift = drift_of(arrays, state)
     elastic = bilinear.elastic_drift(state.line, state.plastic, slots.yield_drift, drift)
     stored = float(bilinear.stored(slots.stiffness, slots.hardening, drift, elastic))
-    for f in range(feet.number):
-        if np.isfinite(feet.inertia[f]):
-            kinetic += 0.5 * float(feet.inertia[f]) * float(state.phi_v[f]) ** 2
-            stored += 0.5 * float(feet.stiffness[f]) * float(state.phi[f]) ** 2
+    for f in range(foundations.number):
+        if np.isfinite(foundations.inertia[f]):
+            kinetic += 0.5 * float(foundations.inertia[f]) * float(state.phi_v[f]) ** 2
+            stored += 0.5 * float(foundations.stiffness[f]) * float(state.phi[f]) ** 2
     return {"kinetic": kinetic, "stored": stored, "links_stored": _in_links(scene, arrays, state)}
 
 
@@ -49,7 +49,7 @@ def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State
     book = {
         "input": float(ledger.input.sum()) + sum(before.values()),
         **now,
-        "damping": float(ledger.dashpots.sum() + ledger.drag.sum() + ledger.feet.sum()),
+        "damping": float(ledger.dashpots.sum() + ledger.drag.sum() + ledger.foundations.sum()),
         "hysteresis": float(ledger.hysteresis.sum()),
         "links": work_on_links - now["links_stored"] + before["links_stored"],  # fault: links-energy
     }

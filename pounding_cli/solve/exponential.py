@@ -86,7 +86,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
     moving = np.vstack((
         np.hstack((system.drift, nothing)),
         np.hstack((np.eye(n, count), nothing)),
-        np.eye(arrays.feet.number, 2 * count, n),
+        np.eye(arrays.foundations.number, 2 * count, n),
         np.hstack((system.closing, 0 * system.closing)),
         np.hstack((slope * system.closing, dashpot * system.closing)),
     ))  # fmt: skip
@@ -174,9 +174,9 @@ def _padded(matrix: np.ndarray) -> np.ndarray:
     """The matrix with zero columns up to a multiple of LANES, from a cache line on."""
     height, width = matrix.shape
     wide = -(-width // LANES) * LANES
-    room = aligned(height * wide).reshape(height, wide)
-    room[:, :width] = matrix
-    return room
+    memory = aligned(height * wide).reshape(height, wide)
+    memory[:, :width] = matrix
+    return memory
 
 
 def orders_for(accuracy: float) -> int:
@@ -187,20 +187,20 @@ def orders_for(accuracy: float) -> int:
     return orders + 1
 
 
-MOST_UNKNOWNS, MOST_PARTS = 5, 8
+MAX_UNKNOWNS, MAX_PARTS = 5, 8
 """Up to here a propagator, whose cost grows with the square of the unknowns, beats the series (measured:
 docs/accuracy.md)."""
 
 
 def pays(scene: Scene, arrays: Arrays) -> bool:
     """Whether exact steps are cheaper than series for this linear scene."""
-    if real_slots(arrays) + arrays.feet.number > MOST_UNKNOWNS:
+    if real_slots(arrays) + arrays.foundations.number > MAX_UNKNOWNS:
         return False
     key = "parts", _key(scene)
-    return _remembered(key, lambda: parts_of(generator(arrays), scene.motion.dt)) <= MOST_PARTS
+    return _remembered(key, lambda: parts_of(generator(arrays), scene.motion.dt)) <= MAX_PARTS
 
 
-MOST_KEPT = 128
+MAX_KEPT = 128
 """Propagators kept for the next motion of the same scene."""
 
 _memory: OrderedDict[tuple, Any] = OrderedDict()
@@ -220,7 +220,7 @@ def _remembered(key: tuple, make: Callable[[], Any]) -> Any:
     made = make()
     with _lock:
         _memory[key] = made
-        while len(_memory) > MOST_KEPT:
+        while len(_memory) > MAX_KEPT:
             _memory.popitem(last=False)
     return made
 
@@ -232,7 +232,7 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     starts, slopes, dt = segments(scene)
     orders = orders_for(accuracy)
     found = _remembered((orders, _key(scene)), lambda: propagator(arrays, dt, orders))
-    n, feet, links, count = real_slots(arrays), arrays.feet.number, arrays.links.number, found.unknowns
+    n, foundations, links, count = real_slots(arrays), arrays.foundations.number, arrays.links.number, found.unknowns
     wide = found.rows.shape[1]
     extremes, sums = aligned(2 * wide).reshape(2, wide), np.zeros((len(found.forms), LANES))
     ends, visited = np.zeros((2, 2 * count)), np.zeros(2 * count + 2)
@@ -241,14 +241,14 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     kernels.build()(
         found.step, found.rows, found.bends, found.jumps, found.powers, found.forms, starts, slopes, found.length,
         found.parts, ends,
-        aligned(kernels.room_needed(found.step.shape[1], wide)), extremes, sums, visited, n, samples,
+        aligned(kernels.memory_needed(found.step.shape[1], wide)), extremes, sums, visited, n, samples,
     )  # fmt: skip
 
     peaks.samples[:, : samples.shape[1]] = samples
     tracked = len(found.powers)
     highest, lowest = extremes[0, :tracked], extremes[1, :tracked]
     largest = np.maximum(highest, -lowest)
-    cuts = np.cumsum([n, n, feet, links, links])
+    cuts = np.cumsum([n, n, foundations, links, links])
     peaks.drift[:n], _, peaks.rocking[:], _, peaks.force[:links], peaks.acceleration[:n] = np.split(largest, cuts)
     peaks.shear[:n] = arrays.slots.stiffness[:n] * peaks.drift[:n]
     peaks.displacement_max[:n], peaks.displacement_min[:n] = highest[n : 2 * n], lowest[n : 2 * n]

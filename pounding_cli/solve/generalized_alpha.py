@@ -19,7 +19,7 @@ ALPHA = 0.1
 RADIUS = 0.9
 """Spectral radius of generalized-alpha at infinite frequency [-]; 1 dissipates nothing."""
 
-MOST_CUTS = 14
+MAX_CUTS = 14
 """Times in a row that a step without a root is cut in half before the run ends."""
 
 
@@ -36,9 +36,9 @@ def _integrate(parameters, scene: Scene, arrays: Arrays, state, peaks, ledger, t
 
     system = matrices(arrays)
     unknowns = system.mass.size
-    own = np.zeros(kernels.room_needed(*sizes(arrays), unknowns))
+    own = np.zeros(kernels.memory_needed(*sizes(arrays), unknowns))
     step = scene.motion.dt / steps_a_sample(scene, time_step)
-    own[: kernels.PARAMETERS] = *parameters, MOST_CUTS, unknowns, step
+    own[: kernels.PARAMETERS] = *parameters, MAX_CUTS, unknowns, step
     own[kernels.matrices_at(*sizes(arrays)) :][: unknowns + unknowns**2] = *system.mass, *system.damping.ravel()
     kernel = kernels.build(is_inelastic(scene))
     status, *counts = march(kernel, own, scene, arrays, state, peaks, time_step, bounds)

@@ -20,7 +20,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve import link_tables, taylor
 from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
 from pounding_cli.solve.ground import segments
-from pounding_cli.solve.methods import MOST_EVENTS, MOST_STEPS, OUTCOMES
+from pounding_cli.solve.run import MAX_EVENTS, MAX_STEPS, OUTCOMES
 
 EVERY = 0.002
 """Output step unless asked otherwise [s]: contacts last some 5 to 20 ms."""
@@ -114,7 +114,7 @@ def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> 
     states = _States(**kept, work=np.zeros((times.size, 4)))
     for name in _KEPT:
         kept[name][0] = getattr(state, name)
-    run = taylor.prepare(scene, arrays, state, accuracy, (MOST_STEPS, MOST_EVENTS))
+    run = taylor.prepare(scene, arrays, state, accuracy, (MAX_STEPS, MAX_EVENTS))
     for output, *ground in _pieces(scene, times):
         status, *_ = run(state, peaks, ledger, *ground)
         if status != layout.DONE:
@@ -123,7 +123,7 @@ def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> 
         if output >= 0:
             for name in _KEPT:
                 kept[name][output] = getattr(state, name)
-            dashpots = ledger.dashpots.sum() + ledger.drag.sum() + ledger.feet.sum()
+            dashpots = ledger.dashpots.sum() + ledger.drag.sum() + ledger.foundations.sum()
             states.work[output] = ledger.input.sum(), dashpots, ledger.hysteresis.sum(), ledger.links.sum()
     return states
 
@@ -160,7 +160,7 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: _States) -> History:
     """What is wanted, from the states; the link branches say whether a link acts, also where it pulls at v' < 0."""
-    slots, feet = arrays.slots, arrays.feet
+    slots, foundations = arrays.slots, arrays.foundations
     ground, moved = _ground(scene, times)
     drift, drift_rate = _drifts(arrays, s.u, s.phi), _drifts(arrays, s.v, s.phi_v)
     elastic = bilinear.elastic_drift(s.line, s.plastic, slots.yield_drift, drift)
@@ -169,9 +169,9 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: _States) -> H
     acceleration = _accelerations(arrays, s, shear + slots.dashpot * drift_rate, links)  # fault: history-accelerations
     kinetic = 0.5 * (s.v**2 @ slots.mass)
     stored = bilinear.stored(slots.stiffness, slots.hardening, drift, elastic)
-    for f in np.flatnonzero(np.isfinite(feet.inertia)):
-        kinetic += 0.5 * feet.inertia[f] * s.phi_v[:, f] ** 2
-        stored += 0.5 * feet.stiffness[f] * s.phi[:, f] ** 2
+    for f in np.flatnonzero(np.isfinite(foundations.inertia)):
+        kinetic += 0.5 * foundations.inertia[f] * s.phi_v[:, f] ** 2
+        stored += 0.5 * foundations.stiffness[f] * s.phi[:, f] ** 2
 
     def padded(by_slot: np.ndarray) -> np.ndarray:
         whole = np.full((times.size, len(arrays.floors), max(b.storeys for b in scene.buildings)), np.nan)
@@ -192,7 +192,7 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: _States) -> H
         drift=padded(drift),
         shear=padded(shear),
         sway=of_foundation(s.u, arrays.bases),
-        rocking=of_foundation(s.phi, arrays.foot),
+        rocking=of_foundation(s.phi, arrays.foundation_of),
         link_force=links,
         energy=dict(zip(ENERGIES, (s.work[:, 0], kinetic, stored, *s.work[:, 1:].T), strict=True)),
         buildings=tuple(building.name for building in scene.buildings),
@@ -205,8 +205,8 @@ def _drifts(arrays: Arrays, u: np.ndarray, phi: np.ndarray) -> np.ndarray:
     below = np.zeros_like(u)
     below[:, 1:] = u[:, :-1]
     drift = u - arrays.slots.couple * below
-    for f in range(arrays.feet.number):
-        span = slice(arrays.feet.first[f], arrays.feet.stop[f])
+    for f in range(arrays.foundations.number):
+        span = slice(arrays.foundations.first[f], arrays.foundations.stop[f])
         drift[:, span] -= arrays.slots.rise[span] * phi[:, f : f + 1]
     return drift
 
@@ -227,14 +227,14 @@ def _accelerations(arrays: Arrays, s: _States, storey: np.ndarray, links: np.nda
 
     storey : force of every storey, damping included; links : force of every link
     """
-    slots, feet = arrays.slots, arrays.feet
+    slots, foundations = arrays.slots, arrays.foundations
     force = -storey - slots.alpha * slots.mass * s.v
     force[:, :-1] += slots.couple_right[:-1] * storey[:, 1:]
-    for f in range(feet.number):
-        span, base = slice(feet.first[f], feet.stop[f]), feet.base[f]
+    for f in range(foundations.number):
+        span, base = slice(foundations.first[f], foundations.stop[f]), foundations.base[f]
         sway = s.v[:, base : base + 1] if base >= 0 else 0.0
         rate = s.v[:, span] - sway - slots.elevation[span] * s.phi_v[:, f : f + 1]
-        force[:, span] -= feet.alpha[f] * slots.mass[span] * rate
+        force[:, span] -= foundations.alpha[f] * slots.mass[span] * rate
     for e in range(arrays.links.number):
         force[:, arrays.links.left[e]] -= links[:, e]
         force[:, arrays.links.right[e]] += links[:, e]

@@ -32,37 +32,37 @@ class Matrices:
 
 def matrices(arrays: Arrays) -> Matrices:
     """M, C and K with every storey at its initial stiffness (paper, eqs 1-4)."""
-    slots, feet, links = arrays.slots, arrays.feet, arrays.links
+    slots, foundations, links = arrays.slots, arrays.foundations, arrays.links
     n = real_slots(arrays)
-    rocks = np.isfinite(feet.inertia)
-    mass = np.concatenate((slots.mass[:n], np.where(rocks, feet.inertia, 1.0)))
+    rocks = np.isfinite(foundations.inertia)
+    mass = np.concatenate((slots.mass[:n], np.where(rocks, foundations.inertia, 1.0)))
     drift = np.eye(n, mass.size)
     for i in range(1, n):
         drift[i, i - 1] = -slots.couple[i]
     stiffness, damping = np.zeros((2, mass.size, mass.size))
     damping[np.diag_indices(n)] = slots.alpha[:n] * slots.mass[:n]
-    for f in range(feet.number):
+    for f in range(foundations.number):
         phi = n + f
-        span = slice(feet.first[f], feet.stop[f])
+        span = slice(foundations.first[f], foundations.stop[f])
         if rocks[f]:
             drift[span, phi] = -slots.rise[span]
-            stiffness[phi, phi] = feet.stiffness[f]
-            damping[phi, phi] = feet.dashpot[f]
+            stiffness[phi, phi] = foundations.stiffness[f]
+            damping[phi, phi] = foundations.dashpot[f]
         for i in range(span.start, span.stop):
             deformation = np.zeros(mass.size)
             deformation[i] = 1.0
-            if feet.base[f] >= 0:
-                deformation[feet.base[f]] = -1.0
+            if foundations.base[f] >= 0:
+                deformation[foundations.base[f]] = -1.0
             if rocks[f]:
                 deformation[phi] = -slots.elevation[i]
-            damping += feet.alpha[f] * slots.mass[i] * np.outer(deformation, deformation)
+            damping += foundations.alpha[f] * slots.mass[i] * np.outer(deformation, deformation)
     stiffness += drift.T @ (slots.stiffness[:n, None] * drift)
     damping += drift.T @ (slots.dashpot[:n, None] * drift)
     closing = np.zeros((links.number, mass.size))
     each = np.arange(links.number)
     closing[each, links.left[: links.number]] += 1.0
     closing[each, links.right[: links.number]] -= 1.0
-    loaded = np.concatenate((slots.mass[:n], np.zeros(feet.number)))
+    loaded = np.concatenate((slots.mass[:n], np.zeros(foundations.number)))
     return Matrices(mass, damping, stiffness, drift, closing, loaded)
 
 

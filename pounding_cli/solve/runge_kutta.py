@@ -18,7 +18,7 @@ def _integrate(located: bool, scene: Scene, arrays: Arrays, state, peaks, ledger
     """Run at the largest step not above `time_step` [s] that divides the motion's, with event location or without."""
     from pounding_cli.kernels import runge_kutta as kernels
 
-    own = np.zeros(kernels.room_needed(*sizes(arrays)))
+    own = np.zeros(kernels.memory_needed(*sizes(arrays)))
     return march(kernels.build(is_inelastic(scene), located), own, scene, arrays, state, peaks, time_step, bounds)
 
 

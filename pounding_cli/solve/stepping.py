@@ -34,20 +34,21 @@ def march(
     -------
     (status, steps, events, iterations, time reached [s]), with state and peaks filled; there is no ledger
     """
-    from pounding_cli.kernels.stepping import POLYNOMIAL, point_size
+    from pounding_cli.kernels.stepping import POLYNOMIAL_SIZE, point_size
 
     starts, slopes, dt = segments(scene)
     parts = steps_a_sample(scene, time_step)
-    points = 2 * point_size(arrays.padded, arrays.feet.number, arrays.links.size) + POLYNOMIAL
-    room, tally = np.concatenate((np.zeros(points), own)), np.zeros(2, np.int64)
+    points = 2 * point_size(arrays.padded, arrays.foundations.number, arrays.links.size) + POLYNOMIAL_SIZE
+    memory, tally = np.concatenate((np.zeros(points), own)), np.zeros(2, np.int64)
     return kernel(
-        arrays.slots, arrays.feet, arrays.links, state, peaks, room, tally, starts, slopes, dt, parts, bounds[1]
+        arrays.slots, arrays.foundations, arrays.links, state, peaks, memory, tally, starts, slopes, dt, parts,
+        bounds[1],
     )  # fmt: skip
 
 
 def sizes(arrays: Arrays) -> tuple[int, int, int]:
     """Slots, foundations and links, as the scratch of kernels is counted."""
-    return arrays.padded, arrays.feet.number, arrays.links.size
+    return arrays.padded, arrays.foundations.number, arrays.links.size
 
 
 def is_inelastic(scene: Scene) -> bool:

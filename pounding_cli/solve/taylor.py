@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pounding_cli.kernels.layout import Feet, Row
-from pounding_cli.kernels.ledger import MOST_POINTS
+from pounding_cli.kernels.layout import Foundations, Row
+from pounding_cli.kernels.ledger import MAX_POINTS
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned, drift_of
@@ -21,11 +21,11 @@ SAFETY = 0.5
 better than asked; this is for the hard ones, where thousands of contacts hand errors on (tests/hard)."""
 
 
-QUIET = 1e-3
+LEAST_SCALE = 1e-3
 """Part of the ground's peak below which accelerations are not resolved: isolated floors may feel as little."""
 
 
-COARSEST = 1e-4
+COARSEST_TOLERANCE = 1e-4
 """No series is cut shorter than this, whatever is asked: events would be found where there are none, to save little."""
 
 
@@ -41,61 +41,63 @@ def gauss_rules(most: int) -> tuple[np.ndarray, np.ndarray]:
 
 def local_tolerance(accuracy: float) -> float:
     """What a series may leave out, relative to the acceleration [-]."""
-    return min(max(accuracy * SAFETY, 1e-16), COARSEST)
+    return min(max(accuracy * SAFETY, 1e-16), COARSEST_TOLERANCE)
 
 
-def most_order(tolerance: float) -> int:
+def max_order(tolerance: float) -> int:
     """Highest order worth computing before the step is cut: near the optimum of Jorba & Zou, -ln(tol) / 2 + 1, and
     above it, because most steps end at a record sample."""
     return min(30, max(10, math.ceil(-0.75 * math.log(tolerance)) + 4))
 
 
-def quiet_acceleration(scene: Scene, arrays: Arrays, state) -> float:
+def least_acceleration_scale(scene: Scene, arrays: Arrays, state) -> float:
     """Acceleration [m/s2] below which nothing is resolved: a part of the ground's peak, or on still ground that of
     the start.
 
     The start's is the largest spring force per mass, or what would turn its largest velocity within a second.
     """
     if scene.motion.pga > 0:
-        return QUIET * scene.motion.pga
+        return LEAST_SCALE * scene.motion.pga
     pulls = arrays.slots.stiffness * np.abs(drift_of(arrays, state)) * arrays.slots.inverse_mass
     return max(float(pulls.max()), float(np.abs(state.v).max()))
 
 
-def most_standing(slots: int, links: int) -> int:
+def max_events_at_instant(slots: int, links: int) -> int:
     """Events in a row without time going on that are too many."""
     return 20 + 4 * (slots + links)
 
 
-FEW = 3
+ALWAYS_ONE_ISLAND = 3
 """Buildings that are always solved as one island: to solve fewer at a time saves less than steps of their own cost."""
 
-ROOM = 2
+MOST_PADDING = 2
 """Places that buildings may take to stand alone, over those that they take one behind the other [-]: where buildings of
 one or two storeys would leave most of every eight places empty, the row stays one island."""
 
 
-def lined_up(scene: Scene, arrays: Arrays) -> tuple[Row, Feet]:
+def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Foundations]:
     """The buildings by place (`layout.Row`), and the foundations likewise."""
     begins = tuple(base if base >= 0 else span.start for base, span in zip(arrays.bases, arrays.floors, strict=True))
     count = arrays.links.number
     left, right = arrays.links.left[:count].tolist(), arrays.links.right[:count].tolist()
     row = _row((*begins, arrays.floors[-1].stop), tuple(link.left for link in scene.links), tuple(left), tuple(right))
-    feet = arrays.feet
-    if feet.number:
-        base = np.where(feet.base >= 0, row.spots[feet.base], -1)
-        feet = feet._replace(first=row.spots[feet.first], stop=row.spots[feet.stop - 1] + 1, base=base)
-    return row, feet
+    foundations = arrays.foundations
+    if foundations.number:
+        base = np.where(foundations.base >= 0, row.slot_places[foundations.base], -1)
+        foundations = foundations._replace(
+            first=row.slot_places[foundations.first], stop=row.slot_places[foundations.stop - 1] + 1, base=base
+        )
+    return row, foundations
 
 
 def solved_in_islands(scene: Scene, arrays: Arrays) -> bool:
     """Whether buildings that do not touch take steps of their own."""
-    return _stand_alone(*lined_up(scene, arrays))
+    return _allows_islands(*places_of(scene, arrays))
 
 
-def _stand_alone(row: Row, feet: Feet) -> bool:
+def _allows_islands(row: Row, foundations: Foundations) -> bool:
     """Rocking bases have places of their own, so that a row with foundations stays one island."""
-    return row.number > FEW and not feet.number and bool(np.all(row.first % LANES == 0))
+    return row.number > ALWAYS_ONE_ISLAND and not foundations.number and bool(np.all(row.first_slot % LANES == 0))
 
 
 @functools.lru_cache(maxsize=256)
@@ -106,26 +108,26 @@ def _row(begins: tuple[int, ...], at: tuple[int, ...], left: tuple[int, ...], ri
     storeys = np.diff(start)
     closely = -(-start[-1] // LANES) * LANES
     first = np.concatenate(([0], np.cumsum(_padded(storeys))))
-    alone = first[-1] <= ROOM * closely if storeys.size > FEW else first[-1] == closely
+    alone = first[-1] <= MOST_PADDING * closely if storeys.size > ALWAYS_ONE_ISLAND else first[-1] == closely
     if not alone:  # no building is run by itself: as few places as can be
         first = np.append(start[:-1], closely)
-    spots = np.concatenate([first[b] + np.arange(n) for b, n in enumerate(storeys)])
+    slot_places = np.concatenate([first[b] + np.arange(n) for b, n in enumerate(storeys)])
     on, other = np.array(left, np.int64) - start[where], np.array(right, np.int64) - start[where + 1]
     count = np.bincount(where, minlength=storeys.size)
     if alone and np.array_equal(on, other) and len({*zip(at, left, strict=True)}) == len(at):
         width = np.where(count[:-1] > 0, _padded(np.minimum(storeys[:-1], storeys[1:])), 0)
-        joints = np.concatenate(([0], np.cumsum(width)))
-        seats, rounds = joints[where] + on, 0
+        first_link = np.concatenate(([0], np.cumsum(width)))
+        link_places, links_per_side = first_link[where] + on, 0
     else:
         width = _padded(count[:-1]) if alone else count[:-1]
-        joints = np.concatenate(([0], np.cumsum(width)))
+        first_link = np.concatenate(([0], np.cumsum(width)))
         order = np.argsort(where, kind="stable")
-        seats = np.empty(where.size, np.int64)
-        seats[order] = joints[where[order]] + np.concatenate([np.arange(n) for n in count])
-        rounds = max((int(np.bincount(ends).max()) for ends in (left, right) if ends), default=0)
-    joints[-1] = _padded(joints[-1])
-    whole = (np.ascontiguousarray(table, np.int64) for table in (first, joints, spots, seats))
-    return Row(storeys.size, spots.size, len(at), rounds, *whole)
+        link_places = np.empty(where.size, np.int64)
+        link_places[order] = first_link[where[order]] + np.concatenate([np.arange(n) for n in count])
+        links_per_side = max((int(np.bincount(ends).max()) for ends in (left, right) if ends), default=0)
+    first_link[-1] = _padded(first_link[-1])
+    whole = (np.ascontiguousarray(table, np.int64) for table in (first, first_link, slot_places, link_places))
+    return Row(storeys.size, slot_places.size, len(at), links_per_side, *whole)
 
 
 def _padded(count):
@@ -134,7 +136,7 @@ def _padded(count):
 
 
 def prepare(
-    scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], everything: bool = False
+    scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], all_effects: bool = False
 ) -> Callable[..., tuple[int, int, int, int, float]]:
     """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
     last three as in `ground.segments`. Called again it goes on from the state it left; see `kernels.taylor.build`.
@@ -142,25 +144,32 @@ def prepare(
     from pounding_cli.kernels import taylor
 
     tolerance = local_tolerance(accuracy)
-    row, feet = lined_up(scene, arrays)
+    row, foundations = places_of(scene, arrays)
     programs = any(link.law.general for link in scene.links)
     registers = arrays.links.registers if programs else 0
-    needed = row.first[-1], arrays.feet.number, row.joints[-1], row.rounds, row.number, registers
-    doubles, whole = taylor.room_needed(*needed)
-    room, integers = aligned(doubles), np.zeros(whole, np.int64)
-    kernel, rules = taylor.build(programs), gauss_rules(MOST_POINTS)
-    inelastic = everything or effects_of(scene).yielding
-    apart = not everything and _stand_alone(row, feet)  # fault: stands-apart
-    quiet = quiet_acceleration(scene, arrays, state)
-    standing = most_standing(real_slots(arrays), arrays.links.number)
-    settings = inelastic, apart, tolerance, quiet, most_order(tolerance), *bounds, standing
+    needed = (
+        row.first_slot[-1],
+        arrays.foundations.number,
+        row.first_link[-1],
+        row.links_per_side,
+        row.number,
+        registers,
+    )
+    doubles, whole = taylor.memory_needed(*needed)
+    memory, integers = aligned(doubles), np.zeros(whole, np.int64)
+    kernel, rules = taylor.build(programs), gauss_rules(MAX_POINTS)
+    inelastic = all_effects or effects_of(scene).yielding
+    use_islands = not all_effects and _allows_islands(row, foundations)  # fault: stands-apart
+    least_scale = least_acceleration_scale(scene, arrays, state)
+    events_at_instant = max_events_at_instant(real_slots(arrays), arrays.links.number)
+    settings = inelastic, use_islands, tolerance, least_scale, max_order(tolerance), *bounds, events_at_instant
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float):
-        room.fill(0.0)
+        memory.fill(0.0)
         integers.fill(0)
         return kernel(
-            arrays.slots, feet, arrays.links, row, state, peaks, ledger, *rules, room, integers, starts, slopes,
-            dt, *settings,
+            arrays.slots, foundations, arrays.links, row, state, peaks, ledger, *rules, memory, integers, starts,
+            slopes, dt, *settings,
         )  # fmt: skip
 
     return run
@@ -173,12 +182,12 @@ def integrate(
     return prepare(scene, arrays, state, accuracy, bounds)(state, peaks, ledger, *segments(scene))
 
 
-def integrate_everything(
+def integrate_all_effects(
     scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds: tuple[int, int]
 ) -> tuple[int, int, int, int, float]:
     """The same looking for every effect, whether or not the scene calls for it."""
-    return prepare(scene, arrays, state, accuracy, bounds, everything=True)(state, peaks, ledger, *segments(scene))
+    return prepare(scene, arrays, state, accuracy, bounds, all_effects=True)(state, peaks, ledger, *segments(scene))
 
 
 TAYLOR = Integrator(integrate)
-WITH_EVERYTHING = Integrator(integrate_everything)
+ALL_EFFECTS = Integrator(integrate_all_effects)

@@ -16,8 +16,8 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.method import integrator_of
-from pounding_cli.solve.methods import solve
 from pounding_cli.solve.response import Response
+from pounding_cli.solve.run import solve
 from pounding_cli.words import counted
 
 QUANTITIES = ("V", "mu", "acceleration", "force")
@@ -27,7 +27,7 @@ REFERENCE = ("taylor", 1e-12)
 SECOND = ("rk4-events", 2e-5)
 """Methods and settings of the reference and of what confirms it."""
 
-MOST_REPEATS, REPEATED = 20, 0.1
+MAX_REPEATS, REPEATED = 20, 0.1
 """A run is repeated up to so often, or until its repeats took so long [s] together; the least counts."""
 
 WARM_UP = 3
@@ -236,7 +236,7 @@ def _settings(
         last = response.seconds
         seconds = [last]
         repeated = min(REPEATED, (allowed - spent) / len(settings))
-        while response.status == "done" and len(seconds) < MOST_REPEATS and sum(seconds) + last < repeated:
+        while response.status == "done" and len(seconds) < MAX_REPEATS and sum(seconds) + last < repeated:
             seconds.append(_solved(subject.scene, name, setting).seconds)
         spent += time.perf_counter() - begin
         yield setting, _run(subject, setting, response, reference, min(seconds))

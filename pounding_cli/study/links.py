@@ -207,10 +207,7 @@ class _Reader:
         """Note keys that belong to another law than the layer's own."""
         own = own_parameters(law)
         others = {
-            name: owner.name
-            for owner in link_laws().values()
-            for name in own_parameters(owner)
-            if name not in own
+            name: owner.name for owner in link_laws().values() for name in own_parameters(owner) if name not in own
         }
         unused = [name for name in ("stiffness", "tension_cut") if name not in law.parameters()]
         if not {"damping_ratio", "restitution"} & law.parameters().keys():

@@ -7,16 +7,13 @@ if a scene misses the accuracy by its own estimate without a flag."""
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from pounding_cli.batch.attempt import Task
-from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.assess import ILL_CONDITIONED, difference
-from pounding_cli.solve.response import Response
 
 from .random_scenes import random_scene
 
@@ -32,7 +29,6 @@ class Tally:
     mattered : scenes whose true error is above a tenth of the accuracy
     missed, flagged : those that miss the accuracy by their own estimate, or have none; those of them that say so
     below : (true error over estimate, words) of those that mattered
-    from_rest : words on those whose estimate is too low for the contact times alone, of floors that begin in touch
     """
 
     scenes: int = 0
@@ -41,7 +37,6 @@ class Tally:
     missed: int = 0
     flagged: int = 0
     below: list[tuple[float, str]] = field(default_factory=list)
-    from_rest: list[str] = field(default_factory=list)
 
     @property
     def broken(self) -> list[str]:
@@ -57,21 +52,8 @@ class Tally:
                 f"above it by their own estimate: {self.missed}, flagged {self.flagged}; "
                 f"estimates more than {BELOW:g} times too low: {len(self.broken)}",
                 *(words for _, words in worst),
-                f"too low for contact times alone, of floors that begin in touch: {len(self.from_rest)}",
-                *self.from_rest,
             )
         )
-
-
-def begins_in_touch(scene: Scene) -> bool:
-    """Whether floors stand in touch before anything moves."""
-    return any(link.kind == "infill" or (link.kind == "pounding" and link.gap == 0) for link in scene.links)
-
-
-def without_contact_times(response: Response) -> Response:
-    """The response with contact times that differ from nobody's."""
-    links = response.links
-    return dataclasses.replace(response, links=dataclasses.replace(links, contact_time=0 * links.contact_time))
 
 
 def look_at(numbers: Iterable[int]) -> Tally:
@@ -98,13 +80,7 @@ def look_at(numbers: Iterable[int]) -> Tally:
                 f"scene {number}: asked {accuracy:.0e}, estimate {estimate:.1e}, true error {error:.1e}, {sort}, "
                 f"sensitivity {found.sensitivity:.1e}"
             )
-            ratio = error / max(estimate, 1e-300)
-            if ratio > BELOW and begins_in_touch(scene):
-                error = difference(without_contact_times(found), without_contact_times(truth))
-                if error <= max(0.1 * accuracy, BELOW * estimate):
-                    tally.from_rest.append(f"{words}; without contact times {error:.1e}")
-                    continue
-            tally.below.append((ratio, words))
+            tally.below.append((error / max(estimate, 1e-300), words))
     return tally
 
 

@@ -57,7 +57,7 @@ LINKS = [
     Mutant(
         "closing-is-monotone",
         "a closing that turns within the step is taken as monotone",
-        ("~bends(first, last, stray) & ", ""),
+        ("~may_turn_by_ends(first, last, deviation) & ", ""),
         WITHIN,
     ),
     Mutant(
@@ -71,6 +71,12 @@ LINKS = [
     ),
     Mutant("link-pushes-floors", "contact does not push the left floor", ("- gather", "- 0.0 * gather"), IMPACT),
     Mutant("impulse", "impulse without the length of the step", ("held,", "applied,"), IMPACT),
+    Mutant(
+        "contact-from-rest",
+        "contact of floors that begin in touch counts from where a double tells it",
+        ("time *", "run.clock[H] * run.clock[END] *"),
+        f"{VERIFICATION}/test_impact.py::test_floors_in_touch_press_from_the_start_or_not_at_all",
+    ),
     Mutant("infill-cubic", "infill's cubic without the 3 in 3 d^2", ("(3 * d**2)", "d**2"), INFILL),
     Mutant("infill-stiffened", "infill jumps at v = d, as eq. (9) is printed", ("CONTINUOUS", "PRINTED"), INFILL),
     Mutant(
@@ -145,27 +151,27 @@ MOTION = [
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
-        "island-velocities-put-back",
+        "island-velocities-restored",
         "an island solved again begins with the velocities it ended with",
         "store(run.W, b, load(run.W, b))",
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
-        "island-slots-put-back",
+        "island-slots-restored",
         "an island solved again keeps the energies of what was taken back",
-        ("LINE, FORCE", "LINE, INPUT"),
+        ("LINE, FOUNDATION_FORCE", "LINE, INPUT_ENERGY"),
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
-        "island-stencils-put-back",
+        "island-stencils-restored",
         "an island solved again keeps the stencils of what was taken back",
         "pass",
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
-        "island-links-put-back",
+        "island-links-restored",
         "an island solved again keeps the impacts of what was taken back",
-        ("BRANCH, 8 * TIE", "BRANCH, IMPACTS"),
+        ("BRANCH, 8 * LINK_INTEGERS", "BRANCH, IMPACTS"),
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
     ),
     Mutant(
@@ -177,7 +183,7 @@ MOTION = [
     Mutant(
         "stands-apart",
         "an event anywhere ends the step of the whole row",
-        ("not everything", "everything"),
+        ("not all_effects", "all_effects"),
         f"{VERIFICATION}/test_islands.py::test_what_stands_apart_takes_its_own_steps_two_by_two",
     ),
     Mutant(
@@ -446,7 +452,9 @@ PRUNING = [
         EXACT,
     ),
     Mutant("exact-ground-work", "exact steps: the ground's work with the wrong sign", ("-system", "system"), EXACT),
-    Mutant("exact-peaks", "exact steps: peaks only at the ends of steps", ("above + stray", "above - stray"), EXACT),
+    Mutant(
+        "exact-peaks", "exact steps: peaks only at the ends of steps", ("above + deviation", "above - deviation"), EXACT
+    ),
     Mutant(
         "exact-monotone",
         "exact steps: a step counts as monotone too soon",

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from reference.closed_forms import kelvin_voigt
 from reference.scenes import ELASTIC, oscillator, still
 
 from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio
 from pounding_cli.laws.pounding import Pounding
+from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
+from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
 
 M1, M2, S, V0, GAP = 2e5, 3e5, 2e9, 0.6, 0.01
@@ -94,3 +97,19 @@ def test_a_gap_that_never_closes_never_presses():
     found = solve(scene, 1e-12, initial=([[0.0], [0.0]], [[V0], [0.0]]))
     assert found.links.max_closing[0] == pytest.approx(0.03, rel=1e-10)
     assert (found.links.impacts[0], found.links.peak_force[0], found.links.contact_time[0]) == (0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-12])
+@pytest.mark.parametrize("tension_cut", [False, True])
+@pytest.mark.parametrize("push", [1.0, -1.0])
+def test_floors_in_touch_press_from_the_start_or_not_at_all(push, tension_cut, accuracy):
+    """Fifth floors of undamped buildings at rest close by a (P_left - P_right) t^12 / 12! to begin with, P the product
+    of stiffness over mass of the storeys below: lost in the last digits of their displacements for milliseconds. Fails
+    if contact begins where a double first tells it."""
+    tower = lambda k: Building("tower", 5 * [2e5], 5 * [3.0], 5 * [k], 5 * [math.inf], 5 * [0.0], 0.0, 0.0)  # noqa: E731
+    stiff, soft = tower(8e8), tower(2e8)
+    link = Link(0, 5, 5, Pounding(0.0, S, 0.2, tension_cut))
+    motion = Motion("push", 1e-3, np.full(21, push))
+    found = solve(Scene((stiff, soft), (link,), motion, ELASTIC), accuracy).links
+    assert found.contact_time[0] == pytest.approx(0.02 if push > 0 else 0.0, rel=1e-12)
+    assert found.peak_force[0] > 0 or push < 0

@@ -238,7 +238,7 @@ def test_newmark_cuts_steps_without_a_root():
 
 def test_newmark_says_where_it_has_to_give_up(monkeypatch):
     """Without cuts the same scene ends in a named outcome with advice, not in numbers."""
-    monkeypatch.setattr(family, "MOST_CUTS", 0)
+    monkeypatch.setattr(family, "MAX_CUTS", 0)
     found = solve(pair("pounding", 0.0, shake(4.0)), method="newmark", time_step=2e-3)
     assert found.status == "no root"
     assert "taylor" in found.advice

@@ -41,7 +41,7 @@ def test_the_import_is_light():
     assert said(program).split("\n")[:2] == ["[]", "[]"]
 
 
-@pytest.mark.parametrize("before", ["pass", "import pounding_cli.solve.methods", "pounding_cli.solve"])
+@pytest.mark.parametrize("before", ["pass", "import pounding_cli.solve.run", "pounding_cli.solve"])
 def test_solve_means_the_same_whatever_was_imported(before):
     """The subpackage takes the function's place in the package: it may be called. Fails if it may not."""
     program = f"""
@@ -50,8 +50,8 @@ def test_solve_means_the_same_whatever_was_imported(before):
         print(callable(pounding_cli.solve), list(inspect.signature(pounding_cli.solve).parameters)[:2])
         from pounding_cli import solve
         print(solve is pounding_cli.solve)
-        import pounding_cli.solve.methods
-        print(pounding_cli.solve.METHODS is pounding_cli.solve.methods.METHODS)
+        import pounding_cli.solve.run
+        print(pounding_cli.solve.METHODS is pounding_cli.solve.run.METHODS)
     """
     assert said(program).splitlines() == ["True ['scene', 'accuracy']", "True", "True"]
 

@@ -9,14 +9,14 @@ from numba import njit
 from pounding_cli.kernels import central_difference, exponential, generalized_alpha, runge_kutta, taylor
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.pipelines import QUICK
-from pounding_cli.kernels.simd import pointer, stand_alone
+from pounding_cli.kernels.simd import no_inline, pointer
 
 by_our_pipeline = pytest.mark.skipif(not QUICK, reason="numba's own pipeline compiles every piece by itself")
 
 
 @njit(**CALLED)
 def weight(k):
-    stand_alone()
+    no_inline()
     return 1.0 / (k + 1.0)
 
 

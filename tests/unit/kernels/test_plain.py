@@ -16,7 +16,7 @@ from pounding_cli import kernels
 from pounding_cli.kernels import pipelines
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.simd import fused, load, pointer, stand_alone, store
+from pounding_cli.kernels.simd import fused, load, no_inline, pointer, store
 
 FOLDER = Path(kernels.__file__).parent
 ROOM = Frame(
@@ -27,7 +27,7 @@ room, renumber = filler(ROOM), mover(ROOM)
 
 @njit(**CALLED)
 def _count(r):
-    stand_alone()
+    no_inline()
     renumber(r, (r.number + r.order[0],))
 
 

@@ -6,13 +6,13 @@ from numba import njit
 
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels import link_table as t
-from pounding_cli.kernels.cells import of, of_link, of_tie
-from pounding_cli.kernels.clock import END, GUARD, LINK
+from pounding_cli.kernels.cells import of, of_link, of_link_integer
+from pounding_cli.kernels.clock import END, EVENT_GUARD, EVENT_LINK
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, set_law
-from pounding_cli.kernels.recurrence import restencil
-from pounding_cli.kernels.simd import stand_alone
-from pounding_cli.kernels.storey_law import coefficients, transit
+from pounding_cli.kernels.recurrence import update_stencils
+from pounding_cli.kernels.simd import no_inline
+from pounding_cli.kernels.storey_law import coefficients, transition
 
 
 @njit(**PART)
@@ -26,14 +26,14 @@ def _storey_branch(run, i):
 
 
 @njit(**CALLED)
-def settle(run):
+def initialise_branches(run):
     """Laws and stencils of the branches the state is on."""
-    stand_alone()
+    no_inline()
     for i in range(run.padded):
         _storey_branch(run, i)  # fault: run-goes-on
     for i in range(run.padded):
-        restencil(run, i)
-    for e in range(run.linked):
+        update_stencils(run, i)
+    for e in range(run.padded_links):
         set_law(run, e)
 
 
@@ -41,57 +41,60 @@ def settle(run):
 def _storey_event(run, i, drift):
     """Change the branch of storey i, which leaves its own at `drift` [m]."""
     slots = run.slots
-    slots[of(i, c.LINE)], slots[of(i, c.PLASTIC)], run.snapped[i] = transit(
+    slots[of(i, c.LINE)], slots[of(i, c.PLASTIC)], run.pinned[i] = transition(
         slots[of(i, c.LINE)], slots[of(i, c.PLASTIC)], slots[of(i, c.YIELD_DRIFT)], drift
     )
     _storey_branch(run, i)  # fault: storey-unloads
-    restencil(run, i)
+    update_stencils(run, i)
     if i >= 1:
-        restencil(run, i - 1)
+        update_stencils(run, i - 1)
 
 
 @njit(**CALLED)
 def storey_events(run):
     """Change all storeys that leave their branch at the time of the first, so that twins stay twins."""
-    stand_alone()
+    no_inline()
     end = run.clock[END]
-    for i in range(run.low, run.high):
-        if run.slots[of(i, c.ROOT)] == end:
-            _storey_event(run, i, run.slots[of(i, c.DRIFT)])
+    for i in range(run.slot_start, run.slot_stop):
+        if run.slots[of(i, c.EVENT_ROOT)] == end:
+            _storey_event(run, i, run.slots[of(i, c.DRIFT1)])
 
 
 @njit(**PART)
 def _event_value(run, e, quantity):
     """Closing [m] or rate [m/s] of link e at the step's end."""
-    left, right = run.ties[of_tie(e, c.LEFT_SLOT)], run.ties[of_tie(e, c.RIGHT_SLOT)]
+    left, right = (
+        run.link_integers[of_link_integer(e, c.LEFT_SLOT)],
+        run.link_integers[of_link_integer(e, c.RIGHT_SLOT)],
+    )
     if quantity == t.CLOSING:
-        return run.ends[left] - run.ends[right] - run.links[of_link(e, c.LEAVES_OUT)]
-    return difference(run.slots[of(left, c.V_END)], run.slots[of(right, c.V_END)], 0.0)
+        return run.ends[left] - run.ends[right] - run.links[of_link(e, c.LINK_OFFSET)]
+    return difference(run.slots[of(left, c.V1)], run.slots[of(right, c.V1)], 0.0)
 
 
 @njit(**CALLED)
 def link_event(run):
     """Change the branch of the link whose event comes first."""
-    stand_alone()
-    e = run.tally[LINK]
-    g = run.tally[GUARD]
-    run.ties[of_tie(e, c.BRANCH)] = int(t.guard(run, g, t.NEXT))
-    run.ties[of_tie(e, c.SNAPPED)] = int(t.guard(run, g, t.QUANTITY))
+    no_inline()
+    e = run.tally[EVENT_LINK]
+    g = run.tally[EVENT_GUARD]
+    run.link_integers[of_link_integer(e, c.BRANCH)] = int(t.guard(run, g, t.NEXT))
+    run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] = int(t.guard(run, g, t.QUANTITY))
     memory = run.links[of_link(e, c.MEMORY)]
-    run.links[of_link(e, c.EXACTLY)] = t.guard(run, g, t.AT) + t.guard(run, g, t.OF_MEMORY) * memory
+    run.links[of_link(e, c.PINNED_CLOSING)] = t.guard(run, g, t.AT) + t.guard(run, g, t.OF_MEMORY) * memory
     if t.guard(run, g, t.REMEMBERS) != t.NOTHING:
         run.links[of_link(e, c.MEMORY)] = _event_value(run, e, t.guard(run, g, t.REMEMBERS))
-    run.ties[of_tie(e, c.IMPACTS)] += int(t.guard(run, g, t.IMPACT))
-    run.links[of_link(e, c.TURNS)] += 1.0
+    run.link_integers[of_link_integer(e, c.IMPACTS)] += int(t.guard(run, g, t.IMPACT))
+    run.links[of_link(e, c.EVENTS_AT_INSTANT)] += 1.0
     set_law(run, e)
 
 
 @njit(**CALLED)
-def unsnap(run):
+def unpin(run):
     """Time goes on: nothing is exactly zero any more."""
-    stand_alone()
-    for e in range(run.first, run.last):
-        run.ties[of_tie(e, c.SNAPPED)] = t.NOTHING
-        run.links[of_link(e, c.TURNS)] = 0.0
-    for i in range(run.low, run.high):
-        run.snapped[i] = 0
+    no_inline()
+    for e in range(run.link_start, run.link_stop):
+        run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] = t.NOTHING
+        run.links[of_link(e, c.EVENTS_AT_INSTANT)] = 0.0
+    for i in range(run.slot_start, run.slot_stop):
+        run.pinned[i] = 0

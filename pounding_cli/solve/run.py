@@ -56,8 +56,8 @@ OPEN_LEDGER = (
     "the series lost more than the accuracy asked: ask for a finer accuracy, or soften what is extremely stiff",
 )
 
-MOST_STEPS = 20_000_000
-MOST_EVENTS = 5_000_000
+MAX_STEPS = 20_000_000
+MAX_EVENTS = 5_000_000
 
 _compiled: set = set()
 
@@ -72,7 +72,7 @@ def solve(
     accuracy: float = 1e-6,
     method: str = AUTO,
     initial: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] | None = None,
-    bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    bounds: tuple[int, int] = (MAX_STEPS, MAX_EVENTS),
     *,
     time_step: float | None = None,
     all_effects: bool = False,
@@ -101,7 +101,7 @@ def solve(
     code = integrator_of(chosen)
     condensing: tuple[str, ...] = ()
     if all_effects and code is taylor.TAYLOR:
-        code = taylor.WITH_EVERYTHING
+        code = taylor.ALL_EFFECTS
     elif not all_effects and not chosen.takes_step:
         scene, condensing = condensed(scene, accuracy)
     if reason := code.refusal(scene):
@@ -158,7 +158,7 @@ def _compile(code: Integrator, scene: Scene, setting: float) -> None:
     still = Motion("still", scene.motion.dt, np.zeros(2))
     silent = dataclasses.replace(scene, motion=still, tail=0.0)
     arrays = pack(silent)
-    bounds = MOST_STEPS, MOST_EVENTS
+    bounds = MAX_STEPS, MAX_EVENTS
 
     def once() -> None:
         code.integrate(silent, arrays, at_rest(arrays), no_peaks(arrays), empty_ledger(arrays), setting, bounds)
