@@ -109,7 +109,7 @@ def _guarded(run, p, e, g):
         run.link_integers[of_link_integer(e, c.LEFT_SLOT)],
         run.link_integers[of_link_integer(e, c.RIGHT_SLOT)],
     )
-    exact = run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] == quantity
+    pinned = run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)]
     if quantity == t.CLOSING and e == int(p.numbers[CHOSEN]) and at == 0.0:
         _copy(run, register(p, e, ROOT), order, side)
         return order
@@ -124,12 +124,14 @@ def _guarded(run, p, e, g):
         return order
     if quantity == t.FORCE:
         _copy(run, force_register(run, p, e), order - 1, side)
-        if exact:
+        if pinned == quantity:
             run.scratch[0] = 0.0
         return order - 1
     if quantity == t.RATE:
         _copy(run, register(p, e, RATE), order - 1, side)
         run.scratch[0] = side * (register(p, e, RATE)[0] - at)
+        if pinned == t.ACCELERATION and run.scratch[0] == 0.0:  # the rate that is remembered is a turning point
+            run.scratch[1] = 0.0
         return order - 1
     size = 0.0
     for k in range(order):
@@ -149,7 +151,7 @@ def _link_end(run, p, e, end):
     for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
         if t.guard(run, g, t.ONCE) != 0.0 and run.links[of_link(e, c.EVENTS_AT_INSTANT)] >= MAX_EVENTS_AT_INSTANT:
             continue
-        if p.resting[e] != 0 and t.guard(run, g, t.QUANTITY) != t.CLOSING:
+        if p.resting[e] != 0 and t.guard(run, g, t.QUANTITY) == t.FORCE:
             continue  # nothing is known of a force that is not resolved
         order = _guarded(run, p, e, g)
         s = first_crossing(run.scratch, order, min(end, earliest))

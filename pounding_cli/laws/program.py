@@ -96,8 +96,7 @@ class Expression:
         return self == part or any(one.holds(part) for one in self.parts)
 
     def at(self, closing: Any, rate: Any, memory: Any = 0.0) -> Any:
-        """Its value at closings v [m], rates [m/s] and what the link remembers; numbers or arrays of one shape. Powers
-        of what is below zero are those of zero."""
+        """Its value at closings v [m], rates [m/s] and what the link remembers; numbers or arrays of one shape."""
         if self.operation is None:
             return (closing, rate, memory)[self.register]
         x = self.parts[0].at(closing, rate, memory)
@@ -177,6 +176,24 @@ def _whole_power(of: Expression, exponent: int, made: dict[int, Expression]) -> 
         half = exponent // 2
         made[exponent] = _whole_power(of, half, made) * _whole_power(of, exponent - half, made)
     return made[exponent]
+
+
+def carried_out(steps: np.ndarray, closing: np.ndarray, rate: np.ndarray, memory: np.ndarray) -> np.ndarray:
+    """What operations make of closings, rates and memories, arrays of one shape; powers of what is not above zero are
+    zero.
+
+    steps : an operation a row, as `operations` gives them
+    """
+    registers = [closing, rate, memory, np.zeros_like(closing)]
+    for code, x, y, a, b, c in steps:
+        first, second = registers[int(x)], registers[int(y)]
+        if code == Operation.LINEAR:
+            registers.append(a * first + b * second + c)
+        elif code == Operation.PRODUCT:
+            registers.append(a * first * second)
+        else:
+            registers.append(a * np.where(first > 0.0, first, 1.0) ** b * (first > 0.0))
+    return registers[-1]
 
 
 def work(force: Callable[[np.ndarray], np.ndarray], begin: float, end: float) -> float:

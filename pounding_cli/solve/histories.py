@@ -99,12 +99,13 @@ class _States:
     line: np.ndarray
     plastic: np.ndarray
     link_branch: np.ndarray
+    link_memory: np.ndarray
     phi: np.ndarray
     phi_v: np.ndarray
     work: np.ndarray  # (t, 4): input, dashpots, hysteresis, links [J]
 
 
-_KEPT = ("u", "v", "line", "plastic", "link_branch", "phi", "phi_v")
+_KEPT = ("u", "v", "line", "plastic", "link_branch", "link_memory", "phi", "phi_v")
 
 
 def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> _States:
@@ -218,7 +219,7 @@ def _link_forces(arrays: Arrays, s: _States) -> np.ndarray:
     for e in range(links.number):
         left, right = links.left[e], links.right[e]
         v, rate = s.u[:, left] - s.u[:, right] - links.offset[e], s.v[:, left] - s.v[:, right]
-        forces[:, e] = link_tables.force_over_time(links, s.link_branch[:, e], v, rate)
+        forces[:, e] = link_tables.force_over_time(links, s.link_branch[:, e], v, rate, s.link_memory[:, e])
     return forces
 
 

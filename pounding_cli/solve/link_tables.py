@@ -9,7 +9,7 @@ import numpy as np
 from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.layout import Links
 from pounding_cli.laws.law import Branch, Guard, LinkLaw
-from pounding_cli.laws.program import GIVEN, operations
+from pounding_cli.laws.program import GIVEN, carried_out, operations
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 
@@ -136,9 +136,21 @@ def stiffest(links: Links) -> tuple[np.ndarray, np.ndarray]:
     return slope, dashpot
 
 
-def force_over_time(links: Links, branch: np.ndarray, v: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Force of a link [N] at closings v [m] and rates [m/s], each time on the branch it is on then; shape (t,)."""
+def force_over_time(
+    links: Links, branch: np.ndarray, v: np.ndarray, rate: np.ndarray, memory: np.ndarray
+) -> np.ndarray:
+    """Force of a link [N] at closings v [m], rates [m/s] and what it remembers, each time on the branch it is on then;
+    shape (t,)."""
     row = _branches(links)[branch].T
+    if np.any(row[t.WRITTEN]):
+        steps = links.operations.reshape(-1, t.OPERATION_ROW)
+        force = np.zeros(v.size)
+        for b in np.unique(branch):
+            here, own = branch == b, _branches(links)[b]
+            written = steps[int(own[t.FIRST_STEP]) : int(own[t.LAST_STEP])]
+            if own[t.ACTS] and len(written):
+                force[here] = carried_out(written, np.maximum(v[here], 0.0), rate[here], memory[here])
+        return force
     elastic = row[t.LINEAR] * v + row[t.OFFSET] + row[t.CUBIC] * v**3
     slope = np.maximum(row[t.LINEAR] + 3 * row[t.CUBIC] * v**2, 0.0)
     return row[t.ACTS] * (elastic + (row[t.DASHPOT] + row[t.ROOT] * np.sqrt(slope)) * rate)
