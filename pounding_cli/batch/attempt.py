@@ -51,20 +51,19 @@ class Task:
         response = self.solve(
             scene, accuracy=self.accuracy, method=self.method, all_effects=self.all_effects, watch=watch, **told
         )
-        if not self._is_assessed(scene):
+        if not self.is_assessed(scene):
             return response
         return assess(scene, response, self.accuracy, self.solve, self.all_effects)
 
     def free(self, scene: Scene, accuracy: float) -> Response:
-        """The response of neighbours with nothing between them, as accurate as the run a response is judged by, so that
-        it is not assessed itself."""
+        """The response of neighbours with nothing between them."""
         return self.solve(scene, accuracy=accuracy, method=self.method)
 
     def falls_apart(self) -> bool:
         """Whether scenes may be solved in groups: a user of fixed steps wants those steps in every scene."""
         return not self.all_effects and self.time_step is None
 
-    def _is_assessed(self, scene: Scene) -> bool:
+    def is_assessed(self, scene: Scene) -> bool:
         """Whether this scene is solved twice more; a sample is one scene in eight, the same ones in every run."""
         return self.estimate == "all" or (self.estimate == "sample" and scene.digest[0] in "01")
 
@@ -78,4 +77,4 @@ class Task:
 @functools.lru_cache(maxsize=1)
 def _group_solver(task: Task) -> GroupSolver:
     """One memory of groups in every process, for the task at hand."""
-    return GroupSolver(task.respond, task.free, task.accuracy)
+    return GroupSolver(task.respond, task.free, task.accuracy, task.is_assessed)

@@ -33,6 +33,13 @@ TIGHTER = 1e-3
 FINEST = 1e-14
 """No run is asked for more than this: doubles hold little more."""
 
+SCATTER = (2.0, 4.0)
+"""Accuracies of two more runs over that of the finer one, where rounding may decide: their only use is that they round
+otherwise. Two runs of a scene that hangs on a hair may lie close by chance, four hardly do."""
+
+DECIDES = 1e-2
+"""Estimated error over the accuracy asked above which rounding is looked for in an ill-conditioned scene."""
+
 BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
 
@@ -110,7 +117,8 @@ def assess(
     sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene
 
     A response that misses the accuracy asked by its own estimate gives way to the finer run, which is then judged by a
-    finer one still, until the estimate meets the accuracy or doubles hold no more.
+    finer one still, until the estimate meets the accuracy or doubles hold no more. Where that is so, and in
+    ill-conditioned scenes, two more runs tell how far rounding scatters the numbers.
 
     Foundation motions that the accuracy asked lets be held fixed are held in the finer runs too, unless the response is
     of `all_effects`: what that may cost is bounded beforehand (`model.condense`), and resolving them costs most where
@@ -140,6 +148,10 @@ def assess(
         tight = finer(tight)
         second = run(scene, accuracy=tight, method=method)
         error = difference(response, second) if second.status == "done" else error
+    decides = error > accuracy or (sensitivity > ILL_CONDITIONED and error > DECIDES * accuracy)
+    if decides and not fixed_steps:
+        others = (run(scene, accuracy=tight * times, method=method) for times in SCATTER)
+        error = np.nanmax([error, *(difference(response, other) for other in others)])  # fault: scatter-of-rounding
     flags = response.flags
     if sensitivity > ILL_CONDITIONED:
         flags = (
@@ -157,7 +169,7 @@ def assess(
         response,
         accuracy=response.accuracy if fixed_steps else accuracy,
         seconds=seconds,
-        error_estimate=error,
+        error_estimate=float(error),
         sensitivity=sensitivity,
         flags=flags,
     )

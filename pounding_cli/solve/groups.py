@@ -3,7 +3,8 @@
 If the groups of a row, run one by one, never close a link between two of them, then no force crosses from one to the
 other: their responses *are* the response of the row, which is unique. Whether a gap closes is seen in two steps. The
 displacements of the groups at the samples of the motion show most gaps that do. Where they show none, two neighbouring
-groups are run with nothing between them (`closing`): their peak closings decide, for this gap and for any other."""
+groups are run with nothing between them (`closing`): their peak closings decide, for this gap and for any other. That
+run is as accurate as all others; a finer one follows only where the gap lies within the first one's error."""
 
 from __future__ import annotations
 
@@ -21,6 +22,7 @@ from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
+from pounding_cli.solve.assess import difference
 from pounding_cli.solve.closing import free_accuracy, kept_apart
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response, composed_method
 
@@ -40,6 +42,7 @@ class GroupSolver:
     respond : (scene, watch) -> Response, with its samples where asked to watch
     solve : (scene, accuracy) -> Response of neighbouring groups with nothing between them
     accuracy : relative error of the peaks [-]
+    is_assessed : whether the error of a scene is asked for, so that of closings between groups too
 
     What it answers depends on the scene alone, never on what came before. Threads may share it.
     """
@@ -49,10 +52,12 @@ class GroupSolver:
         respond: Callable[[Scene, bool], Response],
         solve: Callable[[Scene, float], Response],
         accuracy: float,
+        is_assessed: Callable[[Scene], bool] = lambda scene: False,
     ) -> None:
         self._respond = respond
         self._solve = solve
         self._accuracy = accuracy
+        self._is_assessed = is_assessed
         self._kept: OrderedDict[str, Response] = OrderedDict()
         self._bytes = 0
         self._unbooked = 0.0
@@ -94,27 +99,41 @@ class GroupSolver:
             begin = along[0].start
             row, _ = condensed(_cut_out(scene, range(begin, along[-1].stop)), self._accuracy)
             row = kept_apart(row, [group[-1] - begin for group in along[:-1]])
-            accuracy = free_accuracy(self._accuracy)
-            response = self._kept_or_solved(row, partial(self._solve, row, accuracy))
-            for n in stretch:
-                free[n] = _open(scene, groups[n], groups[n + 1], row, response, begin, ERRORS * accuracy)
+            judge = partial(_judged, scene, groups, stretch, row)
+            coarse, fine = self._accuracy, free_accuracy(self._accuracy)
+            first = self._free(row, coarse)
+            least, most = judge(first, -ERRORS * coarse), judge(first, ERRORS * coarse)
+            settled = first.status == "done" and all((least[n] is None) == (most[n] is None) for n in stretch)
+            if not settled or self._is_assessed(scene):
+                second = self._free(row, fine)
+                error = difference(first, second)
+                if settled and error <= coarse:
+                    most = {n: found and dataclasses.replace(found, error_estimate=error) for n, found in most.items()}
+                else:
+                    most = judge(second, ERRORS * fine)
+            free = [most.get(n, found) for n, found in enumerate(free)]
         return free
+
+    def _free(self, row: Scene, accuracy: float) -> Response:
+        """The response of a row whose groups have nothing between them."""
+        return self._kept_or_solved(row, partial(self._solve, row, accuracy), f" {accuracy}")
 
     def _watched(self, scene: Scene) -> Response:
         """The response with its samples."""
         return self._kept_or_solved(scene, partial(self._respond, scene, True))
 
-    def _kept_or_solved(self, scene: Scene, solve: Callable[[], Response]) -> Response:
-        """The response from memory if it is there."""
+    def _kept_or_solved(self, scene: Scene, solve: Callable[[], Response], how: str = "") -> Response:
+        """The response from memory if it is there; `how` tells runs of one scene apart."""
+        key = scene.digest + how
         with self._lock:
-            if scene.digest in self._kept:
-                self._kept.move_to_end(scene.digest)
-                return self._kept[scene.digest]
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                return self._kept[key]
         response = solve()
         with self._lock:
             self._unbooked += response.seconds if len(scene.buildings) > 1 else 0.0
-            if scene.digest not in self._kept:
-                self._kept[scene.digest] = response
+            if key not in self._kept:
+                self._kept[key] = response
                 self._bytes += _size(response)
             while self._bytes > MEMORY and len(self._kept) > 1:
                 self._bytes -= _size(self._kept.popitem(last=False)[1])
@@ -133,10 +152,12 @@ class Free:
 
     closings : of every link between them, its largest closing u_l - u_r [m]
     methods : keys in METHODS of what found them
+    error_estimate : of the closings, where it was asked for [-]
     """
 
     closings: dict[Link, float]
     methods: tuple[str, ...] = ()
+    error_estimate: float = 0.0
 
 
 def _between(scene: Scene, left: int) -> list[Link]:
@@ -211,6 +232,15 @@ def _stretches(scene: Scene, groups: list[range]) -> list[list[int]]:
     return stretches
 
 
+def _judged(
+    scene: Scene, groups: list[range], stretch: list[int], row: Scene, response: Response, error: float
+) -> dict[int, Free | None]:
+    """What a run of the groups of a stretch with nothing between them says of each pair, by the place of the left
+    group; `error` as in `_open`."""
+    begin = groups[stretch[0]].start
+    return {n: _open(scene, groups[n], groups[n + 1], row, response, begin, error) for n in stretch}
+
+
 def _open(
     scene: Scene, left: range, right: range, row: Scene, response: Response, begin: int, error: float
 ) -> Free | None:
@@ -244,6 +274,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
     links = LinkResponse(
         **{n: np.array(c, int if n == "impacts" else float) for n, c in zip(names, columns, strict=True)}
     )
+    errors = [part.error_estimate for part in parts] + [between.error_estimate for between in free]
     effects = tuple(dict.fromkeys(effect for part in parts for effect in part.effects))
     sentences = (_sentence(scene, between.closings) for between in free)
     return Response(
@@ -260,7 +291,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
         flags=tuple(dict.fromkeys(flag for part in parts for flag in part.flags)),
         effects=effects,
         dropped=(*effects_of(scene).dropped, *(sentence for sentence in sentences if sentence)),
-        error_estimate=float(np.max([part.error_estimate for part in parts])),
+        error_estimate=float(np.max(errors)),
         sensitivity=float(np.max([part.sensitivity for part in parts])),
         final=tuple(end for part in parts for end in part.final),
     )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from pounding_cli.model.condense import condensed
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import link_tables, taylor
-from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
+from pounding_cli.solve.arrays import Arrays, aligned, at_rest, empty_ledger, no_peaks, pack
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.run import MAX_EVENTS, MAX_STEPS, OUTCOMES
 
@@ -105,28 +106,42 @@ class _States:
     work: np.ndarray  # (t, 4): input, dashpots, hysteresis, links [J]
 
 
-_KEPT = ("u", "v", "line", "plastic", "link_branch", "link_memory", "phi", "phi_v")
+_BY_SLOT = ("u", "v", "line", "plastic")
+_WORK = ("input", "dashpots", "drag", "hysteresis")
 
 
 def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> _States:
     """The states at `times`: the kernel run from one output time or sample to the next."""
-    state, peaks, ledger = at_rest(arrays), no_peaks(arrays), empty_ledger(arrays)
-    kept = {name: np.empty((times.size, getattr(state, name).size), getattr(state, name).dtype) for name in _KEPT}
-    states = _States(**kept, work=np.zeros((times.size, 4)))
-    for name in _KEPT:
-        kept[name][0] = getattr(state, name)
+    peaks = no_peaks(arrays)
+    # one block of memory for what is kept by slot: a copy at each output time instead of eight
+    now = aligned(len(_BY_SLOT + _WORK) * arrays.padded).reshape(-1, arrays.padded)
+    state = _within(now[: len(_BY_SLOT)], _BY_SLOT, at_rest(arrays))
+    ledger = _within(now[len(_BY_SLOT) :], _WORK, empty_ledger(arrays))
+    beside = (state.link_branch, state.link_memory, state.phi, state.phi_v, ledger.foundations, ledger.links)
+    kept = [np.empty((times.size, *array.shape), array.dtype) for array in (now, *beside)]
     run = taylor.prepare(scene, arrays, state, accuracy, (MAX_STEPS, MAX_EVENTS))
+    for whole, array in zip(kept, (now, *beside), strict=True):
+        whole[0] = array
     for output, *ground in _pieces(scene, times):
         status, *_ = run(state, peaks, ledger, *ground)
         if status != layout.DONE:
             outcome, advice = OUTCOMES[status]
             raise InputError(Problem(f"no history of this scene: {outcome}", advice))
         if output >= 0:
-            for name in _KEPT:
-                kept[name][output] = getattr(state, name)
-            dashpots = ledger.dashpots.sum() + ledger.drag.sum() + ledger.foundations.sum()
-            states.work[output] = ledger.input.sum(), dashpots, ledger.hysteresis.sum(), ledger.links.sum()
-    return states
+            for whole, array in zip(kept, (now, *beside), strict=True):
+                whole[output] = array
+    by_slot, link_branch, link_memory, phi, phi_v, foundations, links = kept
+    entered, dashpots, drag, hysteresis = by_slot[:, len(_BY_SLOT) :].sum(axis=2).T
+    work = np.stack((entered, dashpots + drag + foundations.sum(axis=1), hysteresis, links.sum(axis=1)), axis=1)
+    u, v, line, plastic = by_slot[:, : len(_BY_SLOT)].swapaxes(0, 1)
+    return _States(u, v, line, plastic, link_branch, link_memory, phi, phi_v, work)
+
+
+def _within(block: np.ndarray, names: tuple[str, ...], fields: Any) -> Any:
+    """A state or ledger whose fields of these names are the rows of a block."""
+    for row, name in zip(block, names, strict=True):
+        row[:] = getattr(fields, name)
+    return fields._replace(**dict(zip(names, block, strict=True)))
 
 
 def _pieces(scene: Scene, times: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray, float]]:

@@ -37,6 +37,14 @@ class Chunk:
         words = [same.setdefault(text, text) for text, _ in coded]
         return cls(list(responses), words, np.concatenate([numbers for _, numbers in coded] or [np.zeros(0)]))
 
+    @classmethod
+    def joined(cls, chunks: Sequence[Chunk]) -> Chunk:
+        """Chunks, one behind the other, as one."""
+        same: dict[str, str] = {}
+        words = [same.setdefault(text, text) for chunk in chunks for text in chunk.words]
+        digests = [digest for chunk in chunks for digest in chunk.digests]
+        return cls(digests, words, np.concatenate([chunk.numbers for chunk in chunks]))
+
     def __len__(self) -> int:
         return len(self.digests)
 

@@ -79,6 +79,7 @@ class PartStore(Mapping[str, Response]):
         ------
         OSError : the disk is full, or the folder cannot be written; no part is left half written
         """
+        self._join([number for number in self._unsaved if len(self._chunks[number].words) == 1])
         for number, content in list(self._unsaved.items()):
             chunk = self._chunks[number].chunk
             assert chunk is not None
@@ -147,6 +148,22 @@ class PartStore(Mapping[str, Response]):
                 row = numbers[held.starts[place] : held.starts[place + 1]]
                 found[number] = held.words[place], row.copy()
         return found
+
+    def _join(self, numbers: list[int]) -> None:
+        """Make one chunk of several that are in memory only: bringing a file to the disk takes milliseconds."""
+        if len(numbers) < 2:
+            return
+        chunks = [chunk for number in numbers if (chunk := self._chunks[number].chunk) is not None]
+        whole, now = _Held(Chunk.joined(chunks), None), len(self._chunks) * _SPAN
+        self._chunks.append(whole)
+        self._unsaved[len(self._chunks) - 1] = b""
+        for number, chunk in zip(numbers, chunks, strict=True):
+            for place, digest in enumerate(chunk.digests):
+                if self._where.get(digest) == number * _SPAN + place:
+                    self._where[digest] = now
+                now += 1
+            self._chunks[number] = whole  # nothing stands there any more
+            del self._unsaved[number]
 
     def _note(self, held: _Held, digests: Sequence[str], good: Iterable[bool]) -> None:
         number = len(self._chunks) * _SPAN

@@ -44,7 +44,7 @@ records: {use: [elcentro, taft], duration: 1 s}
 buildings: {stiff: {storeys: 2, period: 0.2 s}, soft: {like: stiff, storeys: 1, period: 0.5 s}}
 group: [stiff, soft]
 cases: {touching: {link: pounding, gap: 0 cm}, gap: {link: pounding, gap: 2 cm}}
-keep: {histories: {cases: [gap], every: 0.02 s}}
+keep: {histories: {cases: [gap], records: [taft], every: 0.02 s, where: {impact.restitution: 0.5}}}
 sweep: {impact.restitution: [0.5, 0.7]}
 """
 

@@ -325,6 +325,12 @@ METHODS = [
         f"{UNIT}/solve/test_assess.py::test_the_error_is_that_of_the_response_and_not_of_the_finer_run",
     ),
     Mutant(
+        "scatter-of-rounding",
+        "an estimate where rounding decides is that of two runs, which may lie close by chance",
+        ("*(difference(response, other) for other in others)", ""),
+        f"{UNIT}/solve/test_assess.py::test_runs_that_lie_close_by_chance_do_not_settle_what_rounding_decides",
+    ),
+    Mutant(
         "estimated-columns",
         "drifts at the end are outside the estimated error",
         "",

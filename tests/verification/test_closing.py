@@ -81,6 +81,33 @@ def test_rows_of_several_buildings(row, analysis, foundation):
     assert found.links.max_closing == pytest.approx(whole.links.max_closing, rel=ACCURACY, abs=1e-12 * scale)
 
 
+@pytest.mark.parametrize(
+    ("share", "assessed", "accuracies"),
+    [(1.5, False, [1e-6]), (1 + 1e-6, False, [1e-6, 1e-9]), (1.5, True, [1e-6, 1e-9]), (1 - 1e-5, False, [1e-6, 1e-9])],
+)
+def test_a_finer_run_only_where_the_first_does_not_tell(share, assessed, accuracies):
+    """Gaps over the largest closing. Fails if the finer run always follows, if a gap within the first one's error is
+    decided without it, or if the error of closings is left out of an assessed scene's."""
+    two, motion = (shear_building(0.36), shear_building(0.60)), shake(2.0)
+    closing = peak_closings(*two, [(3, 3)], motion, INELASTIC).max()
+    asked = []
+
+    def free(scene, accuracy):
+        asked.append(accuracy)
+        return solve(scene, accuracy)
+
+    def respond(part, watch):
+        return dataclasses.replace(solve(part, ACCURACY, watch=watch), error_estimate=0.0)
+
+    scene = Scene(two, links("pounding", closing * share, (3,)), motion, INELASTIC)
+    found = GroupSolver(respond, free, ACCURACY, lambda scene: assessed)(scene)
+    assert asked == accuracies
+    assert (found.steps == 0) == (share > 1)
+    if share > 1:
+        assert found.links.max_closing == pytest.approx(closing, rel=1e-7)
+        assert (found.error_estimate > 0) == assessed
+
+
 @pytest.mark.parametrize("storeys", [1, 2, 3])
 def test_linear_neighbours_by_exact_steps(storeys):
     """Links that never close leave a scene linear. Fails if the propagator gives them a spring, or tells of a force."""

@@ -96,6 +96,26 @@ def test_a_store_gives_back_what_went_in_from_memory_and_from_disk(tmp_path, pla
     assert set(found) == set(responses)
 
 
+def test_chunks_of_one_scene_go_to_the_disk_as_one_part(tmp_path, responses):
+    """The last response of a scene counts. Fails if a scene is looked for in the chunk that it came in, or if one that
+    came twice is read as it was first."""
+    store = PartStore(tmp_path / "r.h5", "key")
+    names = list(responses)
+    again, later = (replace(responses[name], steps=12345) for name in names[1:3])
+    for name in names[:4]:
+        store.add(Chunk.of({name: responses[name]}))
+    store.add(Chunk.of({names[2]: later} | {name: responses[name] for name in names[4:]}))
+    store.add(Chunk.of({names[1]: again}))
+    expected = {**responses, names[1]: again, names[2]: later}
+    store.flush()
+    assert len(list(store.folder.iterdir())) == 2
+    assert all(same(expected[name], store[name]) for name in names)
+    assert store.saved(names) == len(names)
+    found = PartStore(tmp_path / "r.h5", "key")
+    assert found.load() == []
+    assert all(same(expected[name], found[name]) for name in names if name != names[2])
+
+
 def test_only_what_is_wanted_and_done_and_of_this_key_is_found(tmp_path, responses):
     first, second, third = list(responses)[:3]
     stopped = replace(responses[second], status="event bound reached")
