@@ -46,19 +46,19 @@ def carry_out(operations, first, last, registers, rows, k):
     no_inline()
     value = 0.0
     for n in range(first, last):
-        step = further(operations, n * t.OPERATION_ROW)
-        x = further(registers, int(step[t.X]) * rows)
-        y = further(registers, int(step[t.Y]) * rows)
+        row = n * t.OPERATION_ROW
+        x = further(registers, int(operations[row + t.X]) * rows)
+        y = further(registers, int(operations[row + t.Y]) * rows)
         out = further(registers, (GIVEN + n - first) * rows)
-        code = int(step[t.CODE])
+        code, a = int(operations[row + t.CODE]), operations[row + t.A]
         if code == _LINEAR:
-            value = step[t.A] * x[k] + step[t.B] * y[k]
+            value = a * x[k] + operations[row + t.B] * y[k]
             if k == 0:
-                value += step[t.C]
+                value += operations[row + t.C]
         elif code == _PRODUCT:
-            value = step[t.A] * product_term(x, y, k)
+            value = a * product_term(x, y, k)
         else:
-            value = step[t.A] * _power_term(x, out, step[t.B], k)
+            value = a * _power_term(x, out, operations[row + t.B], k)
         out[k] = value
     return value
 
@@ -66,14 +66,14 @@ def carry_out(operations, first, last, registers, rows, k):
 @njit(**CALLED)
 def force_and_slope(links, b, v, v_slope, rate, rate_slope):
     """(force [N], its derivative) of branch b, written as operations, at a closing [m] and a rate [m/s] with these
-    derivatives: the operations at orders 0 and 1. Below v = 0 the closing counts as zero."""
+    derivatives: the operations at orders 0 and 1. Powers of what is not above zero are zero."""
     no_inline()
     first = int(links.branches[b * t.BRANCH_ROW + t.FIRST_STEP])
     last = int(links.branches[b * t.BRANCH_ROW + t.LAST_STEP])
     registers = short_array()
     registers[2 * MEMORY], registers[2 * MEMORY + 1] = 0.0, 0.0
     registers[2 * ROOT], registers[2 * ROOT + 1] = 0.0, 0.0
-    registers[2 * CLOSING], registers[2 * CLOSING + 1] = max(v, 0.0), v_slope if v > 0.0 else 0.0
+    registers[2 * CLOSING], registers[2 * CLOSING + 1] = v, v_slope
     registers[2 * RATE], registers[2 * RATE + 1] = rate, rate_slope
     force = carry_out(links.operations, first, last, registers, 2, 0)
     return force, carry_out(links.operations, first, last, registers, 2, 1)

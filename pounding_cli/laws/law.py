@@ -146,7 +146,8 @@ class Branch:
         """Energy in the spring [J] at a closing [m], but for a constant."""
         if self.force is not None:
             force = self.force
-            return work(lambda v: force.at(v, 0.0), max(self.interval[0], 0.0), closing)
+            rest = self.interval[0] if math.isfinite(self.interval[0]) else 0.0
+            return work(lambda v: force.at(v, 0.0), rest, closing)
         return 0.5 * self.linear * closing**2 + 0.25 * self.cubic * closing**4 + self.offset * closing
 
     def steepest(self) -> float:

@@ -197,9 +197,10 @@ def carried_out(steps: np.ndarray, closing: np.ndarray, rate: np.ndarray, memory
 
 
 def work(force: Callable[[np.ndarray], np.ndarray], begin: float, end: float) -> float:
-    """Integral of a force over the closing [J]. With v = begin + x^4 powers of the closing by quarters are polynomials,
-    which the rule integrates exactly."""
+    """Integral of a force over the closing [J]. With v = begin +- x^4 powers by quarters are polynomials, which the rule
+    integrates exactly."""
     x, weight = np.polynomial.legendre.leggauss(24)
-    span = max(end - begin, 0.0) ** 0.25
+    side = 1.0 if end > begin else -1.0
+    span = abs(end - begin) ** 0.25
     x = 0.5 * span * (x + 1.0)
-    return float(0.5 * span * np.sum(weight * 4.0 * x**3 * force(begin + x**4)))
+    return float(0.5 * span * side * np.sum(weight * 4.0 * x**3 * force(begin + side * x**4)))

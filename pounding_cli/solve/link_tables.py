@@ -149,7 +149,7 @@ def force_over_time(
             here, own = branch == b, _branches(links)[b]
             written = steps[int(own[t.FIRST_STEP]) : int(own[t.LAST_STEP])]
             if own[t.ACTS] and len(written):
-                force[here] = carried_out(written, np.maximum(v[here], 0.0), rate[here], memory[here])
+                force[here] = carried_out(written, v[here], rate[here], memory[here])
         return force
     elastic = row[t.LINEAR] * v + row[t.OFFSET] + row[t.CUBIC] * v**3
     slope = np.maximum(row[t.LINEAR] + 3 * row[t.CUBIC] * v**2, 0.0)
