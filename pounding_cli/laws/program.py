@@ -197,8 +197,8 @@ def carried_out(steps: np.ndarray, closing: np.ndarray, rate: np.ndarray, memory
 
 
 def work(force: Callable[[np.ndarray], np.ndarray], begin: float, end: float) -> float:
-    """Integral of a force over the closing [J]. With v = begin +- x^4 powers of v by quarters are polynomials in x, which
-    the rule integrates exactly."""
+    """Integral of a force over the closing [J]. With v = begin +- x^4 powers of v by quarters are polynomials in x,
+    which the rule integrates exactly."""
     x, weight = np.polynomial.legendre.leggauss(24)
     side = 1.0 if end > begin else -1.0
     span = abs(end - begin) ** 0.25
