@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -166,7 +167,7 @@ def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None,
             raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
         found = records.find(word) if word in records.names() else _held(word)
         return found if name is None else Motion(name, found.dt, found.acceleration, found.source)
-    if isinstance(source, str) and not (Path(word).suffix or Path(word).exists() or set("/\\") & set(word)):
+    if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
         records.entry(word)  # refuses it, with the nearest name
     step = None if dt is None else quantity(TIME, dt, "dt")
     return records.read_motion(Path(word).expanduser(), dt=step, unit=unit, name=name)

@@ -150,7 +150,9 @@ def main() -> None:
         error.show()
         click.echo(_meant_choice(error), err=True, nl=False)
         _end(REFUSED)
-    except (click.Abort, KeyboardInterrupt):
+    except (click.Abort, KeyboardInterrupt) as stop:
+        if isinstance(stop.__cause__, EOFError):  # click takes one for Ctrl-D; nothing here asks a question
+            _end(_unforeseen(stop.__cause__))
         click.echo("stopped; run the same command again to go on.", err=True)
         _end(STOPPED)
     except (NobodyReads, BrokenPipeError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -137,7 +138,7 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
         if more:
             raise InputError(Problem(f"{len(more) + 1} motions match", f"name one, e.g. {motion}"))
         found, title, place = read_held(motion), motion, motion.partition(":")[0]
-    elif motion in names() or (not Path(motion).exists() and not Path(motion).suffix):
+    elif motion in names() or (not os.path.exists(motion) and not Path(motion).suffix):
         known = entry(motion)
         found, title, place = find(motion), known.title, str(locate(motion).path)
         window = None if whole else window or known.duration

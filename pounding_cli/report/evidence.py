@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -252,7 +251,8 @@ def motion_label(records: pd.DataFrame) -> str:
     kinds = records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(list).to_dict()
     if set(kinds) == {"stand-in"}:
         return "stand-in motions"
-    order = sorted(kinds, key=lambda kind: ("real", "user", "stand-in").index(kind))
+    known = ("real", "user", "stand-in")
+    order = sorted(kinds, key=lambda kind: known.index(kind) if kind in known else len(known))
     return "; ".join(f"{kind}: {', '.join(kinds[kind])}" for kind in order)
 
 
@@ -263,11 +263,9 @@ def motion_sentence(records: pd.DataFrame) -> str:
 
 
 def split(cell: Any) -> list[str]:
-    """The sentences of one cell: a list, a JSON list, or one sentence a line."""
+    """The sentences of one cell: a list, or one sentence a line."""
     if cell is None or (isinstance(cell, float) and math.isnan(cell)):
         return []
     if isinstance(cell, str):
-        if cell.startswith("["):
-            return [str(flag) for flag in json.loads(cell)]
         return [line.strip() for line in cell.splitlines() if line.strip()]
     return [str(flag) for flag in cell]

@@ -37,8 +37,12 @@ SCATTER = (2.0, 4.0)
 """Accuracies of two more runs over that of the finer one, where rounding may decide: their only use is that they round
 otherwise. Two runs of a scene that hangs on a hair may lie close by chance, four hardly do."""
 
+GRAZING = 1e-10
+"""What rounding may come to, over the sensitivity: a contact that grazes changes by the root of a small change, so that
+what makes S x 1e-6 of 1e-6 makes S x 1e-10 of rounding, 1e-14."""
+
 DECIDES = 1e-2
-"""Estimated error over the accuracy asked above which rounding is looked for in an ill-conditioned scene."""
+"""Part of the accuracy asked above which estimate and rounding are looked at again."""
 
 BESIDE_FIXED_STEPS = 1e-9
 """Accuracy of the Taylor run that a fixed-step method is judged by."""
@@ -117,8 +121,8 @@ def assess(
     sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene
 
     A response that misses the accuracy asked by its own estimate gives way to the finer run, which is then judged by a
-    finer one still, until the estimate meets the accuracy or doubles hold no more. Where that is so, and in
-    ill-conditioned scenes, two more runs tell how far rounding scatters the numbers.
+    finer one still, until the estimate meets the accuracy or doubles hold no more. Where that is so,
+    or rounding may come near the accuracy, two more runs tell how far it scatters the numbers.
 
     Foundation motions that the accuracy asked lets be held fixed are held in the finer runs too, unless the response is
     of `all_effects`: what that may cost is bounded beforehand (`model.condense`), and resolving them costs most where
@@ -148,8 +152,7 @@ def assess(
         tight = finer(tight)
         second = run(scene, accuracy=tight, method=method)
         error = difference(response, second) if second.status == "done" else error
-    decides = error > accuracy or (sensitivity > ILL_CONDITIONED and error > DECIDES * accuracy)
-    if decides and not fixed_steps:
+    if not fixed_steps and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
         others = (run(scene, accuracy=tight * times, method=method) for times in SCATTER)
         error = np.nanmax([error, *(difference(response, other) for other in others)])  # fault: scatter-of-rounding
     flags = response.flags

@@ -69,9 +69,11 @@ def parse(text: str) -> Words:
     ValueError, KeyError, TypeError : it is not one
     """
     facts: dict[str, Any] = json.loads(text)
-    names = [*_SCALARS, *(f"energy_{name}" for name in facts.pop("energy"))]
-    storeys, n_links = facts.pop("storeys"), facts.pop("links")
-    facts = {name: facts[name] for name in _WORDS} | {name: tuple(facts[name]) for name in _SENTENCES}
+    names = [*_SCALARS, *(f"energy_{_text(name)}" for name in facts.pop("energy"))]
+    storeys, n_links = map(_count, facts.pop("storeys")), _count(facts.pop("links"))
+    facts = {name: _text(facts[name]) for name in _WORDS} | {
+        name: tuple(_text(sentence) for sentence in facts[name]) for name in _SENTENCES
+    }
     end = len(names)
 
     def spans(sizes: dict[str, int]) -> dict[str, slice]:
@@ -85,6 +87,21 @@ def parse(text: str) -> Words:
     buildings = tuple(spans(dict.fromkeys(_BUILDING_ARRAYS, n) | {"sway": 1, "rocking": 1}) for n in storeys)
     links = spans(dict.fromkeys(_LINK_ARRAYS, n_links))
     return Words(facts, {name: place for place, name in enumerate(names)}, buildings, links, end)
+
+
+def _text(value: Any) -> str:
+    """A text that a results file can hold."""
+    if not isinstance(value, str) or "\0" in value:
+        raise ValueError("words of a response that are no text")
+    value.encode("utf-8")
+    return value
+
+
+def _count(value: Any) -> int:
+    """A number of storeys or links."""
+    if type(value) is not int or value < 0:
+        raise ValueError("a number of storeys or links that is none")
+    return value
 
 
 def decode(text: str, numbers: np.ndarray) -> Response:

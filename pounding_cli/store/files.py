@@ -172,7 +172,7 @@ def _content(path: Path) -> Iterator[tuple[h5py.File, bytes, str]]:
         raise InputError(Problem("there is no such results file", hint, name)) from None
     except (OSError, ValueError) as error:
         hint = "give the file that pound run wrote"
-        raise InputError(Problem(f"cannot be read: {_first_line(error)}", hint, name)) from None
+        raise InputError(Problem(f"cannot be read: {_reason(error)}", hint, name)) from None
     with stream:
         try:
             file = h5py.File(stream, "r")
@@ -224,6 +224,10 @@ def refused_write(error: OSError, path: Path, parts: Path) -> InputError:
         what, first = error.strerror or _first_line(error), "see to that"
     hint = f"{first}, then run the same command again: what was solved is kept in {parts}, and no file was damaged"
     return InputError(Problem(f"cannot write results: {what} ({error.filename or path.parent})", hint, str(path)))
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return getattr(error, "strerror", None) or _first_line(error)
 
 
 def _first_line(error: Exception) -> str:

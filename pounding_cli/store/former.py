@@ -96,7 +96,7 @@ class _Held:
         there = path.parent / self.file
         if from_data:
             return False
-        return there.resolve() == study.path.resolve() or (not there.exists() and self.title == study.title)
+        return there.resolve() == study.path.resolve() or (not os.path.exists(there) and self.title == study.title)
 
     def __str__(self) -> str:
         if self.damaged:
@@ -128,7 +128,7 @@ def _held(path: Path) -> _Held:
 
 def _place(file: h5py.File) -> str | None:
     place = file.attrs.get("study_file")
-    return None if place is None else str(place)
+    return None if place is None else str(place).replace("\0", "")
 
 
 def _free(path: Path) -> Path:

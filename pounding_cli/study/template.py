@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -66,7 +67,7 @@ def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
         raise InputError(Problem(f"'{name}' names no file", "write a name, e.g. `pound init my-study`"))
     chosen = TEMPLATES[template]
     schema = path.with_name(SCHEMA_FILE)
-    if path.exists():
+    if os.path.exists(path):  # False for a name that is too long: the next check refuses that
         raise InputError(Problem("is there already", "choose another name, or move it away", str(path)))
     check_output(path)
     text = schema_text() if chosen.command == "run" else ""

@@ -122,6 +122,18 @@ def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound,
     assert "that nobody foresaw" in err
 
 
+def test_an_end_of_file_is_not_taken_for_ctrl_c(done, pound, monkeypatch):  # noqa: F811
+    """click takes an EOFError, which reading a file may raise, for Ctrl-D at a question."""
+
+    def fault(*_):
+        raise EOFError("ran out of input")
+
+    monkeypatch.setattr("pounding_cli.store.open_results", fault)
+    code, _, err = pound("show", "results/two.h5", "storey", solve=None)
+    assert code == 70
+    assert "error: a fault of the program: EOFError: ran out of input\n" in err
+
+
 def test_the_exit_codes_are_told_in_the_help(folder, pound):  # noqa: F811
     _, out, _ = pound("--help", solve=None)
     for code in ("70 a fault of the program", "141 the program that read the output"):

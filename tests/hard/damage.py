@@ -21,6 +21,7 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from unittest import mock
 
@@ -31,6 +32,8 @@ from pounding_cli import open_results
 from pounding_cli.cli.main import main as pound
 from pounding_cli.errors import InputError
 from pounding_cli.store import PartStore, stored_chunks
+
+from .hunting import faults, pooled
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "store"))
 from sealing import edited
@@ -217,7 +220,7 @@ def forge(bench: Bench, chance: random.Random) -> str:
     before = set(bench.folder.rglob("*")) | set(bench.folder.parent.glob("*"))
     codes = []
     again = lambda file, _: ["run", str(bench.study), "-o", file, "--workers", "1"]  # noqa: E731
-    for command in (*chance.sample(COMMANDS, 4), again):
+    for command in (*chance.sample(COMMANDS, 2), again):
         code, said = called(command(str(bench.file), str(bench.out)))
         codes.append(code)
         if code not in (0, 1, 2) or "Traceback" in said:
@@ -336,25 +339,24 @@ def hunt(bench: Bench, name: str, tries: int, start: int = 0, tell: Callable[[st
     return found
 
 
+def fresh_hunt(name: str, tries: int, start: int, tell: Callable[[str], None]) -> Counter[str]:
+    """The same with a bench of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        inner = Path(folder) / "a" / "b"
+        inner.mkdir(parents=True)
+        return hunt(Bench(inner), name, tries, start, tell)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tries", type=int, default=1000, help="mutations of every sort")
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
     parser.add_argument("--only", choices=HUNTS, help="one sort of mutation; all unless given")
+    parser.add_argument("--processes", type=int, default=2, help="processes at once")
     options = parser.parse_args()
-    faults = 0
-    with tempfile.TemporaryDirectory() as folder:
-        inner = Path(folder) / "a" / "b"
-        inner.mkdir(parents=True)
-        bench = Bench(inner)
-        print(f"results file of {len(bench.content)} bytes, {len(bench.parts)} parts")
-        for name in [options.only] if options.only else HUNTS:
-            found: Counter[str] = Counter()
-            for start in range(options.seed, options.seed + options.tries, 100):  # said now and then: it takes long
-                found += hunt(bench, name, min(100, options.seed + options.tries - start), start)
-                print(f"{name}, {found.total()} tries: {dict(found.most_common())}", flush=True)
-            faults += sum(count for outcome, count in found.items() if outcome.isupper())
-    return 1 if faults else 0
+    names = [options.only] if options.only else HUNTS
+    found = (pooled(n, partial(fresh_hunt, n), options.tries, options.seed, options.processes) for n in names)
+    return 1 if sum(map(faults, found)) else 0
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ from pounding_cli.kernels import kept
 
 from .damage import damaged_bytes
 from .guarded import guarded
+from .hunting import faults, pooled
 
 SOURCE = """\
 from numba import njit
@@ -125,10 +126,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tries", type=int, default=1000, help="mutations")
     parser.add_argument("--seed", type=int, default=0, help="the first seed")
+    parser.add_argument("--processes", type=int, default=2, help="processes at once")
     options = parser.parse_args()
-    found = hunt(options.tries, options.seed)
-    print(f"cache: {dict(found.most_common())}")
-    return 1 if any(outcome.isupper() for outcome in found) else 0
+    return 1 if faults(pooled("cache", hunt, options.tries, options.seed, options.processes)) else 0
 
 
 if __name__ == "__main__":

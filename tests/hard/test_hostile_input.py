@@ -7,12 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from pounding_cli import open_results
+from pounding_cli import motion, open_results
 from pounding_cli.cli.check import command as check
+from pounding_cli.cli.records import show
 from pounding_cli.errors import InputError
 from pounding_cli.records import read_motion
 from pounding_cli.study import load_study
 from pounding_cli.study.patterns import matching_files
+from pounding_cli.study.template import start_study
 
 from .guarded import guarded
 
@@ -148,9 +150,18 @@ def test_a_study_file_is_regular(tmp_path):
 
 def test_a_results_file_is_regular(tmp_path):
     os.mkfifo(tmp_path / "pipe.h5")
-    assert "it is no regular file" in guarded(lambda: open_results(tmp_path / "pipe.h5"))
+    assert ": cannot be read: it is no regular file\n" in guarded(lambda: open_results(tmp_path / "pipe.h5"))
     assert "it is no regular file" in guarded(lambda: open_results("/dev/zero"))
-    assert "cannot be read: [Errno 36] File name too long" in guarded(lambda: open_results("a" * 20_000))
+    assert "cannot be read: File name too long" in guarded(lambda: open_results("a" * 20_000))
+
+
+SHOWN = dict.fromkeys(("window", "whole", "output"))
+
+
+@pytest.mark.parametrize(("work", "options"), [(start_study, {}), (motion, {}), (show.callback, SHOWN)])
+def test_a_name_without_end(work, options):
+    """Of a new study, and of a motion in Python and on the command line."""
+    assert guarded(lambda: work("a" * 10_000, **options)).startswith("refused: ")
 
 
 def test_names_that_are_no_text(tmp_path):

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from report_fakes import CASES, RECORDS, make
 
-from pounding_cli.report.evidence import motion_label, motion_sentence, points
+from pounding_cli.report.evidence import motion_label, motion_sentence, points, split
 
 
 def test_mean_over_motions_is_the_mean_of_the_ratios():
@@ -101,3 +101,13 @@ def test_motions_are_labelled_by_where_they_come_from(sources, label, sentence):
 
 def test_cases_keep_the_order_of_the_file():
     assert points(make(cases=tuple(CASES)))[0].cases == list(CASES)
+
+
+def test_a_motion_of_an_unknown_kind_comes_last():
+    """As another program, or someone who changes a file, may call it. Fails with a fault of the program."""
+    records = pd.DataFrame({"record": ["a", "taft", "b"], "source": ["measured", "real", "user"]})
+    assert motion_label(records) == "real: taft; user: b; measured: a"
+
+
+def test_a_sentence_may_begin_like_a_list():
+    assert split("[1\n second ") == ["[1", "second"]

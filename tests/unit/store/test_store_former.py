@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from sealing import edited
 from study_plans import FakeStudy, known, small_plan
@@ -110,5 +111,15 @@ def test_what_no_longer_tells_its_study_is_refused(project):
     with edited(path) as file:
         del file.attrs["study_file"]  # as former versions of the program wrote it
     check(project, "elsewhere.yaml")
+    with pytest.raises(InputError, match="another study"):
+        check(project, title="another title")
+
+
+@pytest.mark.parametrize("name", ["x" * 10_000, "a\0b"])
+def test_a_study_of_an_impossible_name_is_another_study(project, name):
+    """What someone wrote into the file. Fails with an error of the operating system."""
+    with edited(project / "results" / "my-study.h5") as file:
+        file.attrs["study_file"] = np.bytes_(name)
+    check(project)  # no such file, and the title is the study's: it was moved
     with pytest.raises(InputError, match="another study"):
         check(project, title="another title")

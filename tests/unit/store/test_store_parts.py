@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from study_plans import known, small_plan
 
 from pounding_cli.store import PartStore
 from pounding_cli.store.chunk import Chunk
-from pounding_cli.store.codec import decode, encode
+from pounding_cli.store.codec import decode, encode, parse
 
 ARRAYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
 LINKS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
@@ -71,6 +72,19 @@ def test_words_and_numbers_that_do_not_belong_together_are_refused(plan):
     text, numbers = encode(odd(plan))
     with pytest.raises(ValueError, match="expected"):
         decode(text, numbers[:-1])
+
+
+@pytest.mark.parametrize("value", [None, 3.0, [], "a\0b", "\ud800"])
+@pytest.mark.parametrize("name", ["status", "flags", "energy", "storeys", "links"])
+def test_words_of_another_kind_are_refused(plan, name, value):
+    """A part that someone wrote, its checksum included. Fails if the run ends where the results file is written."""
+    response = odd(plan)
+    text, _ = encode(response)
+    words = json.loads(text)
+    words[name] = [value] if isinstance(words[name], list) else value
+    with pytest.raises((ValueError, TypeError)):
+        parse(json.dumps(words))
+    assert parse(text).facts["status"] == response.status
 
 
 def test_a_store_gives_back_what_went_in_from_memory_and_from_disk(tmp_path, plan, responses):
