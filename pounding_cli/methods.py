@@ -73,6 +73,7 @@ class Method:
     source : full citation
     code : its `solve.method.Integrator`, or where that stands as "module:name"
     solves : which scenes it runs, in words
+    remembers : whether it runs laws whose force depends on events before
     keeps_ledger : whether it fills the energy ledger
     located : whether the ends of a contact or a yield are steps of their own, so that the order holds there too
     """
@@ -86,6 +87,7 @@ class Method:
     source: str
     code: object
     solves: str = "every scene"
+    remembers: bool = False
     keeps_ledger: bool = False
     located: bool = False
 
@@ -107,7 +109,7 @@ _LIST = (
         "taylor", "Taylor with events", 0, ACCURACY, "chooses its steps itself", "locates it to rounding",
         "Jorba, A. & Zou, M. (2005). A software package for the numerical integration of ODEs by means of high-order "
         "Taylor methods. Exp. Math. 14(1).",
-        "pounding_cli.solve.taylor:TAYLOR", keeps_ledger=True, located=True,
+        "pounding_cli.solve.taylor:TAYLOR", remembers=True, keeps_ledger=True, located=True,
     ),
     Method(
         "rk4-events", "Runge-Kutta 4 with events", 4, TIME_STEP, _EXPLICIT,

@@ -31,13 +31,13 @@ SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = LINE, FOUNDATION_FORCE  # fault: island-s
 """The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
 # A link: what its law leaves out of the closing; what a step leaves to the next: the law of its branch (`link_series`),
-# the closing it is pinned at, events at this instant, peaks and work, for how long contact is undecided (`from_rest`);
-# what describes a step: its start.
+# the closing it is pinned at, what it remembers, events at this instant, peaks and work, for how long
+# contact is undecided (`from_rest`); what describes a step: its start.
 (
     LINK_OFFSET, LAW_LINEAR, LAW_CUBIC, LAW_OFFSET, LAW_DASHPOT, LAW_ROOT, ACTS, CLOSED, LOW, HIGH, PINNED_CLOSING,
-    EVENTS_AT_INSTANT, PEAK_CLOSING, PEAK_FORCE, IMPULSE, CONTACT_TIME, WORK, UNDECIDED, CLOSING, LARGEST_TERM,
+    MEMORY, EVENTS_AT_INSTANT, PEAK_CLOSING, PEAK_FORCE, IMPULSE, CONTACT_TIME, WORK, UNDECIDED, CLOSING, LARGEST_TERM,
     DASHPOT_NOW, HALF_INVERSE_ROOT,
-) = range(0, 8 * 22, 8)  # fmt: skip
+) = range(0, 8 * 23, 8)  # fmt: skip
 _LINK_FIELDS = 23  # an odd number again
 LINK_CHECKPOINT, LINK_CHECKPOINT_END = LAW_LINEAR, CLOSING
 """Likewise."""
@@ -54,9 +54,9 @@ _TERM_FIELDS = 5
 
 _POINTERS = {
     "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "pinned": INTEGERS, "links": DOUBLES, "link_integers": INTEGERS,
-    "branches": DOUBLES, "guards": DOUBLES, "left_links": INTEGERS, "right_links": INTEGERS, "link_forces": DOUBLES,
-    "series": DOUBLES, "rule": DOUBLES,
-    "reciprocal": DOUBLES, "clock": DOUBLES, "tally": INTEGERS, "scratch": DOUBLES, "rocking_drift": DOUBLES,
+    "branches": DOUBLES, "guards": DOUBLES, "operations": DOUBLES, "left_links": INTEGERS, "right_links": INTEGERS,
+    "link_forces": DOUBLES, "series": DOUBLES, "rule": DOUBLES, "reciprocal": DOUBLES, "clock": DOUBLES,
+    "tally": INTEGERS, "scratch": DOUBLES, "rocking_drift": DOUBLES,
 }  # fmt: skip
 _RANGES = ("slot_start", "slot_stop", "link_start", "link_stop")
 _COUNTS = ("padded", "padded_links", "links_per_side", "foundations")
@@ -71,7 +71,7 @@ ends : rows of displacements at the step's end, of their chord deviations (`summ
     displacements possible in this segment [m]
 slots, links, link_integers, series : records as above
 pinned : of storeys, `layout.State.pinned_storey`
-branches, guards : the tables of the links' laws (`link_table`)
+branches, guards, operations : the tables of the links' laws (`link_table`)
 left_links, right_links : of every place, the link on its left, which pushes it to the right, and the one on its right;
     a row for each of `links_per_side`. `padded_links` where there is none: there eight zeros stand behind the forces.
     Where `links_per_side` is 0, the first of eight links
@@ -247,6 +247,7 @@ def take_links(run, row, links, state, peaks, ledger):
         e = row.link_places[link]
         c[of_link(e, LINK_OFFSET)] = links.offset[link]
         c[of_link(e, PINNED_CLOSING)] = state.pinned_closing[link]
+        c[of_link(e, MEMORY)] = state.link_memory[link]
         c[of_link(e, EVENTS_AT_INSTANT)] = 0.0
         c[of_link(e, PEAK_CLOSING)] = peaks.closing[link]
         c[of_link(e, PEAK_FORCE)] = peaks.force[link]
@@ -279,4 +280,5 @@ def give_links(run, row, state, peaks, ledger):
         state.link_branch[link] = n[of_link_integer(e, BRANCH)]
         state.pinned_link[link] = n[of_link_integer(e, PINNED_AT_EVENT)]
         state.pinned_closing[link] = c[of_link(e, PINNED_CLOSING)]
+        state.link_memory[link] = c[of_link(e, MEMORY)]
         peaks.impacts[link] = n[of_link_integer(e, IMPACTS)]

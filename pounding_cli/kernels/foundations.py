@@ -52,18 +52,32 @@ def start_foundations(run, foundations):
 
 @njit(**CALLED)
 def expand_foundations(run, foundations, k):
+    """Order k of what foundations add (`foundation_forces`), and order k + 1 of the rocking angle and its rate."""
+    no_inline()
+    h = run.clock[H]
+    after = h * run.reciprocal[k + 1]
+    row = k * run.padded
+    foundation_forces(run, foundations, k, run.W, row - run.padded, h * run.reciprocal[k] if k > 0 else 1.0)
+    for f in range(run.foundations):
+        foundations.D[(k + 1) * run.foundations + f] = foundations.W[k * run.foundations + f] * after
+        turning_after = foundations.W[(k + 1) * run.foundations + f] * after
+        foundations.W[(k + 1) * run.foundations + f] = turning_after
+        for i in range(foundations.first[f], foundations.stop[f]):
+            run.rocking_drift[row + 2 * run.padded + i] = run.slots[of(i, c.RISE)] * turning_after
+
+
+@njit(**CALLED)
+def foundation_forces(run, foundations, k, rows, above, before):
     """Order k of what foundations add, into FORCE: rocking's share of the storey shears, the mass-proportional damping
-    of the structural motion; and order k + 1 of the rocking angle."""
+    of the structural motion; and of the angular acceleration, in the place of the next rate.
+
+    Order k of the displacements is `before` times `rows`, from `above` on.
+    """
     no_inline()
     count = run.foundations
-    padded = run.padded
     slots = run.slots
-    h = run.clock[H]
-    before = h * run.reciprocal[k] if k > 0 else 1.0
-    after = h * run.reciprocal[k + 1]
-    row = k * padded
-    above = row - padded
-    for b in range(0, padded, 8):
+    row = k * run.padded
+    for b in range(0, run.padded, 8):
         store(slots, at(b, c.FOUNDATION_FORCE), splat(0.0))
     for f in range(count):
         angle = foundations.D[k * count + f]
@@ -77,11 +91,11 @@ def expand_foundations(run, foundations, k):
             dashpot = slots[of(i, c.DASHPOT)]
             turned = rise * (tangent * angle + dashpot * turning)
             slots[of(i, c.FOUNDATION_FORCE)] += turned
-            drift = before * run.W[above + i]
+            drift = before * rows[above + i]
             rate = run.W[row + i]
             if slots[of(i, c.COUPLE)] != 0.0:
                 slots[of(i - 1, c.FOUNDATION_FORCE)] -= turned
-                drift -= before * run.W[above + i - 1]
+                drift -= before * rows[above + i - 1]
                 rate -= run.W[row + i - 1]
             shear = tangent * drift + dashpot * rate - turned
             if k == 0:
@@ -92,11 +106,7 @@ def expand_foundations(run, foundations, k):
             if base >= 0:
                 slots[of(base, c.FOUNDATION_FORCE)] += drag  # fault: base-drag
             moment += drag * arm + shear * rise  # fault: base-moment
-        turning_after = moment / foundations.inertia[f] * after
-        foundations.D[(k + 1) * count + f] = turning * after
-        foundations.W[(k + 1) * count + f] = turning_after
-        for i in range(foundations.first[f], foundations.stop[f]):
-            run.rocking_drift[row + 2 * padded + i] = slots[of(i, c.RISE)] * turning_after
+        foundations.W[(k + 1) * count + f] = moment / foundations.inertia[f]
 
 
 @njit(**PART)

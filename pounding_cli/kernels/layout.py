@@ -53,10 +53,11 @@ Foundations = namedtuple("Foundations", "number first stop base inertia stiffnes
 """number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway),
 inertia [kg m2] (inf: no rocking), rocking stiffness [N m/rad], rocking dashpot [N m s/rad], alpha [1/s]."""
 
-Links = namedtuple("Links", "number size left right offset first last branches guards")
-"""number of links and the same padded to a multiple of eight; per link, shape (size,): slots left and right; offset,
+Links = namedtuple("Links", "number size registers left right offset first last branches guards operations")
+"""number of links, the same padded to a multiple of eight, and the most registers that a force written as operations
+has; per link, shape (size,): slots left and right; offset,
 what its closing v leaves out of u_l - u_r [m]; its branches in the table of them, the first and one more than the last;
-the tables of branches and of guards (`link_table`)."""
+the tables of branches, guards and operations (`link_table`)."""
 
 Row = namedtuple("Row", "number slots links links_per_side first_slot first_link slot_places link_places")
 """How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
@@ -66,10 +67,13 @@ side, or 0 where the links of two neighbours stand like the places they join; by
 (and, one more, the number of places), the place of the first link to its right neighbour (the last is the number of
 these places); by slot and by link of the arrays: their places."""
 
-State = namedtuple("State", "u v line plastic pinned_storey link_branch pinned_link pinned_closing phi phi_v")
+State = namedtuple(
+    "State", "u v line plastic pinned_storey link_branch pinned_link pinned_closing link_memory phi phi_v"
+)
 """What evolves: u [m], v [m/s]; per storey: line (0 between the yield lines, +1 or -1 on the upper or lower one),
 plastic drift [m] (inf on a line), pinned_storey (+1, -1: exactly on that line and at rest); of a link its branch, what
-the last event pinned (its closing, or that its force is zero) and that closing [m]; rocking angle [rad] and its
+the last event pinned (its closing, or that its force is zero), that closing [m] and what it remembers; rocking angle
+[rad] and its
 rate."""
 
 Peaks = namedtuple(
@@ -107,8 +111,8 @@ def foundation_pointers(a):
 def link_pointers(a):
     """Links of pointers from Links of arrays."""
     return Links(
-        a.number, a.size, pointer(a.left), pointer(a.right), pointer(a.offset), pointer(a.first), pointer(a.last),
-        pointer(a.branches), pointer(a.guards),
+        a.number, a.size, a.registers, pointer(a.left), pointer(a.right), pointer(a.offset), pointer(a.first),
+        pointer(a.last), pointer(a.branches), pointer(a.guards), pointer(a.operations),
     )  # fmt: skip
 
 
@@ -126,7 +130,8 @@ def state_pointers(a):
     """State of pointers from State of arrays."""
     return State(
         pointer(a.u), pointer(a.v), pointer(a.line), pointer(a.plastic), pointer(a.pinned_storey),
-        pointer(a.link_branch), pointer(a.pinned_link), pointer(a.pinned_closing), pointer(a.phi), pointer(a.phi_v),
+        pointer(a.link_branch), pointer(a.pinned_link), pointer(a.pinned_closing), pointer(a.link_memory),
+        pointer(a.phi), pointer(a.phi_v),
     )  # fmt: skip
 
 

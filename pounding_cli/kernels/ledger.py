@@ -43,7 +43,7 @@ def ledger_pointers(a):
     )
 
 
-_WEIGHTS = 8 * MAX_POINTS
+SHARES = 8 * MAX_POINTS
 """Where the weights begin in `Run.rule`."""
 
 _BLOCK_BEFORE = 16 * MAX_POINTS
@@ -63,14 +63,14 @@ def _set_rule(run, nodes, weights, order):
     duration = end * run.clock[H]
     for g in range(points):
         store(run.rule, 8 * g, splat(nodes[row + g] * end))
-        store(run.rule, _WEIGHTS + 8 * g, splat(weights[row + g] * duration))
+        store(run.rule, SHARES + 8 * g, splat(weights[row + g] * duration))
     return points
 
 
 @njit(**PART)
 def _add_powers(rule, g, s, v, couple, ground, change, pushed, drag, dashed):
     """The three sums with what the velocities v at one point add."""
-    share = load(rule, _WEIGHTS + g)
+    share = load(rule, SHARES + g)
     rate = v - couple * from_left(load(rule, _BLOCK_BEFORE + g), v)
     store(rule, _BLOCK_BEFORE + g, v)
     part = v * share
@@ -97,8 +97,8 @@ def _work_of_linear_links(run, b, points, order):
             rate = load(run.series, at_term(run, k, b, c.RATE_TERM))
             rate0 = fused(rate0, s0, rate)
             rate1 = fused(rate1, s1, rate)
-        squares = fused(rate0 * load(rule, _WEIGHTS + g), rate0, squares)
-        squares = fused(rate1 * load(rule, _WEIGHTS + g + 8), rate1, squares)
+        squares = fused(rate0 * load(rule, SHARES + g), rate0, squares)
+        squares = fused(rate1 * load(rule, SHARES + g + 8), rate1, squares)
     return fused(load(links, at_link(b, c.LAW_DASHPOT)), squares, mean * (last - first))
 
 
@@ -119,8 +119,8 @@ def _work_by_quadrature(run, b, points, order):
             force1 = fused(force1, s1, force)
             rate0 = fused(rate0, s0, rate)
             rate1 = fused(rate1, s1, rate)
-        spent = fused(force0 * load(rule, _WEIGHTS + g), rate0, spent)
-        spent = fused(force1 * load(rule, _WEIGHTS + g + 8), rate1, spent)
+        spent = fused(force0 * load(rule, SHARES + g), rate0, spent)
+        spent = fused(force1 * load(rule, SHARES + g + 8), rate1, spent)
     return spent
 
 
@@ -165,7 +165,7 @@ def account(run, foundations, nodes, weights, order, any_closed, curved, inelast
             fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAG_ENERGY))),
         )
     if founded:
-        account_foundations(run, foundations, points, _WEIGHTS)
+        account_foundations(run, foundations, points, SHARES)
     if any_closed != 0:
         for b in range(run.link_start, run.link_stop, 8):
             if closed_lanes(run, b) != 0:

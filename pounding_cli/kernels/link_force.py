@@ -11,6 +11,7 @@ from numba import njit
 from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_table import branch
+from pounding_cli.kernels.program import force_and_slope
 
 
 @njit(**INLINE)
@@ -37,6 +38,9 @@ def is_curved(links, b):
 @njit(**INLINE)
 def stiffness_and_dashpot(links, b, v):
     """Slope [N/m] and dashpot constant [N s/m] of branch b at closing v [m]."""
+    if branch(links, b, t.WRITTEN) != 0.0:
+        slope = force_and_slope(links, b, v, 1.0, 0.0, 0.0)[1]
+        return max(slope, 0.0), max(force_and_slope(links, b, v, 0.0, 0.0, 1.0)[1], 0.0)
     slope = branch(links, b, t.LINEAR)
     dashpot = branch(links, b, t.DASHPOT)
     if is_curved(links, b):
@@ -48,6 +52,8 @@ def stiffness_and_dashpot(links, b, v):
 @njit(**INLINE)
 def held_force(links, b, v, rate):
     """Force of branch b [N], whatever v [m], and whether or not it acts."""
+    if branch(links, b, t.WRITTEN) != 0.0:
+        return force_and_slope(links, b, v, rate, rate, 0.0)[0]
     elastic = branch(links, b, t.LINEAR) * v + branch(links, b, t.OFFSET)
     if is_curved(links, b):
         elastic += branch(links, b, t.CUBIC) * v**3
@@ -57,6 +63,8 @@ def held_force(links, b, v, rate):
 @njit(**INLINE)
 def held_force_rate(links, b, v, rate, acceleration):
     """Time derivative of `held_force` [N/s]."""
+    if branch(links, b, t.WRITTEN) != 0.0:
+        return force_and_slope(links, b, v, rate, rate, acceleration)[1]
     slope, dashpot = stiffness_and_dashpot(links, b, v)
     dashpot_rate = 0.0
     if is_curved(links, b) and slope > 0.0:

@@ -83,7 +83,7 @@ def _floor_accelerations(slots, b, k, before, ground, u_left, u, u_right, w_left
 
 
 @njit(**PART)
-def _set_term_tolerances(run, tolerance):
+def set_allowed(run, tolerance):
     """What a term may leave out: `tolerance` times the slot's acceleration of late (`renew_scale`), or of what is not
     resolved."""
     slots = run.slots
@@ -118,7 +118,7 @@ def expand(run, foundations, any_closed, curved, cut, pinned_at_event, tolerance
 
     Returns (order, whether that held).
     """
-    _set_term_tolerances(run, tolerance)
+    set_allowed(run, tolerance)
     links = run.link_stop - run.link_start
     slots = run.slot_stop - run.slot_start
     if slots == 8 and links == 0 and not founded:

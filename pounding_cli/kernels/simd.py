@@ -95,6 +95,22 @@ def further(typingctx, place, count):
     return place(place, count), codegen
 
 
+SHORT = 64
+"""Doubles of a short array."""
+
+
+@instruction
+def short_array(typingctx):
+    """A pointer to SHORT doubles that last as long as the function runs in which this stands; what is in them is not
+    defined."""
+
+    def codegen(context, builder, signature, args):
+        with builder.goto_entry_block():
+            return builder.alloca(_DOUBLE, size=SHORT)
+
+    return types.CPointer(types.float64)(), codegen
+
+
 def _address(context, builder, signature, args):
     index = context.cast(builder, args[1], signature.args[1], types.intp)
     return builder.bitcast(builder.gep(args[0], [index]), _VECTOR.as_pointer())

@@ -95,6 +95,8 @@ from pounding_cli.kernels.ledger import RULE_SIZE, account, ledger_pointers
 from pounding_cli.kernels.link_series import start_closings
 from pounding_cli.kernels.peaks import sample, track, widen_ranges
 from pounding_cli.kernels.polynomial import NEVER
+from pounding_cli.kernels.program_series import programs_frame, room_for_programs
+from pounding_cli.kernels.program_step import PLAIN_STEP, no_program_step, program_step
 from pounding_cli.kernels.recurrence import expand, renew_scale, rescale, shrink
 from pounding_cli.kernels.simd import further, load, no_inline, pointer, splat, store
 from pounding_cli.kernels.source import source_digest
@@ -130,14 +132,21 @@ FRAMES = 64
 """Most integers of a frame."""
 
 
-def memory_needed(padded: int, foundations: int, links: int, links_per_side: int, buildings: int) -> tuple[int, int]:
-    """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally."""
+def memory_needed(
+    padded: int, foundations: int, links: int, links_per_side: int, buildings: int, registers: int
+) -> tuple[int, int]:
+    """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally. `registers`: of
+    a force written as operations; 0 where there is none."""
     doubles, integers = record_sizes(padded, links, _ROWS)
     rows = (_ROWS + 1) * (2 if foundations else 1) + 4
     small = 2 * _ROWS + CLOCK_SIZE + RULE_SIZE + 2 * (_ROWS + 1) * foundations + 64
     saved, link_integers = record_sizes(padded, links, 0)
-    tables = 2 * max(links_per_side, 1) * padded + NOTE_COUNT * buildings + 4 * FRAMES
-    return doubles + rows * padded + links + small + saved + 2 * padded, TALLY_SIZE + integers + link_integers + tables
+    tables = 2 * max(links_per_side, 1) * padded + NOTE_COUNT * buildings + 5 * FRAMES
+    written, resting = room_for_programs(padded, links, registers, foundations, _ROWS) if registers else (0, 0)
+    return (
+        doubles + rows * padded + links + small + saved + 2 * padded + written,
+        TALLY_SIZE + integers + link_integers + tables + resting,
+    )
 
 
 @njit(**PART)
@@ -168,8 +177,8 @@ def _lay_out_scratch(foundations, links, row, memory, integers):
         reciprocal[k] = 1.0 / k
     run = run_frame(further(notes, NOTE_COUNT * row.number), (
         0, padded, 0, padded_links, padded, padded_links, row.links_per_side, foundations.number,
-        further(memory, padded), ends, records, pinned, link_records, link_integers, links.branches,
-        links.guards, left_links, right_links, link_forces, series, rule, reciprocal, clock, integers, scratch,
+        further(memory, padded), ends, records, pinned, link_records, link_integers, links.branches, links.guards,
+        links.operations, left_links, right_links, link_forces, series, rule, reciprocal, clock, integers, scratch,
         rocking_drift,
     ))  # fmt: skip
     frames = further(notes, NOTE_COUNT * row.number + FRAMES)
@@ -219,7 +228,7 @@ def _shorten(run, foundations, any_closed, cut, order, tolerance, founded):
 
 
 @njit(**PART)
-def _count_step(run, whole, happened, settings):
+def _count_step(run, finished, happened, settings):
     """Count a step and move time, to -1 at the segment's end; returns an outcome, or -1 while the run goes on."""
     clock = run.clock
     tally = run.tally
@@ -228,7 +237,7 @@ def _count_step(run, whole, happened, settings):
     if clock[END] > 0.0:
         tally[EVENTS_AT_INSTANT] = 0
     clock[ELAPSED] += clock[H] * clock[END]
-    if (whole and clock[END] == 1.0) or clock[ELAPSED] >= clock[SEGMENT_LENGTH]:
+    if finished or clock[ELAPSED] >= clock[SEGMENT_LENGTH]:
         clock[ELAPSED] = -1.0
     if not np.isfinite(run.ends[run.slot_start] + run.slots[of(run.slot_start, V1)]):
         return NOT_FINITE
@@ -242,50 +251,62 @@ def _count_step(run, whole, happened, settings):
     return STEP_BOUND if tally[STEPS] > settings.max_steps else -1
 
 
-@njit(**CALLED)
-def _solve_island(run, foundations, settings, pinned_at_event):
-    """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
-
-    `pinned_at_event`: something may be exactly zero: touching floors at the start, or what an event just met."""
-    no_inline()
+@njit(**PART)
+def _plain_step(run, foundations, settings, pinned_at_event):
+    """A step by time series; as `program_step`."""
     inelastic = settings.inelastic > 0
     founded = settings.founded > 0
     tolerance = settings.tolerance
     linked = run.link_stop > run.link_start
     clock = run.clock
+    whole = _begin_step(run)
+    if founded:
+        start_foundations(run, foundations)
+    any_closed = 0
+    curved = 0
+    cut = 0
+    if linked:
+        any_closed, curved, cut = start_closings(run, pinned_at_event)
+    order, close = expand(
+        run, foundations, any_closed, curved, cut, pinned_at_event, tolerance, settings.max_order, founded
+    )
+    run.tally[ORDER] = order
+    if not close:
+        ratio = _shorten(run, foundations, any_closed, cut, order, tolerance, founded)
+        if not ratio > SHORTEST:
+            return STEP_BOUND if np.isfinite(ratio) else NOT_FINITE, False, False, False
+        whole = whole and ratio >= 1.0
+    summarise(run, foundations, order, founded)
+    storeys = inelastic and first_storey_event(run, founded)
+    link = linked and first_link_event(run)
+    if clock[END] < 1.0:
+        end_at_event(run, foundations, order, founded)
+    else:
+        clock[END] = 1.0
+    account(run, foundations, settings.nodes, settings.weights, order, any_closed, curved, inelastic, founded)
+    track(run, foundations, order, any_closed, inelastic, founded)
+    if settings.use_islands > 0:
+        widen_ranges(run)
+    return -1, storeys, link, whole and clock[END] == 1.0
+
+
+@njit(**PART)
+def _march(other_step, run, foundations, programs, settings, pinned_at_event):
+    """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
+
+    `other_step`: what takes the steps that plain ones cannot. `pinned_at_event`: something may be exactly zero:
+    touching floors at the start, or what an event just met."""
+    founded = settings.founded > 0
+    clock = run.clock
     clock[ELAPSED] = 0.0
     clock[LONGEST_STEP] = clock[SEGMENT_LENGTH]
     status = -1
     while status < 0 and clock[ELAPSED] >= 0.0:
-        whole = _begin_step(run)
-        if founded:
-            start_foundations(run, foundations)
-        any_closed = 0
-        curved = 0
-        cut = 0
-        if linked:
-            any_closed, curved, cut = start_closings(run, pinned_at_event)
-        order, close = expand(
-            run, foundations, any_closed, curved, cut, pinned_at_event, tolerance, settings.max_order, founded
-        )
-        run.tally[ORDER] = order
-        if not close:
-            ratio = _shorten(run, foundations, any_closed, cut, order, tolerance, founded)
-            if not ratio > SHORTEST:
-                status = STEP_BOUND if np.isfinite(ratio) else NOT_FINITE
-                break
-            whole = whole and ratio >= 1.0
-        summarise(run, foundations, order, founded)
-        storeys = inelastic and first_storey_event(run, founded)
-        link = linked and first_link_event(run)
-        if clock[END] < 1.0:
-            end_at_event(run, foundations, order, founded)
-        else:
-            clock[END] = 1.0
-        account(run, foundations, settings.nodes, settings.weights, order, any_closed, curved, inelastic, founded)
-        track(run, foundations, order, any_closed, inelastic, founded)
-        if settings.use_islands > 0:
-            widen_ranges(run)
+        status, storeys, link, finished = other_step(run, foundations, programs, settings)
+        if status == PLAIN_STEP:
+            status, storeys, link, finished = _plain_step(run, foundations, settings, pinned_at_event)
+        if status >= 0:
+            break
         renew_scale(run)
         if pinned_at_event and clock[END] > 0.0:
             unpin(run)
@@ -297,13 +318,28 @@ def _solve_island(run, foundations, settings, pinned_at_event):
         if link or storeys:
             pinned_at_event = True
             clock[LONGEST_STEP] = clock[SEGMENT_LENGTH]
-        status = _count_step(run, whole, link or storeys, settings)
+        status = _count_step(run, finished, link or storeys, settings)
         for b in range(run.slot_start, run.slot_stop, 8):
             store(run.W, b - run.padded, load(run.ends, b))
             store(run.W, b, load(run.slots, at(b, V1)))
         if founded:
             advance_foundations(run, foundations)
     return status, pinned_at_event
+
+
+@njit(**CALLED)
+def _solve_island(run, foundations, programs, settings, pinned_at_event):
+    """`_march` by plain steps alone. A function that is passed to one that is called, not copied, could not be kept
+    on disk, so there are two of these."""
+    no_inline()
+    return _march(no_program_step, run, foundations, programs, settings, pinned_at_event)
+
+
+@njit(**CALLED)
+def _solve_island_with_programs(run, foundations, programs, settings, pinned_at_event):
+    """`_march` with program steps."""
+    no_inline()
+    return _march(program_step, run, foundations, programs, settings, pinned_at_event)
 
 
 @njit(**CALLED)
@@ -334,7 +370,7 @@ def _guess_islands(run, row, use_islands):
 
 
 @njit(**PART)
-def _solve_islands(run, row, foundations, settings):
+def _solve_islands(solve_island, run, row, foundations, programs, settings):
     """Solve every island that is not solved yet; returns an outcome, or -1."""
     notes = row.notes
     left = 0
@@ -351,7 +387,7 @@ def _solve_islands(run, row, foundations, settings):
                 store(run.ends, 2 * run.padded + b, splat(-1e300))
                 store(run.ends, 3 * run.padded + b, splat(1e300))
             before = run.tally[EVENTS]
-            status, pinned_at_event = _solve_island(run, foundations, settings, pinned_at_event)
+            status, pinned_at_event = solve_island(run, foundations, programs, settings, pinned_at_event)
             if status >= 0:
                 return status
             notes[left * NOTE_COUNT + ISLAND_EVENTS] = run.tally[EVENTS] - before
@@ -392,72 +428,106 @@ def _end_segment(row):
         notes[mine + PINNED] = notes[mine + PINNED_AT_END]
 
 
+@njit(**PART)
+def _integrate(
+    solve_island, slot_arrays, foundation_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays,
+    nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order,
+    max_steps, max_events, max_events_at_instant,
+):  # fmt: skip
+    """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
+
+    `memory` and `integers` are scratch (`memory_needed`), zeroed, `memory` at a cache line. `nodes` and `weights` are
+    Gauss-Legendre rules on [0, 1] (`ledger.MAX_POINTS`). `inelastic`: storeys can yield. `use_islands`: islands are
+    looked for; without it the row is one. `least_scale`: the acceleration below which nothing is resolved [m/s2]. Fills
+    state, peaks and ledger in place; returns (status, steps, events, orders computed, time reached [s]).
+    """
+    slots, given_foundations, links = (
+        slot_pointers(slot_arrays),
+        foundation_pointers(foundation_arrays),
+        link_pointers(link_arrays),
+    )
+    state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
+    ledger = ledger_pointers(ledger_arrays)
+    accelerations, rates = pointer(starts), pointer(slopes)
+    run, row, frames, rest = _lay_out_scratch(
+        given_foundations, links, row_pointers(row_arrays), pointer(memory), pointer(integers)
+    )
+    foundations = foundations_frame(frames, given_foundations, state, peaks, ledger, run.foundations, _ROWS, rest)
+    founded = 1 if run.foundations > 0 else 0
+    settings = _settings_frame(further(frames, FRAMES), (
+        1 if inelastic else 0, founded, 1 if use_islands else 0, max_order, max_steps, max_events,
+        max_events_at_instant, tolerance, pointer(nodes), pointer(weights),
+    ))  # fmt: skip
+    programs = programs_frame(
+        further(frames, 2 * FRAMES), run, links.registers, _ROWS, further(rest, 2 * (_ROWS + 1) * run.foundations),
+        further(frames, 3 * FRAMES),
+    )  # fmt: skip
+    take_slots(run, row, slots, state, peaks, ledger)
+    take_links(run, row, links, state, peaks, ledger)
+    initialise_branches(run)
+    start_in_touch(run)
+    run.clock[SEGMENT_LENGTH] = length
+    run.clock[LEAST_SCALE] = least_scale
+    for b in range(row.number):
+        row.notes[b * NOTE_COUNT + PINNED] = 1
+    status = -1
+    segment = 0
+    while segment < starts.size:
+        run.tally[SEGMENT] = segment
+        run.clock[SEGMENT_GROUND] = accelerations[segment]
+        run.clock[GROUND_SLOPE] = rates[segment]
+        _guess_islands(run, row, use_islands)
+        unsettled = True
+        while unsettled:
+            status = _solve_islands(solve_island, run, row, foundations, programs, settings)
+            unsettled = status < 0 and _join_touching(run, row)
+        if status >= 0:
+            break
+        _end_segment(row)
+        if peaks.watched != 0:
+            sample(run, row, slots.size, peaks.samples)
+        segment += 1
+    give_slots(run, row, state, peaks, ledger)
+    give_links(run, row, state, peaks, ledger)
+    time = segment * length + (max(run.clock[ELAPSED], 0.0) if segment < starts.size else 0.0)
+    return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time
+
+
 @functools.cache
-def build():
-    """The integrator, compiled on first use; what a scene does not need costs it a few untaken branches."""
+def build(programs: bool):
+    """The integrator, compiled on first use; what a scene does not need costs it a few untaken branches.
+
+    programs : with the steps that forces written as operations need
+    """
 
     source = source_digest()
+    if programs:
+
+        @njit(**PLAIN)
+        def integrate_programs(
+            slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers, starts, slopes,
+            length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
+            max_events_at_instant,
+        ):  # fmt: skip
+            _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
+            return _integrate(
+                _solve_island_with_programs, slots, foundations, links, row, state, peaks, ledger, nodes, weights,
+                memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order,
+                max_steps, max_events, max_events_at_instant,
+            )  # fmt: skip
+
+        return integrate_programs
 
     @njit(**PLAIN)
     def integrate(
-        slot_arrays, foundation_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays, nodes,
-        weights, memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order,
-        max_steps, max_events, max_events_at_instant,
+        slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers, starts, slopes, length,
+        inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
     ):  # fmt: skip
-        """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
-
-        `memory` and `integers` are scratch (`memory_needed`), zeroed, `memory` at a cache line. `nodes` and `weights`
-        are Gauss-Legendre rules on [0, 1] (`ledger.MAX_POINTS`). `inelastic`: storeys can yield. `use_islands`: islands
-        are looked for; without it the row is one. `least_scale`: the least acceleration that errors are measured by
-        [m/s2]. Fills state, peaks and ledger in place; returns (status, steps, events, orders computed, time reached
-        [s]).
-        """
-        _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
-        slots, given_foundations, links = (
-            slot_pointers(slot_arrays),
-            foundation_pointers(foundation_arrays),
-            link_pointers(link_arrays),
-        )
-        state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
-        ledger = ledger_pointers(ledger_arrays)
-        accelerations, rates = pointer(starts), pointer(slopes)
-        run, row, frames, rest = _lay_out_scratch(
-            given_foundations, links, row_pointers(row_arrays), pointer(memory), pointer(integers)
-        )
-        foundations = foundations_frame(frames, given_foundations, state, peaks, ledger, run.foundations, _ROWS, rest)
-        founded = 1 if run.foundations > 0 else 0
-        settings = _settings_frame(further(frames, FRAMES), (
-            1 if inelastic else 0, founded, 1 if use_islands else 0, max_order, max_steps, max_events,
-            max_events_at_instant, tolerance, pointer(nodes), pointer(weights),
-        ))  # fmt: skip
-        take_slots(run, row, slots, state, peaks, ledger)
-        take_links(run, row, links, state, peaks, ledger)
-        initialise_branches(run)
-        start_in_touch(run)
-        run.clock[SEGMENT_LENGTH] = length
-        run.clock[LEAST_SCALE] = least_scale
-        for b in range(row.number):
-            row.notes[b * NOTE_COUNT + PINNED] = 1
-        status = -1
-        segment = 0
-        while segment < starts.size:
-            run.tally[SEGMENT] = segment
-            run.clock[SEGMENT_GROUND] = accelerations[segment]
-            run.clock[GROUND_SLOPE] = rates[segment]
-            _guess_islands(run, row, use_islands)
-            unsettled = True
-            while unsettled:
-                status = _solve_islands(run, row, foundations, settings)
-                unsettled = status < 0 and _join_touching(run, row)
-            if status >= 0:
-                break
-            _end_segment(row)
-            if peaks.watched != 0:
-                sample(run, row, slots.size, peaks.samples)
-            segment += 1
-        give_slots(run, row, state, peaks, ledger)
-        give_links(run, row, state, peaks, ledger)
-        time = segment * length + (max(run.clock[ELAPSED], 0.0) if segment < starts.size else 0.0)
-        return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time
+        _ = source
+        return _integrate(
+            _solve_island, slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers,
+            starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
+            max_events_at_instant,
+        )  # fmt: skip
 
     return integrate

@@ -9,7 +9,7 @@ from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.cells import of, of_link, of_link_integer
 from pounding_cli.kernels.clock import END, EVENT_GUARD, EVENT_LINK
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_series import set_law
+from pounding_cli.kernels.link_series import difference, set_law
 from pounding_cli.kernels.recurrence import update_stencils
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.storey_law import coefficients, transition
@@ -60,6 +60,18 @@ def storey_events(run):
             _storey_event(run, i, run.slots[of(i, c.DRIFT1)])
 
 
+@njit(**PART)
+def _event_value(run, e, quantity):
+    """Closing [m] or rate [m/s] of link e at the step's end."""
+    left, right = (
+        run.link_integers[of_link_integer(e, c.LEFT_SLOT)],
+        run.link_integers[of_link_integer(e, c.RIGHT_SLOT)],
+    )
+    if quantity == t.CLOSING:
+        return run.ends[left] - run.ends[right] - run.links[of_link(e, c.LINK_OFFSET)]
+    return difference(run.slots[of(left, c.V1)], run.slots[of(right, c.V1)], 0.0)
+
+
 @njit(**CALLED)
 def link_event(run):
     """Change the branch of the link whose event comes first."""
@@ -68,7 +80,10 @@ def link_event(run):
     g = run.tally[EVENT_GUARD]
     run.link_integers[of_link_integer(e, c.BRANCH)] = int(t.guard(run, g, t.NEXT))
     run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] = int(t.guard(run, g, t.QUANTITY))
-    run.links[of_link(e, c.PINNED_CLOSING)] = t.guard(run, g, t.AT)
+    memory = run.links[of_link(e, c.MEMORY)]
+    run.links[of_link(e, c.PINNED_CLOSING)] = t.guard(run, g, t.AT) + t.guard(run, g, t.OF_MEMORY) * memory
+    if t.guard(run, g, t.REMEMBERS) != t.NOTHING:
+        run.links[of_link(e, c.MEMORY)] = _event_value(run, e, t.guard(run, g, t.REMEMBERS))
     run.link_integers[of_link_integer(e, c.IMPACTS)] += int(t.guard(run, g, t.IMPACT))
     run.links[of_link(e, c.EVENTS_AT_INSTANT)] += 1.0
     set_law(run, e)

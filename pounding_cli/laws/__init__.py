@@ -8,11 +8,12 @@ import functools
 from importlib import metadata
 
 from pounding_cli.laws.connector import Connector
+from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
 
-BUILT_IN: tuple[type[LinkLaw], ...] = (Pounding, Infill, Connector)
+BUILT_IN: tuple[type[LinkLaw], ...] = (Pounding, Infill, Connector, Hertz, HertzDamp)
 """In the order in which reference pages list them."""
 
 

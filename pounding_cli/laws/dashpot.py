@@ -37,6 +37,11 @@ def damping_ratio(restitution: float) -> float:
     return -log / math.hypot(math.pi, log)  # fault: damping-ratio-of-restitution
 
 
+def restitution_of(ratio: float) -> float:
+    """Coefficient of restitution [-] of a damping ratio, 0 <= xi < 1: the inverse of `damping_ratio`."""
+    return math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2))
+
+
 def dashpot_constant(ratio: float, stiffness: float, mass: float) -> float:
     """2 xi sqrt(s m') [N s/m] (eq. 7)."""
     return 2 * ratio * math.sqrt(stiffness * mass)  # fault: dashpot

@@ -1,9 +1,10 @@
 """What a link law declares: its parameters, its branches, where each ends and what follows.
 
 A link acts on the closing v of its two floors, less the gap where the law says so. On one branch its force is
-    F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v'.
-A branch ends at a *guard*: where the closing passes a value, or where the force changes its sign. Everything else
-that the program needs of a law (its series, tangent, events, stored energy, histories) follows from this."""
+    F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v',
+or any other smooth force, written as an expression (`laws.program`). A branch ends at a *guard*: where the closing,
+its rate, the acceleration between the floors or the force passes a value. Everything else that the program needs of a
+law (its series, tangent, events, stored energy, histories) follows from this."""
 
 from __future__ import annotations
 
@@ -13,6 +14,12 @@ from enum import IntEnum
 from functools import cached_property
 from typing import Any, ClassVar
 
+from pounding_cli.laws.program import CLOSING, RATE, Expression, work
+
+PRESSED = 0.01
+"""Closing [m] at which the slope of a force that stiffens without end is taken: floors press each other by
+millimetres."""
+
 
 class Quantity(IntEnum):
     """What a guard looks at."""
@@ -20,6 +27,8 @@ class Quantity(IntEnum):
     NOTHING = 0
     CLOSING = 1
     FORCE = 2
+    RATE = 3
+    ACCELERATION = 4
 
 
 @dataclass(frozen=True)
@@ -28,13 +37,15 @@ class Guard:
 
     Parameters
     ----------
-    quantity : the closing v or the force F
-    at : value that it passes [m]; a force passes zero
+    quantity : the closing v, its rate v', the acceleration v'' between the floors, or the force F
+    at : value that it passes [m, m/s]; an acceleration and a force pass zero
     side : 1 where it falls below that value, -1 where it rises above
     to : name of the branch that follows
     impact : counted as a blow
     once : an event that undoes itself at the same instant is numerical error (floors that part from rest, for
         example): after two of them the link stays as it is until time goes on
+    of_memory : times what the link remembers, is added to `at` [-]
+    remembers : the closing or the rate at the event is what the link remembers from then on
     """
 
     quantity: Quantity
@@ -43,6 +54,8 @@ class Guard:
     to: str
     impact: bool = False
     once: bool = False
+    of_memory: float = 0.0
+    remembers: Quantity = Quantity.NOTHING
 
 
 def falls_below(at: float, to: str) -> Guard:
@@ -76,6 +89,8 @@ class Branch:
     guards : where it ends, in the order in which they are asked
     closed : whether its force is followed; without it the branch has none
     acts : whether the force acts on the floors; a force that would pull where the law cuts it off does not
+    force : a smooth force that the coefficients cannot say [N]; they are zero then
+    regular : b where `force` holds powers of v that are whole powers of v^(1/b) [-]
     """
 
     name: str
@@ -87,6 +102,33 @@ class Branch:
     guards: tuple[Guard, ...] = ()
     closed: bool = True
     acts: bool = True
+    force: Expression | None = None
+    regular: int = 1
+
+    @cached_property
+    def expression(self) -> Expression:
+        """Its force, however it is given."""
+        if self.force is not None:
+            return self.force
+        force = self.linear * CLOSING + self.offset
+        dashpot: Expression | float = self.dashpot
+        if self.cubic:
+            force = force + self.cubic * CLOSING**3
+        if self.root:
+            dashpot = self.root * (self.linear + 3 * self.cubic * CLOSING**2) ** 0.5 + self.dashpot
+        return force + dashpot * RATE if self.damps else force
+
+    @property
+    def damps(self) -> bool:
+        """Whether its force depends on the rate."""
+        return bool(self.dashpot or self.root) or (self.force is not None and self.force.holds(RATE))
+
+    @cached_property
+    def general(self) -> bool:
+        """Whether only program steps (`kernels.program_step`) can follow it: its force is an expression, or a guard
+        looks at more than closing and force."""
+        plain = Quantity.CLOSING, Quantity.FORCE
+        return self.force is not None or any(g.quantity not in plain or g.of_memory for g in self.guards)
 
     @cached_property
     def interval(self) -> tuple[float, float]:
@@ -102,11 +144,19 @@ class Branch:
 
     def stored(self, closing: float) -> float:
         """Energy in the spring [J] at a closing [m], but for a constant."""
+        if self.force is not None:
+            force = self.force
+            rest = self.interval[0] if math.isfinite(self.interval[0]) else 0.0
+            return work(lambda v: force.at(v, 0.0), rest, closing)
         return 0.5 * self.linear * closing**2 + 0.25 * self.cubic * closing**4 + self.offset * closing
 
     def steepest(self) -> float:
         """Stiffness [N/m] at its largest closing, where it is stiffest."""
         high = self.interval[1]
+        if self.force is not None:
+            v = min(high, PRESSED)
+            low = 0.999 * v
+            return float(self.force.at(v, 0.0) - self.force.at(low, 0.0)) / (v - low)
         return self.linear + (3 * self.cubic * high**2 if self.cubic and math.isfinite(high) else 0.0)
 
 
@@ -229,7 +279,7 @@ class LinkLaw:
     @cached_property
     def damped(self) -> bool:
         """Whether a dashpot takes energy."""
-        return any(branch.dashpot or branch.root for branch in self._sample)
+        return any(branch.damps for branch in self._sample)
 
     @cached_property
     def cut(self) -> bool:
@@ -237,15 +287,26 @@ class LinkLaw:
         return any(branch.cut for branch in self._sample)
 
     @cached_property
+    def general(self) -> bool:
+        """Whether some branch is followed by program steps."""
+        return any(branch.general for branch in self._sample)
+
+    @cached_property
+    def remembers(self) -> bool:
+        """Whether its force depends on what happened before, so that only a method that locates events knows it."""
+        return any(guard.remembers for branch in self._sample for guard in branch.guards)
+
+    @cached_property
     def is_linear(self) -> bool:
         """Whether its force is linear in closing and rate at all times, as far as it can act at all."""
         first = self._sample[0]
-        return not self.can_close or not (first.guards or first.cubic or first.root)
+        return not self.can_close or not (first.guards or first.cubic or first.root or first.force)
 
     @cached_property
     def initial_stiffness(self) -> float:
-        """The stiffness as the floors begin to press [N/m]."""
-        return next(branch.linear for branch in self._sample if branch.closed)
+        """The stiffness as the floors begin to press [N/m]; of a force without one there, its largest."""
+        first = next(branch for branch in self._sample if branch.closed)
+        return first.linear if first.force is None else first.steepest()
 
     @cached_property
     def stiffest(self) -> float:
@@ -278,13 +339,16 @@ class LinkLaw:
         return {each.name: each for each in fields(cls) if "parameter" in each.metadata}
 
 
-def opening(*closed: Branch, at: float = 0.0, tension_cut: bool = False) -> tuple[Branch, ...]:
+def opening(
+    *closed: Branch, at: float = 0.0, tension_cut: bool = False, remembers: Quantity = Quantity.NOTHING
+) -> tuple[Branch, ...]:
     """All branches of a law that is open below a closing, from its closed ones in the order of their closings.
 
     at : the closing v at which it closes [m]
     tension_cut : each branch ends where its force would pull, and goes on without force until it would push again
+    remembers : what the link remembers of the instant at which it closes
     """
-    first = rises_above(at, closed[0].name, impact=True, once=True)
+    first = replace(rises_above(at, closed[0].name, impact=True, once=True), remembers=remembers)
     opened = Branch("open", guards=(first,), closed=False, acts=False)
     if not tension_cut:
         return opened, *closed

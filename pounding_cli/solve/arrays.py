@@ -129,6 +129,7 @@ def at_rest(arrays: Arrays) -> State:
         link_branch=branch,
         pinned_link=known,
         pinned_closing=at,
+        link_memory=np.zeros(at.size),
         phi=np.zeros(foundations),
         phi_v=np.zeros(foundations),
     )

@@ -100,6 +100,7 @@ class _States:
     line: np.ndarray
     plastic: np.ndarray
     link_branch: np.ndarray
+    link_memory: np.ndarray
     phi: np.ndarray
     phi_v: np.ndarray
     work: np.ndarray  # (t, 4): input, dashpots, hysteresis, links [J]
@@ -116,7 +117,7 @@ def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> 
     now = aligned(len(_BY_SLOT + _WORK) * arrays.padded).reshape(-1, arrays.padded)
     state = _within(now[: len(_BY_SLOT)], _BY_SLOT, at_rest(arrays))
     ledger = _within(now[len(_BY_SLOT) :], _WORK, empty_ledger(arrays))
-    beside = (state.link_branch, state.phi, state.phi_v, ledger.foundations, ledger.links)
+    beside = (state.link_branch, state.link_memory, state.phi, state.phi_v, ledger.foundations, ledger.links)
     kept = [np.empty((times.size, *array.shape), array.dtype) for array in (now, *beside)]
     run = taylor.prepare(scene, arrays, state, accuracy, (MAX_STEPS, MAX_EVENTS))
     for whole, array in zip(kept, (now, *beside), strict=True):
@@ -129,11 +130,11 @@ def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> 
         if output >= 0:
             for whole, array in zip(kept, (now, *beside), strict=True):
                 whole[output] = array
-    by_slot, link_branch, phi, phi_v, foundations, links = kept
+    by_slot, link_branch, link_memory, phi, phi_v, foundations, links = kept
     entered, dashpots, drag, hysteresis = by_slot[:, len(_BY_SLOT) :].sum(axis=2).T
     work = np.stack((entered, dashpots + drag + foundations.sum(axis=1), hysteresis, links.sum(axis=1)), axis=1)
     u, v, line, plastic = by_slot[:, : len(_BY_SLOT)].swapaxes(0, 1)
-    return _States(u, v, line, plastic, link_branch, phi, phi_v, work)
+    return _States(u, v, line, plastic, link_branch, link_memory, phi, phi_v, work)
 
 
 def _within(block: np.ndarray, names: tuple[str, ...], fields: Any) -> Any:
@@ -233,7 +234,7 @@ def _link_forces(arrays: Arrays, s: _States) -> np.ndarray:
     for e in range(links.number):
         left, right = links.left[e], links.right[e]
         v, rate = s.u[:, left] - s.u[:, right] - links.offset[e], s.v[:, left] - s.v[:, right]
-        forces[:, e] = link_tables.force_over_time(links, s.link_branch[:, e], v, rate)
+        forces[:, e] = link_tables.force_over_time(links, s.link_branch[:, e], v, rate, s.link_memory[:, e])
     return forces
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.layout import Links
 from pounding_cli.laws.law import Branch, Guard, LinkLaw
+from pounding_cli.laws.program import GIVEN, carried_out, operations
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 
@@ -24,37 +25,53 @@ def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors:
     left, right, first, last = np.zeros((4, padded), np.int64)
     offset = np.zeros(padded)
     begins: dict[tuple[LinkLaw, float, float], tuple[int, int]] = {}
-    branches, guards = [_NOWHERE], [np.zeros((1, t.GUARD_ROW))]
-    count, asked = 1, 1
+    branches, guards, steps = [_NOWHERE], [np.zeros((1, t.GUARD_ROW))], [np.zeros((1, t.OPERATION_ROW))]
+    count, asked, done = 1, 1, 1
     key = None
+    written = any(link.law.general for link in given)
     for e, link in enumerate(given):
         one, other = link.left_floor - 1, link.right_floor - 1
         masses = buildings[link.left].mass[one], buildings[link.left + 1].mass[other]
         if key is None or link.law is not key[0] or masses != key[1:]:
             key = (link.law, *masses)
         if key not in begins:
-            own, ends = _rows(*key)
+            own, ends, forces = _rows(*key, written)
             begins[key] = count, count + len(own)
-            branches.append(own + asked * _GUARD_PLACES)
+            branches.append(own + asked * _GUARD_PLACES + done * _STEP_PLACES)
             guards.append(ends + count * _BRANCH_PLACE)
-            count, asked = count + len(own), asked + len(ends)
+            steps.append(forces)
+            count, asked, done = count + len(own), asked + len(ends), done + len(forces)
         left[e], right[e] = floors[link.left].start + one, floors[link.left + 1].start + other
         first[e], last[e] = begins[key]
         offset[e] = min(link.law.offset, FAR)
-    tables = np.concatenate(branches).ravel(), np.concatenate(guards).ravel()
-    return Links(len(given), padded, left, right, offset, first, last, *tables)
+    table = np.concatenate(branches)
+    registers = GIVEN + int(np.max(table[:, [t.LAST_STEP, t.LAST_REGULAR]] - table[:, [t.FIRST_STEP, t.FIRST_REGULAR]]))
+    tables = table.ravel(), np.concatenate(guards).ravel(), np.concatenate(steps).ravel()
+    return Links(len(given), padded, registers, left, right, offset, first, last, *tables)
 
 
 @functools.lru_cache(maxsize=1024)
-def _rows(law: LinkLaw, left_mass: float, right_mass: float) -> tuple[np.ndarray, np.ndarray]:
-    """A row for every branch and for every guard; branches and guards count from the law's first."""
+def _rows(
+    law: LinkLaw, left_mass: float, right_mass: float, written: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A row for every branch, for every guard and, where forces are `written` as operations, for each of these; all
+    count from the law's first."""
     branches = law.branches(left_mass, right_mass)
     number = {branch.name: place for place, branch in enumerate(branches)}
     rows = np.stack([_branch_row(branch) for branch in branches])
     rows[:, t.LAST_GUARD] = np.cumsum([len(branch.guards) for branch in branches])
     rows[1:, t.FIRST_GUARD] = rows[:-1, t.LAST_GUARD]
     guards = [_guard_row(guard, number) for branch in branches for guard in branch.guards]
-    return rows, np.array(guards).reshape(-1, t.GUARD_ROW)
+    steps: list[tuple[float, ...]] = []
+    for row, branch in zip(rows, branches, strict=True):
+        if written and branch.closed:
+            row[t.FIRST_STEP] = len(steps)
+            steps += operations(branch.expression)
+            row[t.LAST_STEP] = row[t.FIRST_REGULAR] = row[t.LAST_REGULAR] = len(steps)
+            if branch.regular > 1:
+                steps += operations(branch.expression, branch.regular)
+                row[t.LAST_REGULAR] = len(steps)
+    return rows, np.array(guards).reshape(-1, t.GUARD_ROW), np.array(steps, float).reshape(-1, t.OPERATION_ROW)
 
 
 def _branch_row(branch: Branch) -> np.ndarray:
@@ -64,6 +81,7 @@ def _branch_row(branch: Branch) -> np.ndarray:
     row[t.DASHPOT], row[t.ROOT] = branch.dashpot, branch.root
     row[t.CLOSED], row[t.ACTS], row[t.CUTS] = branch.closed, branch.acts, branch.cut and branch.acts
     row[t.FROM], row[t.TO] = low, high
+    row[t.GENERAL], row[t.WRITTEN], row[t.REGULAR] = branch.general, branch.force is not None, branch.regular
     row[t.LOW], row[t.HIGH] = (np.inf if branch.cut else low), high  # a force has to be looked at in any case
     return row
 
@@ -72,6 +90,7 @@ def _guard_row(guard: Guard, number: dict[str, int]) -> np.ndarray:
     row = np.zeros(t.GUARD_ROW)
     row[t.QUANTITY], row[t.AT], row[t.SIDE] = guard.quantity, guard.at, guard.side
     row[t.NEXT], row[t.IMPACT], row[t.ONCE] = number[guard.to], guard.impact, guard.once
+    row[t.OF_MEMORY], row[t.REMEMBERS] = guard.of_memory, guard.remembers
     return row
 
 
@@ -80,6 +99,8 @@ _NOWHERE = _branch_row(Branch("none", closed=False, acts=False))[None]
 
 _GUARD_PLACES = np.zeros(t.BRANCH_ROW)
 _GUARD_PLACES[[t.FIRST_GUARD, t.LAST_GUARD]] = 1.0
+_STEP_PLACES = np.zeros(t.BRANCH_ROW)
+_STEP_PLACES[[t.FIRST_STEP, t.LAST_STEP, t.FIRST_REGULAR, t.LAST_REGULAR]] = 1.0
 _BRANCH_PLACE = np.zeros(t.GUARD_ROW)
 _BRANCH_PLACE[t.NEXT] = 1.0
 
@@ -115,9 +136,21 @@ def stiffest(links: Links) -> tuple[np.ndarray, np.ndarray]:
     return slope, dashpot
 
 
-def force_over_time(links: Links, branch: np.ndarray, v: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Force of a link [N] at closings v [m] and rates [m/s], each time on the branch it is on then; shape (t,)."""
+def force_over_time(
+    links: Links, branch: np.ndarray, v: np.ndarray, rate: np.ndarray, memory: np.ndarray
+) -> np.ndarray:
+    """Force of a link [N] at closings v [m], rates [m/s] and what it remembers, each time on the branch it is on then;
+    shape (t,)."""
     row = _branches(links)[branch].T
+    if np.any(row[t.WRITTEN]):
+        steps = links.operations.reshape(-1, t.OPERATION_ROW)
+        force = np.zeros(v.size)
+        for b in np.unique(branch):
+            here, own = branch == b, _branches(links)[b]
+            written = steps[int(own[t.FIRST_STEP]) : int(own[t.LAST_STEP])]
+            if own[t.ACTS] and len(written):
+                force[here] = carried_out(written, v[here], rate[here], memory[here])
+        return force
     elastic = row[t.LINEAR] * v + row[t.OFFSET] + row[t.CUBIC] * v**3
     slope = np.maximum(row[t.LINEAR] + 3 * row[t.CUBIC] * v**2, 0.0)
     return row[t.ACTS] * (elastic + (row[t.DASHPOT] + row[t.ROOT] * np.sqrt(slope)) * rate)

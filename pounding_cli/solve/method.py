@@ -74,6 +74,15 @@ def integrator_of(method: Method) -> Integrator:
     return found
 
 
+def refusal_of(method: Method, scene: Scene) -> str:
+    """Why a method does not run a scene; "" when it does."""
+    if not method.remembers:
+        laws = sorted({link.kind for link in scene.links if link.law.remembers})
+        if laws:
+            return f"the force of {' and '.join(laws)} depends on events before, which it does not keep"
+    return integrator_of(method).refusal(scene)
+
+
 def is_linear(scene: Scene) -> bool:
     """Whether nothing in the scene can change its stiffness: no storey can yield, links are linear or never close."""
     return not effects_of(scene).yielding and all(link.law.is_linear for link in scene.links)

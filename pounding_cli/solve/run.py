@@ -23,7 +23,7 @@ from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.energy import AT_REST, balance, held
 from pounding_cli.solve.flags import flags_of
 from pounding_cli.solve.ground import segments_of
-from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Integrator, integrator_of, step_taken
+from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Integrator, integrator_of, refusal_of, step_taken
 from pounding_cli.solve.response import Response
 
 OUTCOMES = {
@@ -104,7 +104,7 @@ def solve(
         code = taylor.ALL_EFFECTS
     elif not all_effects and not chosen.takes_step:
         scene, condensing = condensed(scene, accuracy)
-    if reason := code.refusal(scene):
+    if reason := refusal_of(chosen, scene):
         hint = "write `method: taylor`, which runs every scene"
         raise InputError(Problem(f"method {method} does not run this scene: {reason}", hint))
     arrays = pack(scene)
@@ -152,7 +152,7 @@ def solve(
 
 def _compile(code: Integrator, scene: Scene, setting: float) -> None:
     """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
-    sort = (code, effects_of(scene).yielding)
+    sort = (code, effects_of(scene).yielding, any(link.law.general for link in scene.links))
     if sort in _compiled:
         return
     still = Motion("still", scene.motion.dt, np.zeros(2))

@@ -145,10 +145,19 @@ def prepare(
 
     tolerance = local_tolerance(accuracy)
     row, foundations = places_of(scene, arrays)
-    needed = row.first_slot[-1], arrays.foundations.number, row.first_link[-1], row.links_per_side, row.number
+    programs = any(link.law.general for link in scene.links)
+    registers = arrays.links.registers if programs else 0
+    needed = (
+        row.first_slot[-1],
+        arrays.foundations.number,
+        row.first_link[-1],
+        row.links_per_side,
+        row.number,
+        registers,
+    )
     doubles, whole = taylor.memory_needed(*needed)
     memory, integers = aligned(doubles), np.zeros(whole, np.int64)
-    kernel, rules = taylor.build(), gauss_rules(MAX_POINTS)
+    kernel, rules = taylor.build(programs), gauss_rules(MAX_POINTS)
     inelastic = all_effects or effects_of(scene).yielding
     use_islands = not all_effects and _allows_islands(row, foundations)  # fault: stands-apart
     least_scale = least_acceleration_scale(scene, arrays, state)

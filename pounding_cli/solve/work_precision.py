@@ -15,7 +15,7 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.method import integrator_of
+from pounding_cli.solve.method import refusal_of
 from pounding_cli.solve.response import Response
 from pounding_cli.solve.run import solve
 from pounding_cli.words import counted
@@ -140,7 +140,7 @@ def _solved(scene: Scene, name: str, setting: float) -> Response:
 
 
 def _refuses(name: str, scene: Scene) -> bool:
-    return bool(integrator_of(METHODS[name]).refusal(scene))
+    return bool(refusal_of(METHODS[name], scene))
 
 
 def measure(

@@ -13,8 +13,8 @@ from pounding_cli.study.base import optional
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity
 
-FROM_CASE = ("gap", "stiffness", "damping_ratio", "tension_cut")
-"""Parameters of every law that a case gives, or `impact` where it does not."""
+FROM_CASE = ("gap", "stiffness", "damping_ratio", "restitution", "tension_cut")
+"""Parameters that a case gives, or `impact` where it does not, to the laws that have them."""
 
 FROM_IMPACT = {"impact_stiffness": "stiffness", "dashpot": "dashpot"}
 """Parameters that are those of the impact element: its key for each."""
@@ -29,13 +29,16 @@ def own_parameters(law: type[LinkLaw]) -> dict[str, Parameter]:
 def law_keys() -> dict[str, tuple[Any, Any]]:
     """Type and default of the keys that laws bring along, as `pydantic.create_model` takes them."""
     found: dict[str, tuple[Any, Any]] = {}
+    first: dict[str, tuple[type[LinkLaw], Parameter]] = {}
     for law in link_laws().values():
         types = get_type_hints(law)
         for name, declared in own_parameters(law).items():
             kind = _kind(law, name, types[name], declared)
-            description = f"{law.name} {declared.doc}" + (f" [{declared.unit}]" if declared.unit != "-" else "")
-            if name in found:
-                raise ValueError(f"two link laws have a parameter '{name}': {law.name} and another")
+            owners = " and ".join(one.name for one in link_laws().values() if name in own_parameters(one))
+            description = f"{owners}: {declared.doc}" + (f" [{declared.unit}]" if declared.unit != "-" else "")
+            owner, known = first.setdefault(name, (law, declared))
+            if known != declared:
+                raise ValueError(f"two link laws mean different things by '{name}': {owner.name} and {law.name}")
             found[name] = (kind | None, optional(None, description))
     return found
 

@@ -7,11 +7,11 @@ from dataclasses import MISSING, dataclass
 from typing import Any
 
 from pounding_cli.laws import link_laws
-from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio
+from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
-from pounding_cli.study.law_keys import own_parameters
+from pounding_cli.study.law_keys import FROM_CASE, own_parameters
 from pounding_cli.study.problems import Faults, Path, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule, read_stiffness
 from pounding_cli.study.schema import CaseSpec, Impact, LinkSpec, PairSpec
@@ -179,6 +179,7 @@ class _Reader:
             "stiffness": stiffness,
             "impact_stiffness": impact,
             "damping_ratio": self._damping(layers),
+            "restitution": self._restitution(layers),
             "tension_cut": self.street.impact.tension_cut if cut is None else cut,
             "dashpot": DashpotLaw(self.street.impact.dashpot),
         }
@@ -204,10 +205,19 @@ class _Reader:
 
     def _refuse_keys_of_others(self, word: str, law: type[LinkLaw], layers: list[_Layer]) -> None:
         """Note keys that belong to another law than the layer's own."""
+        own = own_parameters(law)
         others = {
-            name: owner.name for owner in link_laws().values() if owner is not law for name in own_parameters(owner)
+            name: owner.name for owner in link_laws().values() for name in own_parameters(owner) if name not in own
         }
+        unused = [name for name in ("stiffness", "tension_cut") if name not in law.parameters()]
+        if not {"damping_ratio", "restitution"} & law.parameters().keys():
+            unused += ["damping_ratio", "restitution"]
         for layer in layers:
+            for name in unused:
+                if layer.spec.link == word and getattr(layer.spec, name, None) is not None:
+                    message = f"'{name}' means nothing for link: {word}"
+                    needed = ", ".join((*own, *(n for n in FROM_CASE if n in law.parameters())))
+                    self.refuse((*layer.path, name), message, f"remove it; {word} takes {needed}", key=True)
             for name in others.keys() & layer.spec.model_fields_set:
                 if layer.spec.link == word and getattr(layer.spec, name) is not None:
                     owner = f"{'an' if others[name][0] in 'aeio' else 'a'} {others[name]}"
@@ -245,6 +255,16 @@ class _Reader:
             if "restitution" in given and spec.restitution is not None:
                 return damping_ratio(spec.restitution) + 0.0  # no negative zero at e = 1
         return damping_ratio(self.street.impact.restitution) + 0.0
+
+    def _restitution(self, layers: list[_Layer]) -> float:
+        speakers: list[LinkSpec | Impact] = [*(layer.spec for layer in layers), self.street.impact]
+        for spec in speakers:
+            given = spec.model_fields_set
+            if "restitution" in given and spec.restitution is not None:
+                return spec.restitution
+            if "damping_ratio" in given and spec.damping_ratio is not None:
+                return restitution_of(spec.damping_ratio)
+        return self.street.impact.restitution
 
     def value(self, given: float | StiffnessRule, path: Path) -> float | None:
         """A stiffness in N/m."""

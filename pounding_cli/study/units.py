@@ -30,7 +30,7 @@ _DIGITS = re.compile(r"[0-9]{1,9}\Z")
 _DECIMAL_COMMA = re.compile(r"([-+]?[0-9]{1,15}),([0-9]{1,15})((?: ?[A-Za-z%][^,]*)?)\Z")
 _COMMENT = re.compile(r"([^#]*[^#\s])#(.*)\Z")
 _POWER = re.compile(r"(?<=[A-Za-z])([23])(?![0-9])")
-_ONE_UNIT = r"\(?[A-Za-zµ°%]+(?:(?:\*\*|\^)?-?[1-9]|[²³])?\)?"
+_ONE_UNIT = r"\(?[A-Za-zµ°%]+(?:(?:\*\*|\^)[1-9]\.5|(?:\*\*|\^)?-?[1-9]|[²³])?\)?"
 _UNIT = re.compile(rf"{_ONE_UNIT}(?:(?:\s*[*/·.]\s*|\s+){_ONE_UNIT})*\Z")
 
 # The units of this field and no more: pint's own list is long to load and takes `h` for hour, `a` for year.
@@ -61,6 +61,7 @@ _COMMON = {
     "kg": {"kg": 1.0, "t": 1e3},
     "N": {"N": 1.0, "kN": 1e3, "MN": 1e6},
     "N/m": {"N/m": 1.0, "kN/m": 1e3, "MN/m": 1e6},
+    "N/m^1.5": {"N/m^1.5": 1.0, "kN/m^1.5": 1e3, "MN/m^1.5": 1e6},
     "m/s2": {"m/s2": 1.0, "g": GRAVITY},
 }
 """Factors to SI of what nearly all studies are written in: to load pint takes a quarter of a second."""

@@ -145,6 +145,12 @@ MOTION = [
         f"{LINEAR}::test_five_storeys_against_exact_stepping",
     ),
     Mutant(
+        "program-ground",
+        "program steps: the ground does not move",
+        ("* ground", "* 0.0 * ground"),
+        "tests/verification/test_program_step.py::test_written_laws_are_those_of_tables",
+    ),
+    Mutant(
         "neighbours-may-meet",
         "neighbours that may meet are left apart",
         "pass",

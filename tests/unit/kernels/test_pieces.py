@@ -72,7 +72,7 @@ def test_a_piece_called_from_python_is_refused(number):
 @pytest.mark.parametrize(
     "built",
     [
-        taylor.build(),
+        taylor.build(False),
         exponential.build(),
         runge_kutta.build(True, True),
         central_difference.build(True),

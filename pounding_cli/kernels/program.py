@@ -1,0 +1,79 @@
+"""The operations of a force (`laws.program`), carried out order by order on truncated series.
+
+A register is a series: closing, rate, memory, q, then what each operation makes of those before it. Registers follow
+one another in memory, `rows` places apart."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels.layout import CALLED
+from pounding_cli.kernels.simd import further, no_inline, short_array
+from pounding_cli.laws.program import GIVEN, Operation
+
+CLOSING, RATE, MEMORY, ROOT = range(GIVEN)
+"""The registers that are given."""
+
+_LINEAR, _PRODUCT = int(Operation.LINEAR), int(Operation.PRODUCT)
+
+
+@njit(**CALLED)
+def product_term(x, y, k):
+    """Order k of the product of two series."""
+    total = 0.0
+    for i in range(k + 1):
+        total += x[i] * y[k - i]
+    return total
+
+
+@njit(**CALLED)
+def _power_term(x, y, exponent, k):
+    """Order k of y = x^exponent from the orders before it; x is above zero at order 0. Of x = 0 it is zero."""
+    if k == 0:
+        return x[0] ** exponent if x[0] > 0.0 else 0.0
+    if not x[0] > 0.0:
+        return 0.0
+    total = 0.0
+    for i in range(k):
+        total += (exponent * (k - i) - i) * x[k - i] * y[i]
+    return total / (k * x[0])
+
+
+@njit(**CALLED)
+def carry_out(operations, first, last, registers, rows, k):
+    """Order k of what operations `first` to before `last` make; returns that of the last one, the force [N]."""
+    no_inline()
+    value = 0.0
+    for n in range(first, last):
+        row = n * t.OPERATION_ROW
+        x = further(registers, int(operations[row + t.X]) * rows)
+        y = further(registers, int(operations[row + t.Y]) * rows)
+        out = further(registers, (GIVEN + n - first) * rows)
+        code, a = int(operations[row + t.CODE]), operations[row + t.A]
+        if code == _LINEAR:
+            value = a * x[k] + operations[row + t.B] * y[k]
+            if k == 0:
+                value += operations[row + t.C]
+        elif code == _PRODUCT:
+            value = a * product_term(x, y, k)
+        else:
+            value = a * _power_term(x, out, operations[row + t.B], k)
+        out[k] = value
+    return value
+
+
+@njit(**CALLED)
+def force_and_slope(links, b, v, v_slope, rate, rate_slope):
+    """(force [N], its derivative) of branch b, written as operations, at a closing [m] and a rate [m/s] with these
+    derivatives: the operations at orders 0 and 1. Powers of what is not above zero are zero."""
+    no_inline()
+    first = int(links.branches[b * t.BRANCH_ROW + t.FIRST_STEP])
+    last = int(links.branches[b * t.BRANCH_ROW + t.LAST_STEP])
+    registers = short_array()
+    registers[2 * MEMORY], registers[2 * MEMORY + 1] = 0.0, 0.0
+    registers[2 * ROOT], registers[2 * ROOT + 1] = 0.0, 0.0
+    registers[2 * CLOSING], registers[2 * CLOSING + 1] = v, v_slope
+    registers[2 * RATE], registers[2 * RATE + 1] = rate, rate_slope
+    force = carry_out(links.operations, first, last, registers, 2, 0)
+    return force, carry_out(links.operations, first, last, registers, 2, 1)

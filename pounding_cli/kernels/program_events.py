@@ -1,0 +1,251 @@
+"""The end of a program step: the first event, the end of the segment, or the end of what its series describe."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels.cells import of, of_link, of_link_integer
+from pounding_cli.kernels.clock import (
+    ELAPSED,
+    END,
+    EVENT_GUARD,
+    EVENT_LINK,
+    GROUND,
+    GROUND_SLOPE,
+    INVERSE_H,
+    ORDER,
+    SEGMENT_LENGTH,
+    H,
+)
+from pounding_cli.kernels.crossings import MAX_EVENTS_AT_INSTANT
+from pounding_cli.kernels.foundations import end_foundations
+from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.link_series import difference
+from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
+from pounding_cli.kernels.program import CLOSING, RATE, ROOT
+from pounding_cli.kernels.program_series import (
+    CHOSEN,
+    branch_of,
+    force_register,
+    is_closed,
+    least_closing,
+    register,
+)
+from pounding_cli.kernels.simd import no_inline
+from pounding_cli.kernels.summary import drifts, rate_term
+
+UNEVEN = 1e-14
+"""Part of a segment [-] by which a step may miss its end."""
+
+
+@njit(**CALLED)
+def drift_terms(run, p, i, order, factor, founded):
+    """`factor` times the coefficients of storey i's drift, into `scratch`."""
+    no_inline()
+    coupled = run.slots[of(i, c.COUPLE)] != 0.0
+    for k in range(order + 1):
+        row = k * run.padded + i
+        term = p.U[row] - p.U[row - 1] if coupled else p.U[row]
+        run.scratch[k] = factor * (term - p.lean[row] if founded else term)
+
+
+@njit(**CALLED)
+def _storey_end(run, p, i, founded):
+    """First s in [0, 1] where storey i leaves its branch."""
+    no_inline()
+    slots = run.slots
+    order = run.tally[ORDER]
+    line = slots[of(i, c.LINE)]
+    if line != 0.0:  # the drift turns back
+        for k in range(order + 1):
+            run.scratch[k] = line * rate_term(run, k, i, founded)
+        return first_crossing(run.scratch, order, 1.0)
+    earliest = NEVER
+    for side in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
+        drift_terms(run, p, i, order, -side, founded)
+        run.scratch[0] += slots[of(i, c.YIELD_DRIFT)] + side * slots[of(i, c.PLASTIC)]
+        if run.pinned[i] == side:  # just unloaded: exactly on the line and at rest
+            run.scratch[0] = 0.0
+            run.scratch[1] = 0.0
+        earliest = min(earliest, first_crossing(run.scratch, order, min(1.0, earliest)))
+    return earliest
+
+
+@njit(**CALLED)
+def _first_storey(run, p, founded):
+    """Whether there is a storey event; its place goes to END, every storey's own to ROOT."""
+    no_inline()
+    found = False
+    for i in range(run.slot_start, run.slot_stop):
+        run.slots[of(i, c.EVENT_ROOT)] = NEVER
+        if run.slots[of(i, c.YIELD_DRIFT)] < math.inf:
+            s = _storey_end(run, p, i, founded)
+            run.slots[of(i, c.EVENT_ROOT)] = s
+            if s < run.clock[END] and s <= 1.0:
+                run.clock[END] = s
+                found = True
+    return found
+
+
+@njit(**PART)
+def _copy(run, series, order, side):
+    for k in range(order + 1):
+        run.scratch[k] = side * series[k]
+
+
+@njit(**CALLED)
+def _guarded(run, p, e, g):
+    """The series that guard g of link e asks to stay positive, into `scratch`; returns its order."""
+    no_inline()
+    order = run.tally[ORDER]
+    side = t.guard(run, g, t.SIDE)
+    at = t.guard(run, g, t.AT) + t.guard(run, g, t.OF_MEMORY) * run.links[of_link(e, c.MEMORY)]
+    quantity = t.guard(run, g, t.QUANTITY)
+    left, right = (
+        run.link_integers[of_link_integer(e, c.LEFT_SLOT)],
+        run.link_integers[of_link_integer(e, c.RIGHT_SLOT)],
+    )
+    pinned = run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)]
+    if quantity == t.CLOSING and e == int(p.numbers[CHOSEN]) and at == 0.0:
+        _copy(run, register(p, e, ROOT), order, side)
+        return order
+    if quantity == t.CLOSING:
+        closing = register(p, e, CLOSING)
+        size = max(abs(p.U[left]), abs(p.U[right]))
+        for k in range(1, order + 1):
+            one, other = p.U[k * run.padded + left], p.U[k * run.padded + right]
+            run.scratch[k] = side * difference(one, other, size)
+            size = max(size, abs(one), abs(other))
+        run.scratch[0] = side * (closing[0] - at)
+        return order
+    if quantity == t.FORCE:
+        _copy(run, force_register(run, p, e), order - 1, side)
+        if pinned == quantity:
+            run.scratch[0] = 0.0
+        return order - 1
+    if quantity == t.RATE:
+        _copy(run, register(p, e, RATE), order - 1, side)
+        run.scratch[0] = side * (register(p, e, RATE)[0] - at)
+        if pinned == t.ACCELERATION and run.scratch[0] == 0.0:  # the rate that is remembered is a turning point
+            run.scratch[1] = 0.0
+        return order - 1
+    size = 0.0
+    for k in range(order):
+        one, other = p.A[k * run.padded + left], p.A[k * run.padded + right]
+        run.scratch[k] = side * difference(one, other, size)
+        size = max(size, abs(one), abs(other))
+    return order - 1
+
+
+@njit(**CALLED)
+def _link_end(run, p, e, end):
+    """(s, guard) of the first guard that link e meets in [0, end]; NEVER if there is none."""
+    no_inline()
+    earliest = NEVER
+    first = -1
+    b = branch_of(run, e)
+    for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
+        if t.guard(run, g, t.ONCE) != 0.0 and run.links[of_link(e, c.EVENTS_AT_INSTANT)] >= MAX_EVENTS_AT_INSTANT:
+            continue
+        if p.resting[e] != 0 and t.guard(run, g, t.QUANTITY) == t.FORCE:
+            continue  # nothing is known of a force that is not resolved
+        order = _guarded(run, p, e, g)
+        s = first_crossing(run.scratch, order, min(end, earliest))
+        if s < earliest:
+            earliest = s
+            first = g
+    return earliest, first
+
+
+@njit(**CALLED)
+def _first_link(run, p):
+    """Whether a link event comes before END: its place goes there, link and guard into the tally."""
+    no_inline()
+    found = False
+    for e in range(run.link_start, run.link_stop):
+        s, guard = _link_end(run, p, e, min(run.clock[END], 1.0))
+        if s < run.clock[END] and s <= 1.0:
+            run.clock[END] = s
+            run.tally[EVENT_LINK] = e
+            run.tally[EVENT_GUARD] = guard
+            found = True
+    return found
+
+
+@njit(**CALLED)
+def _presses(run, p):
+    """Whether the step ends where a force begins to be resolved; its place goes to END."""
+    no_inline()
+    order = run.tally[ORDER]
+    found = False
+    for e in range(run.link_start, run.link_stop):
+        if is_closed(run, e) and p.resting[e] != 0:
+            least = least_closing(run, p, e)
+            left, right = (
+                run.link_integers[of_link_integer(e, c.LEFT_SLOT)],
+                run.link_integers[of_link_integer(e, c.RIGHT_SLOT)],
+            )
+            for k in range(1, order + 1):
+                row = k * run.padded
+                run.scratch[k] = p.U[row + right] - p.U[row + left]
+            run.scratch[0] = 2.0 * least - register(p, e, CLOSING)[0]
+            s = first_crossing(run.scratch, order, min(1.0, run.clock[END]))
+            if s < run.clock[END] and s <= 1.0:
+                run.clock[END] = s
+                found = True
+    return found
+
+
+@njit(**CALLED)
+def find_end(run, p, inelastic, founded):
+    """(whether a storey event ends the step, whether a link's does, whether it ends the segment); where it ends goes to
+    END."""
+    no_inline()
+    order = run.tally[ORDER]
+    left_over = run.clock[SEGMENT_LENGTH] - run.clock[ELAPSED]
+    run.clock[END] = 1.0
+    finished = False
+    total = value(p.T, order, 1.0)
+    if total >= left_over * (1.0 - UNEVEN):
+        finished = True
+        for k in range(1, order + 1):
+            run.scratch[k] = -p.T[k]
+        run.scratch[0] = left_over
+        run.clock[END] = min(first_crossing(run.scratch, order, 1.0), 1.0)
+    finished = finished and not _presses(run, p)
+    storeys = inelastic and _first_storey(run, p, founded)
+    link = _first_link(run, p)
+    return storeys and not link, link, finished and not (storeys or link)
+
+
+@njit(**CALLED)
+def reach_end(run, foundations, p, founded):
+    """Displacements, velocities, drifts and total accelerations at the step's end; the time that it took goes to H,
+    where the ground then is to GROUND_CHANGE. Returns that time [s]."""
+    no_inline()
+    order = run.tally[ORDER]
+    end = run.clock[END]
+    slots = run.slots
+    duration = value(p.T, order, end)
+    ground = run.clock[GROUND] + run.clock[GROUND_SLOPE] * duration
+    for i in range(run.slot_start, run.slot_stop):
+        u, v, a = 0.0, 0.0, 0.0
+        for k in range(order, -1, -1):
+            row = k * run.padded + i
+            u = u * end + p.U[row]
+            v = v * end + run.W[row]
+            if k < order:
+                a = a * end + p.A[row]
+        run.ends[i] = u
+        slots[of(i, c.V1)] = v
+        slots[of(i, c.TOTAL_ACCELERATION0)] = p.A[i] + run.clock[GROUND]
+        slots[of(i, c.TOTAL_ACCELERATION1)] = a + ground
+    drifts(run)
+    if founded:
+        end_foundations(run, foundations, end)
+    run.clock[H] = duration / end if end > 0.0 else 0.0
+    run.clock[INVERSE_H] = 1.0 / run.clock[H] if duration > 0.0 else 0.0

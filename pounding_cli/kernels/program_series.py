@@ -1,0 +1,415 @@
+"""The series of a program step: a step in which the force of some link is written as operations.
+
+Such a force may have no Taylor series in time where contact begins and ends: v^(3/2) has none at v = 0. With q =
+v^(1/b) of one link, and a step in s where
+    dt = h q^(b-1) ds,
+all is analytic again, for q' = h v' / b, t' = h q^(b-1), u' = h q^(b-1) w, w' = h q^(b-1) u'' (primes by s; v' and u''
+in time, w the velocity). Contact begins as a regular start and ends at a simple root of q. The link nearest to v = 0
+is taken; where none needs it, b = 1. Order k of the accelerations follows from order k of displacements and velocities
+as in a plain step (`recurrence`); only the way to order k + 1 differs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit, types
+
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels.cells import at, of, of_link, of_link_integer
+from pounding_cli.kernels.clock import ELAPSED, GROUND, GROUND_SLOPE, LEAST_SCALE, SEGMENT_GROUND, SEGMENT_LENGTH
+from pounding_cli.kernels.foundations import foundation_forces, start_foundations, top_of
+from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
+from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.link_series import difference, link_forces_on
+from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT, carry_out, product_term
+from pounding_cli.kernels.simd import from_left, from_right, further, fused, load, no_inline, splat, store
+
+JUDGED = 6
+"""Orders at the end of a series by which it is judged: those of a force in q are empty now and then."""
+
+MARGIN = 0.9
+"""Part of the longest step that the last orders allow which is taken [-]."""
+
+LARGEST_ROOT = 8
+"""Largest b."""
+
+_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A", "lean", "angular")
+PROGRAMS = Frame(
+    "programs",
+    dict.fromkeys(("rows", "each"), types.int64)
+    | {"resting": INTEGERS, "numbers": DOUBLES}
+    | dict.fromkeys(_ROWS_OF, DOUBLES),
+)
+"""rows: room for orders; each: doubles of the registers of one link. resting: whether a closed link presses with less
+than is resolved (1 or 0). numbers: below. By order: T time [s] and B what dt / ds is [s]; powers: of q, one after
+another. registers: series of each link (`program`). sizes: largest closing and rate so far of each link, what is
+rounding is judged by. By order and place: U displacements [m], A accelerations relative to the ground [m/s2], lean
+storey height times rocking angle [m]; by order and foundation: angular accelerations [rad/s2]."""
+
+fill_programs = filler(PROGRAMS)
+
+SCALE, CHOSEN, B_ROOT = range(3)
+"""Places in `numbers`: h; the link whose q the step is taken in, -1 for none; b."""
+
+NUMBERS = 8
+
+
+def room_for_programs(padded: int, linked: int, registers: int, foundations: int, rows: int) -> tuple[int, int]:
+    """Doubles and integers of scratch."""
+    by_order = 2 + LARGEST_ROOT + registers * linked + 3 * padded + foundations
+    return NUMBERS + rows * by_order + 2 * linked, linked
+
+
+@njit(**PART)
+def programs_frame(place, run, registers, rows, memory, integers):
+    """The frame at `place`, its rows in `memory`."""
+    time = further(memory, NUMBERS)
+    powers = further(time, 2 * rows)
+    written = further(powers, LARGEST_ROOT * rows)
+    sizes = further(written, registers * run.padded_links * rows)
+    displacements = further(sizes, 2 * run.padded_links)
+    accelerations = further(displacements, rows * run.padded)
+    lean = further(accelerations, rows * run.padded)
+    return fill_programs(place, (
+        rows, registers * rows, integers, memory, time, further(time, rows), powers, written, sizes, displacements,
+        accelerations, lean, further(lean, rows * run.padded),
+    ))  # fmt: skip
+
+
+@njit(**PART)
+def branch_of(run, e):
+    """The branch that link e is on."""
+    return run.link_integers[of_link_integer(e, c.BRANCH)]
+
+
+@njit(**PART)
+def is_closed(run, e):
+    """Whether link e has a force to follow."""
+    return run.links[of_link(e, c.CLOSED)] != 0.0
+
+
+@njit(**PART)
+def register(p, e, which):
+    """The series of a register of link e."""
+    return further(p.registers, e * p.each + which * p.rows)
+
+
+@njit(**PART)
+def force_register(run, p, e):
+    """The series of the force of link e [N]."""
+    b = branch_of(run, e)
+    regular = e == int(p.numbers[CHOSEN])
+    first, last = (t.FIRST_REGULAR, t.LAST_REGULAR) if regular else (t.FIRST_STEP, t.LAST_STEP)
+    return register(p, e, ROOT + int(t.branch(run, b, last) - t.branch(run, b, first)))
+
+
+@njit(**CALLED)
+def on_program(run):
+    """Whether some link of the island is on a branch that plain steps cannot follow."""
+    no_inline()
+    general = 0.0
+    for e in range(run.link_start, run.link_stop):
+        general = max(general, t.branch(run, branch_of(run, e), t.GENERAL))
+    return general > 0.0
+
+
+@njit(**PART)
+def _sides(run, e):
+    return run.link_integers[of_link_integer(e, c.LEFT_SLOT)], run.link_integers[of_link_integer(e, c.RIGHT_SLOT)]
+
+
+@njit(**CALLED)
+def _start_link(run, p, e):
+    """Order 0 of closing, rate and memory of link e, what is known exactly put in."""
+    no_inline()
+    left, right = _sides(run, e)
+    links = run.links
+    one, other = run.W[left - run.padded], run.W[right - run.padded]
+    v = difference(one - links[of_link(e, c.LINK_OFFSET)], other, 0.0)
+    rate = difference(run.W[left], run.W[right], 0.0)
+    pinned = run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)]
+    if pinned == t.CLOSING:
+        v = links[of_link(e, c.PINNED_CLOSING)]
+    if pinned == t.RATE:
+        rate = links[of_link(e, c.PINNED_CLOSING)]
+    register(p, e, CLOSING)[0] = v
+    register(p, e, RATE)[0] = rate
+    memory = register(p, e, MEMORY)
+    memory[0] = links[of_link(e, c.MEMORY)]
+    for k in range(1, p.rows):
+        memory[k] = 0.0
+    p.sizes[2 * e] = max(abs(one), abs(other))
+    p.sizes[2 * e + 1] = max(abs(run.W[left]), abs(run.W[right]))
+    register(p, e, ROOT)[0] = 0.0
+
+
+@njit(**PART)
+def _allowed_force(run, e):
+    """What may be left out of the force of link e [N]: what moves neither floor by more than is resolved."""
+    left, right = _sides(run, e)
+    slots = run.slots
+    return min(
+        slots[of(left, c.TERM_TOLERANCE)] * slots[of(left, c.MASS)],
+        slots[of(right, c.TERM_TOLERANCE)] * slots[of(right, c.MASS)],
+    )
+
+
+@njit(**CALLED)
+def least_closing(run, p, e):
+    """A closing [m] below which the force of link e is not resolved, however it got there from where it is."""
+    no_inline()
+    left, right = _sides(run, e)
+    b = branch_of(run, e)
+    first, last = int(t.branch(run, b, t.FIRST_STEP)), int(t.branch(run, b, t.LAST_STEP))
+    allowed = _allowed_force(run, e)
+    acceleration = max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], run.clock[LEAST_SCALE])
+    closing, rate = register(p, e, CLOSING), register(p, e, RATE)
+    v0, r0 = closing[0], rate[0]
+    v = 1e-3
+    while v > 1e-60:
+        closing[0] = v
+        rate[0] = max(abs(r0), math.sqrt(2.0 * acceleration * v))
+        if abs(carry_out(run.operations, first, last, register(p, e, 0), p.rows, 0)) <= allowed:
+            break
+        v *= 0.125
+    closing[0], rate[0] = v0, r0
+    return v
+
+
+@njit(**CALLED)
+def start(run, foundations, p, founded):
+    """Order 0 of the step: displacements, links, the link whose q it is taken in, and its length to begin with."""
+    no_inline()
+    clock = run.clock
+    clock[GROUND] = clock[SEGMENT_GROUND] + clock[GROUND_SLOPE] * clock[ELAPSED]
+    for b in range(run.slot_start, run.slot_stop, 8):
+        store(p.U, b, load(run.W, b - run.padded))
+        store(p.lean, b, splat(0.0))
+    if founded:
+        start_foundations(run, foundations)
+        for i in range(run.slot_start, run.slot_stop):
+            p.lean[i] = run.rocking_drift[i]
+    nearest = math.inf
+    p.numbers[CHOSEN], p.numbers[B_ROOT] = -1.0, 1.0
+    for e in range(run.link_start, run.link_stop):
+        _start_link(run, p, e)
+        p.resting[e] = 0
+        if not is_closed(run, e) or t.branch(run, branch_of(run, e), t.REGULAR) <= 1.0:
+            continue
+        v, rate = register(p, e, CLOSING)[0], register(p, e, RATE)[0]
+        least = least_closing(run, p, e)
+        left, right = _sides(run, e)
+        acceleration = max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], clock[LEAST_SCALE])
+        p.resting[e] = 1 if v < least else 0
+        if v < least and not rate > math.sqrt(2.0 * acceleration * least):  # from rest q would stand still
+            continue
+        if max(v, 0.0) / max(abs(rate), 1e-300) < nearest:
+            nearest = max(v, 0.0) / max(abs(rate), 1e-300)
+            p.numbers[CHOSEN], p.numbers[B_ROOT] = e, t.branch(run, branch_of(run, e), t.REGULAR)
+    left_over = clock[SEGMENT_LENGTH] - clock[ELAPSED]
+    h = left_over
+    if p.numbers[CHOSEN] >= 0.0:
+        e, root = int(p.numbers[CHOSEN]), p.numbers[B_ROOT]
+        p.resting[e] = 0
+        q = max(register(p, e, CLOSING)[0], 0.0) ** (1.0 / root)
+        register(p, e, ROOT)[0] = q
+        speed = abs(register(p, e, RATE)[0]) / root
+        by_place = left_over / q ** (root - 1.0) if q > 0.0 else math.inf
+        by_speed = (left_over * root / speed ** (root - 1.0)) ** (1.0 / root) if speed > 0.0 else math.inf
+        h = min(by_place, by_speed)
+    p.numbers[SCALE] = h
+
+
+@njit(**PART)
+def _time(p, k):
+    """Order k of B = h q^(b-1), and order k + 1 of the time."""
+    root = int(p.numbers[B_ROOT])
+    h = p.numbers[SCALE]
+    if root == 1:
+        p.B[k] = h if k == 0 else 0.0
+    else:
+        q = further(p.registers, int(p.numbers[CHOSEN]) * p.each + ROOT * p.rows)
+        p.powers[k] = q[k]
+        for n in range(1, root - 1):
+            p.powers[n * p.rows + k] = product_term(further(p.powers, (n - 1) * p.rows), q, k)
+        p.B[k] = h * p.powers[(root - 2) * p.rows + k]
+    p.T[k + 1] = p.B[k] / (k + 1)
+
+
+@njit(**CALLED)
+def _links(run, p, k):
+    """Order k of every closed link's force; what acts goes into `pushed` [N]."""
+    no_inline()
+    for e in range(run.link_start, run.link_stop):
+        closing, rate = register(p, e, CLOSING), register(p, e, RATE)
+        if k > 0:
+            left, right = _sides(run, e)
+            one, other = p.U[k * run.padded + left], p.U[k * run.padded + right]
+            closing[k] = difference(one, other, p.sizes[2 * e])
+            p.sizes[2 * e] = max(p.sizes[2 * e], abs(one), abs(other))
+            one, other = run.W[k * run.padded + left], run.W[k * run.padded + right]
+            rate[k] = difference(one, other, p.sizes[2 * e + 1])
+            p.sizes[2 * e + 1] = max(p.sizes[2 * e + 1], abs(one), abs(other))
+        run.link_forces[e] = 0.0
+        if not is_closed(run, e):
+            continue
+        b = branch_of(run, e)
+        if p.resting[e] != 0:
+            force_register(run, p, e)[k] = 0.0
+            continue
+        first, last = t.branch(run, b, t.FIRST_STEP), t.branch(run, b, t.LAST_STEP)
+        if e == int(p.numbers[CHOSEN]):
+            first, last = t.branch(run, b, t.FIRST_REGULAR), t.branch(run, b, t.LAST_REGULAR)
+        force = carry_out(run.operations, int(first), int(last), register(p, e, 0), p.rows, k)
+        run.link_forces[e] = force * run.links[of_link(e, c.ACTS)]
+
+
+@njit(**CALLED)
+def _accelerations(run, foundations, p, k, founded):
+    """Order k of the accelerations, from that of displacements, velocities, the ground and the links."""
+    no_inline()
+    if founded:
+        foundation_forces(run, foundations, k, p.U, k * run.padded, 1.0)
+        for f in range(run.foundations):
+            p.angular[k * run.foundations + f] = foundations.W[(k + 1) * run.foundations + f]
+    slots = run.slots
+    row = k * run.padded
+    zero = splat(0.0)
+    ground = splat(run.clock[GROUND] if k == 0 else run.clock[GROUND_SLOPE] * p.T[k])
+    u_left, w_left = zero, zero
+    for b in range(run.slot_start, run.slot_stop, 8):
+        more = b + 8 < run.slot_stop
+        u, w = load(p.U, row + b), load(run.W, row + b)
+        u_right = load(p.U, row + b + 8) if more else zero
+        w_right = load(run.W, row + b + 8) if more else zero
+        total = load(slots, at(b, c.STENCIL_U)) * u - load(slots, at(b, c.REAL)) * ground  # fault: program-ground
+        total = fused(load(slots, at(b, c.STENCIL_U_BELOW)), from_left(u_left, u), total)
+        total = fused(load(slots, at(b, c.STENCIL_U_ABOVE)), from_right(u, u_right), total)
+        total = fused(load(slots, at(b, c.STENCIL_V)), w, total)
+        total = fused(load(slots, at(b, c.STENCIL_V_BELOW)), from_left(w_left, w), total)
+        total = fused(load(slots, at(b, c.STENCIL_V_ABOVE)), from_right(w, w_right), total)
+        total = total + load(slots, at(b, c.OFFSET_ACCELERATION)) if k == 0 else total
+        if founded:
+            total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FOUNDATION_FORCE)), total)
+        if run.link_stop > run.link_start:
+            total = fused(load(slots, at(b, c.INVERSE_MASS)), link_forces_on(run, b), total)
+        store(p.A, row + b, total)
+        u_left, w_left = u, w
+
+
+@njit(**CALLED)
+def _integrate(run, foundations, p, k, founded):
+    """Order k + 1 of displacements and velocities: B times velocities and accelerations, integrated by s."""
+    no_inline()
+    padded = run.padded
+    share = run.reciprocal[k + 1]
+    last = k if p.numbers[B_ROOT] > 1.0 else 0
+    for b in range(run.slot_start, run.slot_stop, 8):
+        moved, gained = splat(0.0), splat(0.0)
+        for i in range(last + 1):
+            part = splat(p.B[i])
+            moved = fused(part, load(run.W, (k - i) * padded + b), moved)
+            gained = fused(part, load(p.A, (k - i) * padded + b), gained)
+        store(p.U, (k + 1) * padded + b, moved * share)
+        store(run.W, (k + 1) * padded + b, gained * share)
+        store(p.lean, (k + 1) * padded + b, splat(0.0))
+    if founded:
+        count = run.foundations
+        for f in range(count):
+            turned, turning = 0.0, 0.0
+            for i in range(last + 1):
+                turned += p.B[i] * foundations.W[(k - i) * count + f]
+                turning += p.B[i] * p.angular[(k - i) * count + f]
+            foundations.D[(k + 1) * count + f] = turned * share
+            foundations.W[(k + 1) * count + f] = turning * share
+            for i in range(foundations.first[f], foundations.stop[f]):
+                rise = run.slots[of(i, c.RISE)]
+                p.lean[(k + 1) * padded + i] = rise * turned * share
+                run.rocking_drift[(k + 2) * padded + i] = rise * turning * share
+    chosen = int(p.numbers[CHOSEN])
+    if chosen >= 0:
+        speed = p.numbers[SCALE] / p.numbers[B_ROOT]
+        register(p, chosen, ROOT)[k + 1] = speed * register(p, chosen, RATE)[k] * share
+
+
+@njit(**CALLED)
+def expand(run, foundations, p, order, founded):
+    """All series up to `order`, forces and accelerations to the one before; returns whether they are finite."""
+    no_inline()
+    p.T[0] = 0.0
+    for k in range(order):
+        _time(p, k)
+        _links(run, p, k)
+        _accelerations(run, foundations, p, k, founded)
+        _integrate(run, foundations, p, k, founded)
+    total = p.T[order]
+    for i in range(run.slot_start, run.slot_stop):
+        total += run.W[order * run.padded + i] + p.U[order * run.padded + i]
+    return np.isfinite(total)
+
+
+@njit(**PART)
+def _worse(worst, part, k):
+    """The larger of `worst` and part^(1/k)."""
+    return max(worst, part ** (1.0 / k)) if part > 0.0 else worst
+
+
+@njit(**CALLED)
+def part_allowed(run, foundations, p, order, tolerance, founded):
+    """The part of the step over which the last orders stay below what may be left out [-], at most 1."""
+    no_inline()
+    worst = 0.0
+    for k in range(max(order - JUDGED, 2), order):
+        for i in range(run.slot_start, run.slot_stop):
+            worst = _worse(worst, abs(p.A[k * run.padded + i]) / run.slots[of(i, c.TERM_TOLERANCE)], k)
+        if founded:
+            for f in range(run.foundations):
+                top, _ = top_of(run, foundations, k, f)
+                turning = abs(p.angular[k * run.foundations + f]) * run.slots[of(top, c.ELEVATION)]
+                worst = _worse(worst, turning / run.slots[of(top, c.TERM_TOLERANCE)], k)
+        for e in range(run.link_start, run.link_stop):
+            if is_closed(run, e):
+                worst = _worse(worst, abs(force_register(run, p, e)[k]) / _allowed_force(run, e), k)
+    ratio = MARGIN / worst if worst > MARGIN else 1.0
+    for _ in range(3):  # the time, whose error shifts all, by itself
+        length = 0.0
+        for k in range(order, -1, -1):
+            length = length * ratio + p.T[k]
+        worst = 0.0
+        for k in range(max(order - JUDGED, 2), order + 1):
+            worst = _worse(worst, abs(p.T[k]) / (tolerance * abs(length)), k) if length != 0.0 else worst
+        ratio = min(ratio, 1.0 / worst) if worst > 0.0 else ratio
+    return ratio
+
+
+@njit(**PART)
+def _rescale_rows(rows, width, order, ratio):
+    power = 1.0
+    for k in range(order + 1):
+        for i in range(k * width, (k + 1) * width):
+            rows[i] *= power
+        power *= ratio
+
+
+@njit(**CALLED)
+def rescale(run, foundations, p, order, ratio, founded):
+    """All series for a step `ratio` times as long."""
+    no_inline()
+    p.numbers[SCALE] *= ratio
+    _rescale_rows(p.T, 1, order, ratio)
+    _rescale_rows(p.B, 1, order - 1, ratio)
+    _rescale_rows(run.W, run.padded, order, ratio)
+    _rescale_rows(p.U, run.padded, order, ratio)
+    _rescale_rows(p.A, run.padded, order - 1, ratio)
+    for e in range(run.link_start, run.link_stop):
+        for place in range(0, p.each, p.rows):
+            _rescale_rows(further(p.registers, e * p.each + place), 1, order, ratio)
+    if founded:
+        _rescale_rows(foundations.W, run.foundations, order, ratio)
+        _rescale_rows(foundations.D, run.foundations, order, ratio)
+        _rescale_rows(further(run.rocking_drift, run.padded), run.padded, order, ratio)
+        _rescale_rows(p.lean, run.padded, order, ratio)
+    for k in range(order):  # B is by s as well
+        p.B[k] *= ratio

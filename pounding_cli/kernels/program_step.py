@@ -1,0 +1,73 @@
+"""A program step, from its series to what it leaves (`program_series`, `program_events`, `program_peaks`).
+
+A scene whose links are all springs, cubics and dashpots takes none; its kernel holds no code of it
+(`no_program_step`)."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from pounding_cli.kernels import program_peaks, program_series
+from pounding_cli.kernels.clock import ORDER
+from pounding_cli.kernels.layout import CALLED, NOT_FINITE, PART, STEP_BOUND
+from pounding_cli.kernels.program_events import find_end, reach_end
+from pounding_cli.kernels.program_peaks import account, track
+from pounding_cli.kernels.program_series import SCALE, expand, on_program, part_allowed, start
+from pounding_cli.kernels.recurrence import set_allowed
+from pounding_cli.kernels.simd import no_inline
+
+PLAIN_STEP = -2
+"""Said instead of an outcome where a plain step is to be taken."""
+
+MOST_TRIES = 40
+"""Times that a step whose numbers leave the range of doubles is made shorter, by SHORTER each."""
+
+SHORTER = 1e-3
+
+SHORTEST = 1e-14
+"""As in `taylor`."""
+
+
+@njit(**PART)
+def no_program_step(run, foundations, programs, settings):
+    """(PLAIN_STEP, no storey event, no link event, not the segment's end)."""
+    return PLAIN_STEP, False, False, False
+
+
+@njit(**CALLED)
+def program_step(run, foundations, programs, settings):
+    """(outcome, or -1, or PLAIN_STEP; whether a storey event ends the step, whether a link's does, whether it ends the
+    segment)."""
+    no_inline()
+    if not on_program(run):
+        return PLAIN_STEP, False, False, False
+    p = programs
+    founded = settings.founded > 0
+    inelastic = settings.inelastic > 0
+    tolerance = settings.tolerance
+    order = settings.max_order
+    run.tally[ORDER] = order
+    set_allowed(run, tolerance)
+    start(run, foundations, p, founded)
+    for _ in range(MOST_TRIES):
+        finite = expand(run, foundations, p, order, founded)
+        if finite:
+            break
+        p.numbers[SCALE] *= SHORTER
+        start_again = p.numbers[SCALE]
+        start(run, foundations, p, founded)
+        p.numbers[SCALE] = start_again
+    if not finite:
+        return NOT_FINITE, False, False, False
+    ratio = part_allowed(run, foundations, p, order, tolerance, founded)
+    if not ratio > SHORTEST:
+        return STEP_BOUND, False, False, False
+    if ratio < 1.0:
+        program_series.rescale(run, foundations, p, order, ratio, founded)
+    storeys, link, finished = find_end(run, p, inelastic, founded)
+    reach_end(run, foundations, p, founded)
+    account(run, foundations, p, settings.nodes, settings.weights, inelastic, founded)
+    track(run, foundations, p, inelastic, founded)
+    if settings.use_islands > 0:
+        program_peaks.widen_ranges(run, p)
+    return -1, storeys, link, finished

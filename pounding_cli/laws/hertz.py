@@ -1,0 +1,142 @@
+"""Floors that strike with a force that grows as the closing to the power 1.5, without and with damping (Hertz)."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import ClassVar
+
+from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity, falls_below, opening, parameter
+from pounding_cli.laws.program import CLOSING, MEMORY, RATE, Expression
+
+EXPONENT = 1.5
+"""Of the closing [-]."""
+
+LEAST_RESTITUTION = 0.01
+"""Below this the damping of `HertzDamp` grows as 1 / e, and means nothing for floors of buildings."""
+
+
+SERIES_ABOVE = 0.9
+"""Coefficient of restitution above which `_exact` goes by powers of zeta."""
+
+
+class HertzDamping(StrEnum):
+    """Where the damping of `HertzDamp` comes from: the coefficient of restitution that comes out, or a formula."""
+
+    EXACT = "exact"
+    MUTHUKUMAR = "muthukumar"
+    YE = "ye"
+
+    def ratio(self, restitution: float) -> float:
+        """zeta [-] for a coefficient of restitution e, 0 < e <= 1.
+
+        exact : the root of ln((1 + zeta) / (1 - e zeta)) = zeta (1 + e), so that e comes out
+        muthukumar : 3 (1 - e^2) / 4 (Muthukumar & DesRoches 2006)
+        ye : 8 (1 - e) / (5 e) (Ye, Li & Zhu 2009)
+        """
+        if self is HertzDamping.MUTHUKUMAR:
+            return 0.75 * (1.0 - restitution**2)
+        if self is HertzDamping.YE:
+            return 1.6 * (1.0 - restitution) / restitution
+        return _exact(restitution)
+
+
+@functools.lru_cache(maxsize=256)
+def _exact(restitution: float) -> float:
+    """The root above zero. With y = -ln(1 - e zeta) it is that of ln(1 + zeta) + y = zeta (1 + e), where nothing is
+    lost for a small e; for an e near one, that of the same by powers of zeta, less zeta^2."""
+    e = restitution
+    if e == 1.0:
+        return 0.0
+    from scipy.optimize import brentq
+
+    about = 1.5 * (1.0 - e) / (1.0 - e + e**2)  # the root of the first two powers
+    if e > SERIES_ABOVE:
+
+        def by_powers(zeta: float) -> float:
+            return sum(zeta ** (n - 2) * ((-1.0) ** (n + 1) + e**n) / n for n in range(2, 40))
+
+        return float(brentq(by_powers, 0.5 * about, 2.0 * about, xtol=1e-300, rtol=1e-14))
+
+    def missing(y: float) -> float:
+        zeta = -math.expm1(-y) / e
+        return math.log1p(zeta) + y - zeta * (1.0 + e)
+
+    y = brentq(missing, 0.75 * (1.0 - e) * e, (1.0 + e) / e, xtol=1e-300, rtol=1e-14)
+    return -math.expm1(-y) / e
+
+
+@dataclass(frozen=True)
+class _HertzLaw(LinkLaw):
+    """What both have in common: F = k_h v^1.5 for v > 0 but for damping; v is the closing less the gap."""
+
+    subtracts_gap: ClassVar[bool] = True
+
+    hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
+
+    @property
+    def spring(self) -> Expression:
+        """k_h v^1.5 [N]."""
+        return self.hertz_stiffness * CLOSING**EXPONENT
+
+    def stored(self, closing: float) -> float:
+        """k_h v^2.5 / 2.5 [J]."""
+        return self.hertz_stiffness * max(closing - self.offset, 0.0) ** (EXPONENT + 1) / (EXPONENT + 1)
+
+
+@dataclass(frozen=True)
+class Hertz(_HertzLaw):
+    """F = k_h v^1.5 for v > 0. It takes no energy."""
+
+    name: ClassVar[str] = "hertz"
+    citation: ClassVar[tuple[tuple[str, str], ...]] = (("muthukumar2006", "the Hertz contact"),)
+
+    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
+        """Open and in contact."""
+        return opening(Branch("contact", force=self.spring, regular=2, guards=(falls_below(0.0, "open"),)))
+
+
+@dataclass(frozen=True)
+class HertzDamp(_HertzLaw):
+    """F = k_h v^1.5 (1 + zeta v' / v0), not below zero, for v > 0.
+
+    v0 is the largest approach speed so far in the present contact: for a blow the speed at which it begins, and above
+    zero for floors that begin to press from rest.
+    """
+
+    name: ClassVar[str] = "hertz-damp"
+    citation: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("muthukumar2006", "the Hertz contact with damping"),
+        ("ye2009", "its damping from the coefficient of restitution"),
+    )
+
+    restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
+    damping_formula: HertzDamping = parameter(
+        "where the damping comes from: the restitution that comes out (exact), or a published formula",
+        default=HertzDamping.EXACT,
+    )
+
+    @property
+    def damping_factor(self) -> float:
+        """zeta [-]."""
+        return self.damping_formula.ratio(self.restitution)
+
+    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
+        """Open; gaining, where v0 follows the speed; damped, where it stands; cut, where the force would pull."""
+        zeta = self.damping_factor
+        if zeta == 0.0:
+            return opening(Branch("damped", force=self.spring, regular=2, guards=(falls_below(0.0, "open"),)))
+        slows = Guard(Quantity.ACCELERATION, 0.0, 1.0, "damped", once=True, remembers=Quantity.RATE)
+        gains = Guard(Quantity.RATE, 0.0, -1.0, "gaining", once=True, of_memory=1.0)
+        pulls = Guard(Quantity.RATE, 0.0, 1.0, "cut", once=True, of_memory=-1.0 / zeta)
+        pushes = Guard(Quantity.RATE, 0.0, -1.0, "damped", once=True, of_memory=-1.0 / zeta)
+        opens = falls_below(0.0, "open")
+        damped = self.spring * (1.0 + zeta * RATE / MEMORY)
+        return opening(
+            Branch("gaining", force=(1.0 + zeta) * self.spring, regular=2, guards=(opens, slows)),
+            Branch("damped", force=damped, regular=2, guards=(opens, gains, pulls)),
+            Branch("cut", guards=(opens, pushes), acts=False),
+            remembers=Quantity.RATE,
+        )

@@ -1,0 +1,206 @@
+"""A force as operations: what a law writes where a straight line and a cubic are not enough.
+
+A law writes its force as arithmetic on `CLOSING`, `RATE` and `MEMORY`. The expression becomes a short list of
+operations, which is data: kernels carry it out order by order on truncated series, so that a new force needs no new
+compiled code, and this module carries it out on numbers.
+
+Powers of the closing such as v^(3/2) have no Taylor series at v = 0. With q = v^(1/b) they are whole powers of q
+(shared with `kernels.program`): a branch says b, and gets a second list of operations written in q."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+
+class Operation(IntEnum):
+    """What an operation makes of the registers x and y with the numbers a, b, c."""
+
+    LINEAR = 0  # a x + b y + c
+    PRODUCT = 1  # a x y
+    POWER = 2  # a x^b, where x stays above zero
+
+
+GIVEN = 4
+"""Registers that are given: closing, rate, memory, and q where the closing is written so. Operation n fills register
+GIVEN + n; the last one is the force."""
+
+MOST_REGISTERS = 32
+"""Registers that a force may need."""
+
+_CLOSING, _RATE, _MEMORY, _ROOT = range(GIVEN)
+
+Step = tuple[Operation, int, int, float, float, float]
+"""An operation: code, registers x and y, numbers a, b, c."""
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A force, or a part of it. It takes +, -, *, / and powers with numbers and other expressions.
+
+    Parameters
+    ----------
+    operation : how it is made; None of a given register
+    register : the given register, where it is one
+    parts : the expressions it is made of
+    numbers : a, b, c of the operation
+    """
+
+    operation: Operation | None = None
+    register: int = 0
+    parts: tuple[Expression, ...] = ()
+    numbers: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __add__(self, other: Expression | float) -> Expression:
+        if isinstance(other, Expression):
+            return Expression(Operation.LINEAR, parts=(self, other), numbers=(1.0, 1.0, 0.0))
+        return Expression(Operation.LINEAR, parts=(self, self), numbers=(1.0, 0.0, float(other)))
+
+    __radd__ = __add__
+
+    def __mul__(self, other: Expression | float) -> Expression:
+        if isinstance(other, Expression):
+            return Expression(Operation.PRODUCT, parts=(self, other), numbers=(1.0, 0.0, 0.0))
+        return Expression(Operation.LINEAR, parts=(self, self), numbers=(float(other), 0.0, 0.0))
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> Expression:
+        return self * -1.0
+
+    def __sub__(self, other: Expression | float) -> Expression:
+        return self + (-1.0 * other)
+
+    def __rsub__(self, other: float) -> Expression:
+        return -self + other
+
+    def __pow__(self, exponent: float) -> Expression:
+        if float(exponent).is_integer() and 1 <= exponent <= 8:
+            product = self
+            for _ in range(int(exponent) - 1):
+                product = product * self
+            return product
+        return Expression(Operation.POWER, parts=(self,), numbers=(1.0, float(exponent), 0.0))
+
+    def __truediv__(self, other: Expression | float) -> Expression:
+        if isinstance(other, Expression):
+            return self * Expression(Operation.POWER, parts=(other,), numbers=(1.0, -1.0, 0.0))
+        return self * (1.0 / other)
+
+    def holds(self, part: Expression) -> bool:
+        """Whether another expression is a part of it."""
+        return self == part or any(one.holds(part) for one in self.parts)
+
+    def at(self, closing: Any, rate: Any, memory: Any = 0.0) -> Any:
+        """Its value at closings v [m], rates [m/s] and what the link remembers; numbers or arrays of one shape."""
+        if self.operation is None:
+            return (closing, rate, memory)[self.register]
+        x = self.parts[0].at(closing, rate, memory)
+        a, b, c = self.numbers
+        if self.operation is Operation.POWER:
+            return a * np.maximum(x, 0.0) ** b
+        y = self.parts[-1].at(closing, rate, memory)
+        return a * x * y if self.operation is Operation.PRODUCT else a * x + b * y + c
+
+
+CLOSING = Expression(register=_CLOSING)
+"""The closing v of the floors [m], less the gap where the law says so."""
+
+RATE = Expression(register=_RATE)
+"""v' [m/s]."""
+
+MEMORY = Expression(register=_MEMORY)
+"""What the link remembers of an event (`law.Guard.remembers`): a closing [m] or a rate [m/s]."""
+
+_Q = Expression(register=_ROOT)
+
+
+def square_root(of: Expression) -> Expression:
+    """The square root of what stays above zero."""
+    return of**0.5
+
+
+def operations(force: Expression, root: int = 1) -> tuple[Step, ...]:
+    """The operations of a force, the last of which is the force.
+
+    Parameters
+    ----------
+    root : b of q = v^(1/b): powers of the closing are written as whole powers of q; 1 leaves them as they are
+
+    Raises
+    ------
+    ValueError : a power of the closing is no whole power of q, or the force is too long
+    """
+    done: list[Step] = []
+    known: dict[Expression, int] = {}
+
+    def register(part: Expression) -> int:
+        if root > 1:
+            part = _in_root(part, root)
+        if part.operation is None:
+            return part.register
+        if part not in known:
+            x, y = register(part.parts[0]), register(part.parts[-1])
+            done.append((part.operation, x, y, *part.numbers))
+            known[part] = GIVEN + len(done) - 1
+        return known[part]
+
+    if register(force) != GIVEN + len(done) - 1:  # a register that is given, or one made before another
+        done.append((Operation.LINEAR, register(force), 0, 1.0, 0.0, 0.0))
+    if GIVEN + len(done) > MOST_REGISTERS:
+        raise ValueError(f"a force of {len(done)} operations is longer than {MOST_REGISTERS - GIVEN}")
+    return tuple(done)
+
+
+def _in_root(part: Expression, root: int) -> Expression:
+    """A power of the closing as a whole power of q; anything else as it is."""
+    if part.operation is not Operation.POWER or part.parts[0] != CLOSING:
+        return part
+    a, exponent, _ = part.numbers
+    whole = round(exponent * root)
+    if whole < 1 or abs(exponent * root - whole) > 1e-9:
+        raise ValueError(f"v^{exponent:g} is no whole power of v^(1/{root})")
+    power = _whole_power(_Q, whole, {})
+    return power if a == 1.0 else a * power
+
+
+def _whole_power(of: Expression, exponent: int, made: dict[int, Expression]) -> Expression:
+    """By squares, which are shared."""
+    if exponent == 1:
+        return of
+    if exponent not in made:
+        half = exponent // 2
+        made[exponent] = _whole_power(of, half, made) * _whole_power(of, exponent - half, made)
+    return made[exponent]
+
+
+def carried_out(steps: np.ndarray, closing: np.ndarray, rate: np.ndarray, memory: np.ndarray) -> np.ndarray:
+    """What operations make of closings, rates and memories, arrays of one shape; powers of what is not above zero are
+    zero.
+
+    steps : an operation a row, as `operations` gives them
+    """
+    registers = [closing, rate, memory, np.zeros_like(closing)]
+    for code, x, y, a, b, c in steps:
+        first, second = registers[int(x)], registers[int(y)]
+        if code == Operation.LINEAR:
+            registers.append(a * first + b * second + c)
+        elif code == Operation.PRODUCT:
+            registers.append(a * first * second)
+        else:
+            registers.append(a * np.where(first > 0.0, first, 1.0) ** b * (first > 0.0))
+    return registers[-1]
+
+
+def work(force: Callable[[np.ndarray], np.ndarray], begin: float, end: float) -> float:
+    """Integral of a force over the closing [J]. With v = begin +- x^4 powers of v by quarters are polynomials in x,
+    which the rule integrates exactly."""
+    x, weight = np.polynomial.legendre.leggauss(24)
+    side = 1.0 if end > begin else -1.0
+    span = abs(end - begin) ** 0.25
+    x = 0.5 * span * (x + 1.0)
+    return float(0.5 * span * side * np.sum(weight * 4.0 * x**3 * force(begin + side * x**4)))
