@@ -14,6 +14,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.files import opened
 from pounding_cli.store.structure import number, text
+from pounding_cli.study import Axis
 
 
 @pytest.fixture
@@ -89,6 +90,32 @@ def value(name, at, value):
     return change
 
 
+def scalar(name, text):
+    def change(file, secret):
+        del file[name]
+        file[name] = text
+
+    return change
+
+
+def along_cases(name):
+    """A dataset of buildings or motions has the cases as its first dimension."""
+
+    def change(file, secret):
+        values = file[name][()]
+        del file[name]
+        file[name] = np.stack([values, values])
+        file[name].dims[0].attach_scale(file["case"])
+        for place, dim in enumerate(("building", "storey"), start=1):
+            file[name].dims[place].attach_scale(file[dim])
+
+    return change
+
+
+def named_type(file, secret):
+    file["a_type"] = np.dtype("f8")
+
+
 def attribute(name, value):
     def change(file, secret):
         file.attrs[name] = value
@@ -117,6 +144,7 @@ FORGED = {
     "version in words": (attribute("format_version", "three"), "its format version is no number"),
     "title no text": (attribute("title", 3.0), "its title is no text"),
     "title no UTF-8": (not_utf8("title"), "an attribute is no UTF-8"),
+    "swept keys no names": (attribute("swept", "[[3]]"), "its swept is no list of names"),
     "swept keys no list": (attribute("swept", "3"), "does not hold what results hold"),
     "link of a stranger": (value("link_left", 0, "tower"), "its link_left and link_right name no neighbours"),
     "link to itself": (value("link_right", 0, "stiff"), "its link_left and link_right name no neighbours"),
@@ -126,6 +154,12 @@ FORGED = {
     "a case twice": (value("case", 0, "gap"), "its case names one twice"),
     "an analysis twice": (value("analysis", 0, "inelastic"), "its analysis names one twice"),
     "an analysis of a stranger": (value("analysis", 0, "plastic"), "its analysis is not one of"),
+    "cases of another study": (
+        value("study/resolved", (), '{"cases": {"gap": {}, "wide": {}}}'), "its case is not that of its study"
+    ),
+    "cases no list": (scalar("case", "gap"), "its case is no list"),
+    "buildings along the cases": (along_cases("mass"), "its mass has dimensions that are no swept keys"),
+    "a named type": (named_type, "its a_type is neither a dataset nor a group"),
     "a table is missing": (lambda file, secret: file.pop("V"), "its V is missing"),
     "no height": (value("height", (0, 0), np.nan), "its height is not positive and finite"),
     "no period": (value("period", 0, -1.0), "its period is not positive and finite"),
@@ -145,6 +179,15 @@ def test_a_forged_file_is_refused_by_name(results, tmp_path, name):
     assert refused.value.problems[0].hint
     assert refused.value.problems[0].file == str(results)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # [kB]
+
+
+def test_a_swept_value_that_is_not_finite_is_refused(tmp_path):
+    plan = small_plan(axes=(Axis(("impact.restitution",), ((0.4,), (0.6,))),))
+    write_results(tmp_path / "r.h5", plan, {digest: known(scene) for digest, scene in plan.scenes.items()})
+    with edited(tmp_path / "r.h5") as file:
+        file["impact.restitution"][1] = np.nan
+    with pytest.raises(InputError, match=r"its impact\.restitution is not finite"):
+        open_results(tmp_path / "r.h5")
 
 
 def test_a_file_is_checked_again_once_it_has_changed(results):
