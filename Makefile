@@ -84,7 +84,7 @@ kills: setup
 	$(BIN)/python -m tests.batch.kills --kills 50 --gaps 40
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
-# results files (damaged, forged), parts, studies, motions and the cache of compiled kernels (an hour and a half).
+# results files (damaged, forged), parts, studies, motions and the cache of compiled kernels (about 25 minutes).
 SCENES ?= 100000
 fuzz: setup
 	nice -n 5 $(BIN)/python -m tests.hard.fuzz --scenes $(SCENES)

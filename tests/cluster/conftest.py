@@ -69,7 +69,7 @@ class Machines:
         """Until the scheduler has that many workers."""
         from distributed import Client
 
-        with Client(address, set_as_default=False) as client:
+        with Client(address, timeout=180, set_as_default=False) as client:
             client.wait_for_workers(workers, timeout=180)
 
     def end(self) -> None:

@@ -31,6 +31,7 @@ def refused(plan, tmp_path, monkeypatch, capfd):
 
     def run(address: str, progress=None, patience: float = 60.0):
         monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", patience)
+        capfd.readouterr()  # what Dask said while a busy machine started it
         begin = time.monotonic()
         with dask.config.set({"distributed.comm.timeouts.connect": "600s"}), pytest.raises(InputError) as refusal:
             run_plan(
@@ -41,7 +42,7 @@ def refused(plan, tmp_path, monkeypatch, capfd):
                 solve=solve_slowly,
                 progress=progress,
             )
-        assert time.monotonic() - begin < 120
+        assert time.monotonic() - begin < 300  # starting takes minutes on a busy machine; Dask waits longer
         time.sleep(0.3)  # what is said late is said too
         assert capfd.readouterr() == ("", "")
         (problem,) = refusal.value.problems
