@@ -213,10 +213,11 @@ class Laws:
         what, i, to = change
         new = Branches(b.storey.copy(), b.plastic.copy(), list(b.link), dict(b.speed))
         if what == "link" and self.scene.links[i].kind == "hertz-damp" and to != "press":
-            if to == "gaining" and self.c.closing[i] @ acceleration() <= 0:
+            speed = self.c.closing[i] @ rate
+            if to == "gaining" and speed > 0 and self.c.closing[i] @ acceleration() <= 0:
                 to = "on"
             if "gaining" in (to, b.link[i]) or b.link[i] == "open":
-                new.speed[i] = float(self.c.closing[i] @ rate)
+                new.speed[i] = float(speed)
         if what == "storey":
             if to == 0:
                 new.plastic[i] = self.c.drift[i] @ q - b.storey[i] * self.c.yield_drift[i]
