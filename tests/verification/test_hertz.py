@@ -25,7 +25,7 @@ from scipy.special import gamma
 
 from pounding_cli.laws.hertz import Hertz, HertzDamp, HertzDamping
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.program import RATE, MEMORY, work
+from pounding_cli.laws.program import MEMORY, RATE, work
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
