@@ -120,8 +120,8 @@ def test_published_damping(formula, known):
 
 
 def test_a_hundred_blows_keep_the_energy():
-    """An undamped oscillator against its neighbour, again and again. Fails if the work of a step leaves out how its time
-    runs."""
+    """An undamped oscillator against its neighbour, again and again. Fails if the work of a step leaves out how time
+    runs in it."""
     one, other = oscillator(2e5, 2e5 * 20.0**2), oscillator(3e5, 3e5 * 13.0**2)
     scene = Scene((one, other), touching(0.0, floors=(1,)), still(25.0), ELASTIC)
     found = solve(scene, 1e-12, initial=([[0.0], [0.0]], [[1.0], [0.0]]))

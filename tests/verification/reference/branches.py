@@ -13,7 +13,6 @@ from scipy.optimize import brentq
 from pounding_cli.model.scene import Scene
 from reference.assembly import Coordinates, coordinates, reduced_mass
 
-
 ACTING = ("on", "beyond", "gaining")
 """Branches of a link whose force acts."""
 HERTZ = ("hertz", "hertz-damp")
@@ -26,9 +25,7 @@ def hertz_damping(restitution: float) -> float:
     """zeta of ln((1 + zeta) / (1 - e zeta)) = zeta (1 + e) [-], 0 < e < 1; zeta lies below 1 / e."""
     e = restitution
     return float(
-        brentq(
-            lambda z: math.log((1 + z) / (1 - e * z)) - z * (1 + e), 1e-3 * (1 - e), (1 - 1e-15) / e, xtol=1e-16
-        )
+        brentq(lambda z: math.log((1 + z) / (1 - e * z)) - z * (1 + e), 1e-3 * (1 - e), (1 - 1e-15) / e, xtol=1e-16)
     )
 
 
