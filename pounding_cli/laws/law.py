@@ -195,6 +195,11 @@ class Parameter:
         return f"it must be {self.range}"
 
     @property
+    def words(self) -> str:
+        """What it means, with its unit."""
+        return self.doc if self.unit == "-" else f"{self.doc} [{self.unit}]"
+
+    @property
     def range(self) -> str:
         """The values allowed, in words."""
         zero = self.low == 0
