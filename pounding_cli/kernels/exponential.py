@@ -50,6 +50,70 @@ def peak_within_step(powers, m, orders, total, z, c, side, best):
     return highest(c, orders - 1, 1.0, best, False)
 
 
+@njit(**INLINE)
+def _add_forms(forms, count, total, broad, z, sums):
+    """Add z' W z of every form to its sum."""
+    for f in range(count):
+        added = load(sums, f * 8)
+        for b in range(0, broad, 8):
+            value = splat(0.0)
+            for j in range(total):
+                value = fused(load(forms, (f * total + j) * broad + b), splat(z[j]), value)
+            added = fused(value, load(z, b), added)
+        store(sums, f * 8, added)
+
+
+@njit(**INLINE)
+def _look(rows, bends, jumps, turned, total, wide, b, z, values, bows):
+    """Eight tracked quantities at z; returns (their values, those of the sample before, how far they can deviate from
+    the chord between the two)."""
+    value = splat(0.0)
+    bend = splat(0.0)
+    for j in range(total):
+        x = splat(z[j])
+        value = fused(load(rows, j * wide + b), x, value)
+        bend = fused(load(bends, j * wide + b), x, bend)
+    last = load(values, b)
+    deviation = maximum(magnitude(load(bows, b)), magnitude(bend - load(jumps, b) * turned)) * BEND
+    store(values, b, value)
+    store(bows, b, bend)
+    return value, last, deviation
+
+
+@njit(**INLINE)
+def _raise_peaks(powers, count, orders, total, b, value, last, deviation, before, c, high, low):
+    """Largest and smallest values of eight quantities over a step that begins at z = `before`."""
+    above = maximum(value, last)
+    below = minimum(value, last)
+    up = maximum(load(high, b), above)
+    down = minimum(load(low, b), below)
+    store(high, b, up)
+    store(low, b, down)
+    turns = greater(deviation * 4.0, above - below)  # fault: exact-monotone
+    may_exceed = turns & greater(above + deviation, up)  # fault: exact-peaks
+    may_undercut = turns & greater(down, below - deviation)
+    while may_exceed != 0:
+        m = b + lowest(may_exceed)
+        may_exceed &= may_exceed - 1
+        if m < count:
+            high[m] = peak_within_step(powers, m, orders, total, before, c, 1.0, high[m])
+    while may_undercut != 0:
+        m = b + lowest(may_undercut)
+        may_undercut &= may_undercut - 1
+        if m < count:
+            low[m] = -peak_within_step(powers, m, orders, total, before, c, -1.0, -low[m])
+
+
+@njit(**INLINE)
+def _next_state(step, total, width, z, after):
+    """exp(A length) z but for the ground's two entries."""
+    for b in range(0, width, 8):
+        value = splat(0.0)
+        for j in range(total):
+            value = fused(load(step, j * width + b), splat(z[j]), value)
+        store(after, b, value)
+
+
 @functools.cache
 def build():
     """The march, compiled on first use."""
@@ -82,20 +146,13 @@ def build():
         n = total - 2
         wide = rows.shape[1]
         count, orders = powers.shape[:2]
-        watched = samples.shape[1]
-        broad = forms.shape[2]
-        matrix, look, bow, terms, quadratic = (
-            pointer(step), pointer(rows), pointer(bends), pointer(powers), pointer(forms)
-        )  # fmt: skip
-        jump = pointer(jumps)
+        high = pointer(peaks)
+        low = further(high, wide)
         stride = width + 8
         z = pointer(memory)
         values = further(z, 2 * stride)
         bows = further(values, wide)
         c = further(bows, wide)
-        high = pointer(peaks)
-        low = further(high, wide)
-        totals = pointer(sums)
         for i in range(n):
             z[i] = ends[0, i]
         places = starts.size * parts
@@ -116,63 +173,27 @@ def build():
             if part == 0 and r < places:
                 for j in range(total):
                     visited[j] += here[j]
-                for f in range(forms.shape[0]):
-                    added = load(totals, f * 8)
-                    for b in range(0, broad, 8):
-                        value = splat(0.0)
-                        for j in range(total):
-                            value = fused(load(quadratic, (f * total + j) * broad + b), splat(here[j]), value)
-                        added = fused(value, load(here, b), added)
-                    store(totals, f * 8, added)
+                _add_forms(pointer(forms), forms.shape[0], total, forms.shape[2], here, pointer(sums))
             for b in range(0, wide, 8):
-                value = splat(0.0)
-                bend = splat(0.0)
-                for j in range(total):
-                    x = splat(here[j])
-                    value = fused(load(look, j * wide + b), x, value)
-                    bend = fused(load(bow, j * wide + b), x, bend)
-                last = load(values, b)
-                deviation = maximum(magnitude(load(bows, b)), magnitude(bend - load(jump, b) * turned)) * BEND
-                store(values, b, value)
-                store(bows, b, bend)
+                value, last, deviation = _look(
+                    pointer(rows), pointer(bends), pointer(jumps), turned, total, wide, b, here, values, bows
+                )
                 if r == 0:
                     store(high, b, value)
                     store(low, b, value)
-                    continue
-                above = maximum(value, last)
-                below = minimum(value, last)
-                up = maximum(load(high, b), above)
-                down = minimum(load(low, b), below)
-                store(high, b, up)
-                store(low, b, down)
-                turns = greater(deviation * 4.0, above - below)  # fault: exact-monotone
-                may_exceed = turns & greater(above + deviation, up)  # fault: exact-peaks
-                may_undercut = turns & greater(down, below - deviation)
-                while may_exceed != 0:
-                    m = b + lowest(may_exceed)
-                    may_exceed &= may_exceed - 1
-                    if m < count:
-                        high[m] = peak_within_step(terms, m, orders, total, before, c, 1.0, high[m])
-                while may_undercut != 0:
-                    m = b + lowest(may_undercut)
-                    may_undercut &= may_undercut - 1
-                    if m < count:
-                        low[m] = -peak_within_step(terms, m, orders, total, before, c, -1.0, -low[m])
+                else:
+                    _raise_peaks(pointer(powers), count, orders, total, b, value, last, deviation, before, c, high, low)
             if r > 0 and part == 0:
-                for i in range(watched):
+                for i in range(samples.shape[1]):
                     samples[segment - 1, i] = values[first_watched + i]
-            if r == places:
+            if r < places:
+                _next_state(pointer(step), total, width, here, before)
+                part += 1
+                if part == parts:
+                    part = 0
+                    segment += 1
+            else:
                 for i in range(n):
                     ends[1, i] = here[i]
-                break
-            for b in range(0, width, 8):
-                value = splat(0.0)
-                for j in range(total):
-                    value = fused(load(matrix, j * width + b), splat(here[j]), value)
-                store(before, b, value)
-            part += 1
-            if part == parts:
-                part = 0
-                segment += 1
 
     return march

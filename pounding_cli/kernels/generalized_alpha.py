@@ -113,16 +113,46 @@ def _add_tangents(slots, foundations, links, matrix, n, unknowns, tangent, dashp
 
 
 @njit(**INLINE)
+def _rates(scene, p, out, own, h, a0, phi_a0, a, phi_a):
+    """Accelerations and velocities of the point `out` from its displacements, by Newmark's formulas."""
+    beta, gamma = own[_BETA], own[_GAMMA]
+    for i in range(scene.slots.size):
+        last = p.a[i] + a0[i]
+        a[i] = (out.u[i] - p.u[i] - h * p.v[i] - h * h * (0.5 - beta) * last) / (beta * h * h)
+        out.v[i] = p.v[i] + h * ((1.0 - gamma) * last + gamma * a[i])
+        out.plastic[i] = p.plastic[i]
+    for f in range(scene.foundations.number):
+        last = p.phi_a[f] + phi_a0[f]
+        phi_a[f] = (out.phi[f] - p.phi[f] - h * p.phi_v[f] - h * h * (0.5 - beta) * last) / (beta * h * h)
+        out.phi_v[f] = p.phi_v[f] + h * ((1.0 - gamma) * last + gamma * phi_a[f])
+
+
+@njit(**INLINE)
+def _lack(p, out, own, n, count, a0, phi_a0, a, phi_a, mass, right_side):
+    """What lacks in the method's equation, as forces and moments with the sign of the correction."""
+    alpha_m, alpha_f = own[_ALPHA_M], own[_ALPHA_F]
+    share = 1.0 - alpha_f
+    for i in range(n):
+        # fault: generalized-alpha-shares
+        lack = (1.0 - alpha_m) * a[i] + alpha_m * (p.a[i] + a0[i]) - share * out.a[i] - alpha_f * p.a[i]
+        right_side[i] = -mass[i] * lack
+    for f in range(count):
+        lack = (1.0 - alpha_m) * phi_a[f] + alpha_m * (p.phi_a[f] + phi_a0[f])
+        lack -= share * out.phi_a[f] + alpha_f * p.phi_a[f]
+        right_side[n + f] = -mass[n + f] * lack
+
+
+@njit(**INLINE)
 def _try(scene, p, out, own, tally, h, ground, inelastic):
     """Newton's iterations towards the point h after p, whose ground acceleration is `ground`: 1 when they converge, 0
     when they do not, -1 when the matrix is not positive."""
     slots, foundations, links = scene.slots, scene.foundations, scene.links
     size, count, unknowns = slots.size, foundations.number, int(own[_UNKNOWNS])
     n = unknowns - count
-    beta, gamma, alpha_m, alpha_f = own[_BETA], own[_GAMMA], own[_ALPHA_M], own[_ALPHA_F]
+    beta, alpha_f = own[_BETA], own[_ALPHA_F]
     a0, phi_a0, a, phi_a, tangent, dashpot, mass, damping, matrix, right_side = _scratch(own, slots, foundations, links)
-    mass_share = (1.0 - alpha_m) / (beta * h * h)
-    rate_share = (1.0 - alpha_f) * gamma / (beta * h)
+    mass_share = (1.0 - own[_ALPHA_M]) / (beta * h * h)
+    rate_share = (1.0 - alpha_f) * own[_GAMMA] / (beta * h)
     share = 1.0 - alpha_f
     for i in range(size):
         out.u[i] = p.u[i] + h * p.v[i] + 0.5 * h * h * (p.a[i] + a0[i])
@@ -130,15 +160,7 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
         out.phi[f] = p.phi[f] + h * p.phi_v[f] + 0.5 * h * h * (p.phi_a[f] + phi_a0[f])
     for _iteration in range(MAX_ITERATIONS):
         tally[ITERATIONS] += 1
-        for i in range(size):
-            last = p.a[i] + a0[i]
-            a[i] = (out.u[i] - p.u[i] - h * p.v[i] - h * h * (0.5 - beta) * last) / (beta * h * h)
-            out.v[i] = p.v[i] + h * ((1.0 - gamma) * last + gamma * a[i])
-            out.plastic[i] = p.plastic[i]
-        for f in range(count):
-            last = p.phi_a[f] + phi_a0[f]
-            phi_a[f] = (out.phi[f] - p.phi[f] - h * p.phi_v[f] - h * h * (0.5 - beta) * last) / (beta * h * h)
-            out.phi_v[f] = p.phi_v[f] + h * ((1.0 - gamma) * last + gamma * phi_a[f])
+        _rates(scene, p, out, own, h, a0, phi_a0, a, phi_a)
         fill_forces(scene, out, ground, inelastic, False)
         changed = _tangents(slots, links, out.plastic, out.drift, out.u, inelastic, tangent, dashpot)
         if changed or own[_FACTORED] != own[_LEVEL] + 1.0:
@@ -152,14 +174,7 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
             own[_FACTORED] = own[_LEVEL] + 1.0
             if not factorise(matrix, unknowns):
                 return -1
-        for i in range(n):
-            # fault: generalized-alpha-shares
-            lack = (1.0 - alpha_m) * a[i] + alpha_m * (p.a[i] + a0[i]) - share * out.a[i] - alpha_f * p.a[i]
-            right_side[i] = -mass[i] * lack
-        for f in range(count):
-            lack = (1.0 - alpha_m) * phi_a[f] + alpha_m * (p.phi_a[f] + phi_a0[f])
-            lack -= share * out.phi_a[f] + alpha_f * p.phi_a[f]
-            right_side[n + f] = -mass[n + f] * lack
+        _lack(p, out, own, n, count, a0, phi_a0, a, phi_a, mass, right_side)
         solve(matrix, unknowns, right_side)
         largest = 0.0
         moved = 0.0

@@ -2,19 +2,22 @@
 without where they cannot be kept.
 
 Numba trusts its files: a truncated one is an exception in every call, a flipped bit is machine code that was never
-compiled. So each file gets a checksum beside it when it is written."""
+compiled. So each file gets a checksum beside it when it is written. Until it has, the process that writes holds a lock
+on the folder: what looks damaged to another is looked at again once that process is done."""
 
 from __future__ import annotations
 
 import os
 import shutil
 import stat
+import time
 import zlib
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+import numba
 from numba import njit
 
 SUM = ".crc32"
@@ -22,6 +25,9 @@ SUM = ".crc32"
 
 _TRIES = 3
 """A damaged cache costs one try, one that cannot be written a second."""
+
+_PATIENCE = 120.0
+"""For so long others may write before what they have written is looked at all the same [s]: all kernels take 60."""
 
 notes: list[str] = []
 """What a user should know of it, once; whoever shows it takes it away."""
@@ -39,7 +45,19 @@ def _probe(function: Callable[[], None]) -> Path | None:
 def _nothing() -> None: ...
 
 
-FOLDER = _probe(_nothing)
+def _readable(folder: Path | None) -> Path | None:
+    """The folder, or one of this user's own where it holds kernels of another user that cannot be read: numba fails on
+    these in every call, and in a folder with the sticky bit nobody else can delete them."""
+    if folder is None or all(os.access(path, os.R_OK) for path in folder.glob("*.nb[ic]")):
+        return folder
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    own = base / "pound" / "kernels"
+    notes.append(f"compiled kernels in {folder} belong to another user and cannot be read: {own} is used instead")
+    numba.config.CACHE_DIR = str(own)  # of the functions that are compiled from here on
+    return _probe(_nothing)
+
+
+FOLDER = _readable(_probe(_nothing))
 """Where compiled kernels are kept."""
 
 _seen: dict[Path, int] = {}
@@ -51,14 +69,40 @@ def loaded(call: Callable[[], Any]) -> Any:
     _verify()
     for left in reversed(range(_TRIES)):
         try:
-            found = call()
+            with _locked():
+                found = call()
+                _seal()
+                return found
         except Exception as error:
             if not left or not _is_of_cache(error):
                 raise
             _learn(error)
-        else:
-            _seal()
-            return found
+
+
+@contextmanager
+def _locked(alone: bool = False) -> Iterator[None]:
+    """A lock on the folder, shared by those who write, or for who deletes `alone`; none where there is no folder, where
+    its file system or the platform knows no such lock, or when the patience is at an end."""
+    handle = -1
+    with suppress(OSError, ImportError):
+        import fcntl
+
+        kind = fcntl.LOCK_EX if alone else fcntl.LOCK_SH
+        handle = os.open(FOLDER, os.O_RDONLY) if FOLDER else -1
+    try:
+        end = time.monotonic() + _PATIENCE
+        while handle >= 0 and time.monotonic() < end:
+            try:
+                fcntl.flock(handle, kind | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                time.sleep(0.05)
+            except OSError:
+                break
+        yield
+    finally:
+        if handle >= 0:
+            os.close(handle)
 
 
 def _is_of_cache(error: BaseException) -> bool:
@@ -76,7 +120,8 @@ def _learn(error: Exception) -> None:
     if isinstance(error, OSError) and error.errno is not None:
         notes.append(f"compiled kernels cannot be kept in {FOLDER} ({error.strerror}): every run compiles them")
     else:
-        _delete(_files())
+        with _locked(alone=True):
+            _delete(_files())
 
 
 def _files() -> list[Path]:
@@ -96,8 +141,12 @@ def _verify() -> None:
         return  # kept before there were checksums: they get theirs if they load
     new = [path for path in files if _seen.get(path) != _changed(path)]
     if not all(_is_whole(path) for path in new):
-        _delete(files)
-        return
+        with _locked(alone=True):  # another process may have been about to write the checksums
+            files = _files()
+            new = [path for path in files if _seen.get(path) != _changed(path)]
+            if not all(_is_whole(path) for path in new):
+                _delete(files)
+                return
     for path in new:
         _seen[path] = _changed(path)
 

@@ -124,14 +124,12 @@ def _work_by_quadrature(run, b, points, order):
     return spent
 
 
-@njit(**CALLED)
-def account(run, foundations, nodes, weights, order, any_closed, curved, inelastic, founded):
-    """Add the energies of the step up to s = END."""
-    no_inline()
+@njit(**PART)
+def _account_slots(run, order, points):
+    """Add what the ground puts in and what the dashpots of the storeys take."""
     padded = run.padded
     slots = run.slots
     rule = run.rule
-    points = _set_rule(run, nodes, weights, order)
     ground = splat(run.clock[GROUND])
     change = splat(run.clock[GROUND_CHANGE])
     for g in range(0, 8 * points, 8):
@@ -154,30 +152,46 @@ def account(run, foundations, nodes, weights, order, any_closed, curved, inelast
             pushed, drag, dashed = _add_powers(rule, g + 8, s1, v1, couple, ground, change, pushed, drag, dashed)
         mass = load(slots, at(b, c.MASS))
         store(slots, at(b, c.INPUT_ENERGY), load(slots, at(b, c.INPUT_ENERGY)) - mass * pushed)  # fault: ground-input
-        store(
-            slots,
-            at(b, c.DASHPOT_ENERGY),
-            fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHPOT_ENERGY))),
-        )
-        store(
-            slots,
-            at(b, c.DRAG_ENERGY),
-            fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAG_ENERGY))),
-        )
+        taken = fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHPOT_ENERGY)))
+        store(slots, at(b, c.DASHPOT_ENERGY), taken)
+        taken = fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAG_ENERGY)))
+        store(slots, at(b, c.DRAG_ENERGY), taken)
+
+
+@njit(**PART)
+def _account_links(run, order, points, curved):
+    """Add the work done on links."""
+    links = run.links
+    for b in range(run.link_start, run.link_stop, 8):
+        if closed_lanes(run, b) != 0:
+            if curved != 0:
+                work = _work_by_quadrature(run, b, points, order)
+            else:
+                work = _work_of_linear_links(run, b, points, order)
+            store(
+                links, at_link(b, c.WORK), fused(work, load(links, at_link(b, c.ACTS)), load(links, at_link(b, c.WORK)))
+            )
+
+
+@njit(**PART)
+def _account_yielding(run):
+    """Add what storeys on a yield line dissipate."""
+    slots = run.slots
+    for b in range(run.slot_start, run.slot_stop, 8):
+        moved = load(slots, at(b, c.DRIFT1)) - load(slots, at(b, c.DRIFT0))
+        spent = load(slots, at(b, c.LINE)) * load(slots, at(b, c.PLATEAU)) * moved  # fault: hysteresis
+        store(slots, at(b, c.HYSTERESIS_ENERGY), load(slots, at(b, c.HYSTERESIS_ENERGY)) + spent)
+
+
+@njit(**CALLED)
+def account(run, foundations, nodes, weights, order, any_closed, curved, inelastic, founded):
+    """Add the energies of the step up to s = END."""
+    no_inline()
+    points = _set_rule(run, nodes, weights, order)
+    _account_slots(run, order, points)
     if founded:
         account_foundations(run, foundations, points, SHARES)
     if any_closed != 0:
-        for b in range(run.link_start, run.link_stop, 8):
-            if closed_lanes(run, b) != 0:
-                spent = (
-                    _work_by_quadrature(run, b, points, order)
-                    if curved != 0
-                    else _work_of_linear_links(run, b, points, order)
-                )
-                done = fused(spent, load(run.links, at_link(b, c.ACTS)), load(run.links, at_link(b, c.WORK)))
-                store(run.links, at_link(b, c.WORK), done)
+        _account_links(run, order, points, curved)
     if inelastic:
-        for b in range(run.slot_start, run.slot_stop, 8):
-            moved = load(slots, at(b, c.DRIFT1)) - load(slots, at(b, c.DRIFT0))
-            spent = load(slots, at(b, c.LINE)) * load(slots, at(b, c.PLATEAU)) * moved  # fault: hysteresis
-            store(slots, at(b, c.HYSTERESIS_ENERGY), load(slots, at(b, c.HYSTERESIS_ENERGY)) + spent)
+        _account_yielding(run)

@@ -61,22 +61,30 @@ def pack(scene: Scene) -> Arrays:
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     floors, bases, foundation_of = [], [], []
     place = 0
-    founded: list[int] = []
-    for b, building in enumerate(buildings):
+    founded = 0
+    for building in buildings:
         foundation = building.foundation
         sways = foundation is not None and foundation.sways
         bases.append(place if sways else -1)
         place += int(sways)
         floors.append(slice(place, place + building.storeys))
         place += building.storeys
-        foundation_of.append(len(founded) if foundation is not None else -1)
-        if foundation is not None:
-            founded.append(b)
-    padded = -(-place // LANES) * LANES
+        foundation_of.append(founded if foundation is not None else -1)
+        founded += int(foundation is not None)
+    slots = _slots(buildings, analysis, floors, bases, place)
+    foundations = _foundations(buildings, floors, bases)
+    packed_links = link_tables.pack_links(buildings, links, floors)
+    return Arrays(slots, foundations, packed_links, tuple(floors), tuple(bases), tuple(foundation_of))
 
+
+def _slots(
+    buildings: tuple[Building, ...], analysis: Analysis, floors: list[slice], bases: list[int], count: int
+) -> Slots:
+    """`count` slots and the padding."""
+    padded = -(-count // LANES) * LANES
     slots = Slots(padded, **rows(Slots._fields[1:], padded))
     slots.yield_drift[:] = np.inf
-    slots.real[:place] = 1.0  # fault: ground-pushes-floors
+    slots.real[:count] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation
         slots.couple[span] = 1.0
@@ -101,11 +109,15 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         else:
             slots.couple[span.start] = 0.0
     slots.couple_right[:-1] = slots.couple[1:]
-    slots.inverse_mass[:place] = 1.0 / slots.mass[:place]
+    slots.inverse_mass[:count] = 1.0 / slots.mass[:count]
+    return slots
 
-    placed = [(floors[b], bases[b], buildings[b]) for b in founded]
+
+def _foundations(buildings: tuple[Building, ...], floors: list[slice], bases: list[int]) -> Foundations:
+    """The foundations of the buildings that have one."""
+    placed = zip(floors, bases, buildings, strict=True)
     grounds = [(span, base, b, b.foundation) for span, base, b in placed if b.foundation is not None]
-    foundation_arrays = Foundations(
+    return Foundations(
         number=len(grounds),
         first=np.array([span.start for span, *_ in grounds], np.int64),
         stop=np.array([span.stop for span, *_ in grounds], np.int64),
@@ -115,8 +127,6 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         dashpot=np.array([f.rocking_damping if f.rocks else 0.0 for *_, f in grounds], float),
         alpha=np.array([b.alpha for _, _, b, _ in grounds], float),
     )
-    packed_links = link_tables.pack_links(buildings, links, floors)
-    return Arrays(slots, foundation_arrays, packed_links, tuple(floors), tuple(bases), tuple(foundation_of))
 
 
 def at_rest(arrays: Arrays) -> State:

@@ -18,7 +18,7 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import taylor
-from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack, unpack
+from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack, unpack
 from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.energy import AT_REST, balance, held
 from pounding_cli.solve.flags import flags_of
@@ -98,21 +98,7 @@ def solve(
         run
     """
     chosen, setting = chosen_method(method, accuracy, time_step)
-    code = integrator_of(chosen)
-    condensing: tuple[str, ...] = ()
-    if all_effects and code is taylor.TAYLOR:
-        code = taylor.ALL_EFFECTS
-    elif not all_effects and not chosen.takes_step:
-        scene, condensing = condensed(scene, accuracy)
-    if reason := refusal_of(chosen, scene):
-        hint = "write `method: taylor`, which runs every scene"
-        raise InputError(Problem(f"method {method} does not run this scene: {reason}", hint))
-    arrays = pack(scene)
-    if method == AUTO and not all_effects and (cheapest := METHODS[cheapest_method(scene, arrays)]) is not chosen:
-        chosen, code = cheapest, integrator_of(cheapest)
-        condensing += ("event location: nothing in the scene can change its stiffness, so it is stepped exactly",)
-    if code is taylor.TAYLOR and taylor.solved_in_islands(scene, arrays):
-        condensing += ("the rest of the row, while a few touch or yield: what does not touch takes steps of its own",)
+    scene, arrays, chosen, code, condensing = _what_runs(scene, chosen, accuracy, method == AUTO, all_effects)
     state, peaks = at_rest(arrays), no_peaks(arrays, segments_of(scene) if watch else 0)
     if initial is not None:
         for span, u, v in zip(arrays.floors, *initial, strict=True):
@@ -132,12 +118,12 @@ def solve(
     outcome, advice = OUTCOMES[status]
     if status == layout.DONE and abs(energy.get("residual", 0.0)) > max(accuracy, LEDGER_BOUND):
         outcome, advice = OPEN_LEDGER
+    if status == UNSTABLE:
+        advice = f"the motion would grow without bound: take a time step below {limit:.2g} s, or method: taylor"
     if outcome != "done":  # no number of a run that failed is ever shown
         for numbers in (*peaks[1:-1], state.u, state.v, state.phi):
             numbers.fill(np.nan)
     buildings, links = unpack(scene, arrays, state, peaks)
-    if status == UNSTABLE:
-        advice = f"the motion would grow without bound: take a time step below {limit:.2g} s, or method: taylor"
     note = code.note(steps, events)
     effects = effects_of(scene)
     return Response(
@@ -148,6 +134,35 @@ def solve(
         final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
         samples=tuple(peaks.samples[:, span].copy() for span in arrays.floors if watch),
     )  # fmt: skip
+
+
+def _what_runs(
+    scene: Scene, chosen: Method, accuracy: float, free: bool, all_effects: bool
+) -> tuple[Scene, Arrays, Method, Integrator, tuple[str, ...]]:
+    """The scene without what cannot matter, its arrays, the method and its code, and what is left out in words.
+
+    free : whether a cheaper method may take the place of the chosen one
+
+    Raises
+    ------
+    InputError : a scene that the method does not run
+    """
+    code = integrator_of(chosen)
+    condensing: tuple[str, ...] = ()
+    if all_effects and code is taylor.TAYLOR:
+        code = taylor.ALL_EFFECTS
+    elif not all_effects and not chosen.takes_step:
+        scene, condensing = condensed(scene, accuracy)
+    if reason := refusal_of(chosen, scene):
+        hint = "write `method: taylor`, which runs every scene"
+        raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
+    arrays = pack(scene)
+    if free and not all_effects and (cheapest := METHODS[cheapest_method(scene, arrays)]) is not chosen:
+        chosen, code = cheapest, integrator_of(cheapest)
+        condensing += ("event location: nothing in the scene can change its stiffness, so it is stepped exactly",)
+    if code is taylor.TAYLOR and taylor.solved_in_islands(scene, arrays):
+        condensing += ("the rest of the row, while a few touch or yield: what does not touch takes steps of its own",)
+    return scene, arrays, chosen, code, condensing
 
 
 def _compile(code: Integrator, scene: Scene, setting: float) -> None:

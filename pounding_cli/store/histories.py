@@ -169,6 +169,9 @@ def read_history(group: h5py.Group) -> History:
     if not (np.isfinite(time).all() and (np.diff(time) > 0).all()):
         raise refused(f"{here}/time", "does not go on")
     arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}
+    for name, values in arrays.items():  # NaN: the building has no such storey
+        if np.isinf(values).any():
+            raise refused(f"{here}/{name}", "is not finite")
     energy = {name: arrays.pop(f"energy_{name}") for name in ENERGIES}
     return History(time=time, **arrays, energy=energy, buildings=texts["building"], links=texts["link"])
 

@@ -208,7 +208,8 @@ class _Reader:
         """Count values: aliases can unfold a small file into billions of them."""
         self.count += values
         if self.count > MOST_VALUES:
-            raise self.stop(mark, f"more than {MOST_VALUES} values", "write fewer aliases (*name) or values")
+            hint = "write fewer aliases (*name)" if self.anchors else "a study is far shorter: motions stand in files"
+            raise self.stop(mark, f"more than {MOST_VALUES} keys and values", hint)
 
     def mapping(self, start: Any, mark: Mark, depth: int) -> Node:
         children: dict[str, Node] = {}

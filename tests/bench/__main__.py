@@ -6,7 +6,7 @@ import argparse
 import os
 import time
 
-from . import growth, operations, page, picture, program, removal, sampling, sweep, versus
+from . import batch, growth, operations, page, picture, program, removal, sampling, sweep, versus
 from .clock import machine
 
 SWEEPS, HUGE = (100, 1000, 10_000), 100_000
@@ -30,6 +30,7 @@ def main() -> None:
         "profile": removal.measure,
         "sampled": sampling.measure,
         "growth": lambda: list(growth.measure()),
+        "batch": lambda: batch.parts(batch.measure()),
         "sweeps": lambda: sweeps((HUGE,) if options.huge else SWEEPS),
     }
     parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
@@ -38,7 +39,7 @@ def main() -> None:
     parser.add_argument("--draw", action="store_true", help="measure nothing: write page and figure anew")
     options = parser.parse_args()
     for name in () if options.draw else options.only:
-        if name == "sweeps" or name == "program":
+        if name in ("sweeps", "program", "batch"):
             os.sched_setaffinity(0, range(os.cpu_count() or 1))
         else:
             os.sched_setaffinity(0, {0})

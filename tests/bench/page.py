@@ -33,7 +33,7 @@ def tables(parts: dict) -> dict[str, str]:
     """Markdown by mark, of every part that was measured."""
     makers = {
         "peers": _peers, "figures": _figures, "program": _program, "operations": _operations, "profile": _profile,
-        "sampled": _sampled, "growth": _growth, "sweeps": _sweeps,
+        "sampled": _sampled, "growth": _growth, "batch": _batch, "sweeps": _sweeps,
     }  # fmt: skip
     made = {name: make(parts[name]["found"]) for name, make in makers.items() if name in parts}
     return {**made, "machine": _machine(parts)}
@@ -167,6 +167,21 @@ def _growth(found: list[dict]) -> str:
         events = f"{one['events'][0]} to {one['events'][-1]}"
         rows.append([one["over"], span, times, steps, events, measured, allowed, met(one["met"])])
     return _table("what grows | from, to | time of a scene | steps | events | measured | allowed | verdict", rows)
+
+
+def _batch(found: dict) -> str:
+    solver = found["solver"]
+    rows = [["solver", time_of(solver), "", "", ""]]
+    for name, most in (("overhead", 0.2), ("estimates", 0.5)):
+        share = found[name] / solver
+        rows.append([name, time_of(found[name]), f"{share:.2f}", f"{most:g}", met(share <= most)])
+    over = found["default_over_none"]
+    rows.append(["`estimate: all` over `estimate: none`", "", f"{over:.2f}", "1.5", met(over <= 1.5)])
+    for name, gain in found["two_workers"].items():
+        rows.append(
+            [f"one worker over two, by the clock, `estimate: {name}`", "", f"{gain:.2f}", "1.8", met(gain >= 1.8)]
+        )
+    return _table(f"{found['scenes']} scenes | a scene | over the solver | target | verdict", rows)
 
 
 def _sweeps(found: list[dict]) -> str:

@@ -10,7 +10,7 @@ import pytest
 from pounding_cli.kernels import taylor
 from pounding_cli.study import expand, load_study
 
-from . import growth, modal, page, removal, sampling, scenes, sweep
+from . import batch, growth, modal, page, removal, sampling, scenes, sweep
 
 
 @pytest.mark.parametrize("name", [*page.tables(page.read())])
@@ -56,6 +56,27 @@ def test_the_study_of_a_sweep_is_sound(tmp_path):
     study = tmp_path / "sweep.yaml"
     study.write_text(sweep.STUDY.format(first=sweep.numbers(0.3, 0.7, 3), second=sweep.numbers(0.0, 0.04, 4)))
     assert len(expand(load_study(study)).rows) == 12
+
+
+def test_the_study_of_a_batch_is_sound(tmp_path):
+    """Fails if a key of the study is refused or scenes are missing: 20 periods must give the 3,726 of the page."""
+    study = tmp_path / "batch.yaml"
+    study.write_text(batch.study_text(20, "none"))
+    assert len(expand(load_study(study)).scenes) == 3726
+
+
+def test_what_a_batch_costs_a_scene():
+    """Fails if the solver's time counts as overhead, if overhead counts as estimates, or if workers are mixed up."""
+    rows = [
+        {"estimate": estimate, "workers": workers, "scenes": 10, "solver": 2.0, "core": core, "wall": wall}
+        for estimate, workers, core, wall in (
+            ("none", 1, 3.0, 3.0), ("none", 2, 4.0, 2.0), ("all", 1, 9.0, 9.0), ("all", 2, 9.5, 6.0)
+        )
+    ]  # fmt: skip
+    found = batch.parts(rows)
+    assert (found["solver"], found["overhead"], found["estimates"]) == pytest.approx((0.2, 0.1, 0.6))
+    assert found["default_over_none"] == pytest.approx(3.0)
+    assert found["two_workers"] == pytest.approx({"none": 1.5, "all": 1.5})
 
 
 def test_what_is_left_out_is_in_the_kernel():

@@ -148,7 +148,7 @@ MOTION = [
     Mutant(
         "ground-pushes-floors",
         "ground input missing on one floor",
-        ("[:place]", "[1:place]"),
+        ("[:count]", "[1:count]"),
         f"{LINEAR}::test_five_storeys_against_exact_stepping",
     ),
     Mutant(

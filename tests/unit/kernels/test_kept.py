@@ -4,11 +4,14 @@ function small enough to be compiled again and again."""
 from __future__ import annotations
 
 import errno
+import fcntl
 import importlib.util
 import os
 import sys
+import threading
 from pathlib import Path
 
+import numba
 import numba.core.caching
 import pytest
 
@@ -114,6 +117,51 @@ def test_other_faults_are_not_taken_for_the_cache():
     with pytest.raises(ValueError, match="of the kernel"):
         kept.loaded(fails)
     assert len(calls) == 1
+
+
+def test_a_cache_that_is_being_written_is_not_damaged(run):
+    """Another process has compiled and is about to write a checksum. Fails if its files are deleted."""
+    run()
+    (late,) = (path for path in files(kept.SUM) if path.name.endswith(f".nbc{kept.SUM}"))
+    whole = late.read_text()
+    late.write_text("00000000\n")
+    handle = os.open(kept.FOLDER, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_SH)
+
+    def finish() -> None:
+        late.write_text(whole)
+        os.close(handle)
+
+    timer = threading.Timer(0.5, finish)
+    timer.start()
+    assert run() == (42, 1)
+    assert kept.notes == []
+    timer.join()
+
+
+def test_who_writes_for_ever_is_not_waited_for(run, monkeypatch):
+    run()
+    for path in files():
+        os.truncate(path, 0)
+    monkeypatch.setattr(kept, "_PATIENCE", 0.2)
+    handle = os.open(kept.FOLDER, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_SH)
+    assert run() == (42, 0)
+    os.close(handle)
+
+
+def test_kernels_of_another_user_are_done_without(run, tmp_path, monkeypatch):
+    """Files that cannot be read, in a folder where they cannot be deleted either. Fails if every call fails on them."""
+    run()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "own"))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    assert kept._readable(kept.FOLDER) == kept.FOLDER
+    monkeypatch.setattr(kept.os, "access", lambda path, mode: Path(path).parent != kept.FOLDER)
+    own = kept._readable(kept.FOLDER)
+    assert own.is_relative_to(tmp_path / "own" / "pound" / "kernels")
+    assert "belong to another user" in kept.notes.pop()
+    assert run() == (42, 0)
+    assert list(own.parent.rglob("*.nbc"))
 
 
 def test_a_folder_that_everyone_can_write_to_is_told(run):

@@ -203,9 +203,14 @@ def standing_still(group):
     group["time"][2] = group["time"][1]
 
 
+def beyond_numbers(group):
+    group["displacement"][2, 0, 0] = np.inf
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
+        (beyond_numbers, "its histories/0/displacement is not finite"),
         (without("building"), "its histories/0/building is missing"),
         (without("link"), "its histories/0/link is missing"),
         (standing_still, "its histories/0/time does not go on"),

@@ -125,6 +125,8 @@ FORGED = {
     "storeys from 0": (value("storey", 0, 0), "its storey does not count from 1"),
     "a case twice": (value("case", 0, "gap"), "its case names one twice"),
     "an analysis twice": (value("analysis", 0, "inelastic"), "its analysis names one twice"),
+    "an analysis of a stranger": (value("analysis", 0, "plastic"), "its analysis is not one of"),
+    "a table is missing": (lambda file, secret: file.pop("V"), "its V is missing"),
     "no height": (value("height", (0, 0), np.nan), "its height is not positive and finite"),
     "no period": (value("period", 0, -1.0), "its period is not positive and finite"),
 }  # fmt: skip
