@@ -8,7 +8,7 @@ import numpy as np
 
 from pounding_cli.kernels import link_table as t
 from pounding_cli.kernels.layout import Links
-from pounding_cli.laws.law import PRESSED, Branch, Guard, LinkLaw
+from pounding_cli.laws.law import Branch, Guard, LinkLaw
 from pounding_cli.laws.program import GIVEN, carried_out, operations
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
@@ -81,6 +81,7 @@ def _branch_row(branch: Branch) -> np.ndarray:
     row[t.DASHPOT], row[t.ROOT] = branch.dashpot, branch.root
     row[t.CLOSED], row[t.ACTS], row[t.CUTS] = branch.closed, branch.acts, branch.cut and branch.acts
     row[t.FROM], row[t.TO] = low, high
+    row[t.STEEPEST], row[t.STEEPEST_DASHPOT] = branch.steepest
     row[t.GENERAL], row[t.WRITTEN], row[t.REGULAR] = branch.general, branch.force is not None, branch.regular
     row[t.LOW], row[t.HIGH] = (np.inf if branch.cut else low), high  # a force has to be looked at in any case
     return row
@@ -129,22 +130,8 @@ def stiffest(links: Links) -> tuple[np.ndarray, np.ndarray]:
     slope, dashpot = np.zeros((2, links.number))
     for e in range(links.number):
         rows = _branches(links)[links.first[e] : links.last[e]]
-        high = np.where(np.isfinite(rows[:, t.TO]) & (rows[:, t.CUBIC] != 0), rows[:, t.TO], 0.0)
-        slopes = rows[:, t.LINEAR] + 3 * rows[:, t.CUBIC] * high**2
-        dashpots = rows[:, t.DASHPOT] + rows[:, t.ROOT] * np.sqrt(slopes)
-        for b in np.flatnonzero(rows[:, t.WRITTEN]):
-            slopes[b], dashpots[b] = _written_slopes(links, rows[b])
-        slope[e], dashpot[e] = slopes.max(), dashpots.max()
+        slope[e], dashpot[e] = rows[:, t.STEEPEST].max(), rows[:, t.STEEPEST_DASHPOT].max()
     return slope, dashpot
-
-
-def _written_slopes(links: Links, row: np.ndarray) -> tuple[float, float]:
-    """(stiffness [N/m], dashpot [N s/m]) of a branch written as operations where the closing is `PRESSED`."""
-    steps = links.operations.reshape(-1, t.OPERATION_ROW)[int(row[t.FIRST_STEP]) : int(row[t.LAST_STEP])]
-    v = min(row[t.TO], PRESSED)
-    closing, rate = np.array([v, 0.999 * v, v]), np.array([0.0, 0.0, 1.0])
-    force = carried_out(steps, closing, rate, np.ones(3))
-    return float((force[0] - force[1]) / (closing[0] - closing[1])), float(max(force[2] - force[0], 0.0))
 
 
 def force_over_time(
