@@ -12,6 +12,7 @@ from pounding_cli.words import counted
 
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
+    from pounding_cli.laws.law import LinkLaw
     from pounding_cli.study import Plan
     from pounding_cli.words import Unit
 
@@ -142,8 +143,16 @@ def _links(plan: Plan, case: str, width: Unit, strength: Unit) -> str:
     links = plan.scenes[row.scene].links
     if not links:
         return "no links: runs as buildings alone"
-    groups = Counter((link.kind, link.gap, link.law.initial_stiffness) for link in links)
+    groups = Counter((link.kind, link.gap, _stiffness(link.law, strength)) for link in links)
     return "; ".join(
-        f"{count} x {kind}, gap {width.text(gap)}, {strength.text(stiffness, 4)}"
-        for (kind, gap, stiffness), count in groups.items()
+        f"{count} x {kind}, gap {width.text(gap)}, {stiffness}" for (kind, gap, stiffness), count in groups.items()
     )
+
+
+def _stiffness(law: LinkLaw, unit: Unit) -> str:
+    """The stiffness of a law; of one that has none in N/m, the first parameter per power of m."""
+    units = {name: each.metadata["parameter"].unit for name, each in law.parameters().items()}
+    other = next((name for name, of in units.items() if of.startswith("N/m^")), None)
+    if other is None or "stiffness" in units:
+        return unit.text(law.initial_stiffness, 4)
+    return f"{getattr(law, other):.4g} {units[other]}"

@@ -12,13 +12,14 @@ from pounding_cli.kernels.layout import PART
 
 (
     LINEAR, CUBIC, OFFSET, DASHPOT, ROOT, CLOSED, ACTS, CUTS, LOW, HIGH, FROM, TO, FIRST_GUARD, LAST_GUARD, GENERAL,
-    WRITTEN, FIRST_STEP, LAST_STEP, REGULAR, FIRST_REGULAR, LAST_REGULAR,
-) = range(21)  # fmt: skip
-"""The places of a branch in its row: the coefficients [N/m, N/m3, N, N s/m, sqrt(kg)]; whether the force is followed,
-acts, and is cut off where it would pull (1 or 0); the closings [m] between which no guard has to be asked, and those
-between which the branch holds; its guards, the first and one more than the last; whether program steps alone can
-follow it, and whether its force is written as operations alone (1 or 0); the operations of its force, the first and
-one more than the last; b of q = v^(1/b) (1: the force needs no q), and the operations in q."""
+    WRITTEN, FIRST_STEP, LAST_STEP, REGULAR, FIRST_REGULAR, LAST_REGULAR, STEEPEST, STEEPEST_DASHPOT,
+) = range(23)  # fmt: skip
+"""The places of a branch in its row: the coefficients [N/m, N/m3, N, N s/m, sqrt(kg)]; whether the force is
+followed, acts, and is cut off where it would pull (1 or 0); the closings [m] between which no guard has to be asked,
+and those between which the branch holds; its guards, the first and one more than the last; whether program steps
+alone can follow it, and whether its force is written as operations alone (1 or 0); the operations of its force, the
+first and one more than the last; b of q = v^(1/b) (1: the force needs no q), and the operations in q; stiffness
+[N/m] and dashpot [N s/m] where it is stiffest."""
 
 QUANTITY, AT, SIDE, NEXT, IMPACT, ONCE, OF_MEMORY, REMEMBERS = range(8)
 """The places of a guard in its row: what it looks at (below); the value at which it ends the branch [m, m/s]; 1
@@ -35,7 +36,7 @@ NOTHING, CLOSING, FORCE, RATE, ACCELERATION = range(5)
 NO_LINK = 0
 """The branch of places without a link: no force, no guards."""
 
-BRANCH_ROW, GUARD_ROW, OPERATION_ROW = 21, 8, 6
+BRANCH_ROW, GUARD_ROW, OPERATION_ROW = 23, 8, 6
 """Numbers in a row."""
 
 

@@ -216,7 +216,8 @@ def find_end(run, p, inelastic, founded):
             run.scratch[k] = -p.T[k]
         run.scratch[0] = left_over
         run.clock[END] = min(first_crossing(run.scratch, order, 1.0), 1.0)
-    finished = finished and not _presses(run, p)
+    pressed = _presses(run, p)  # fault: pressed-from-rest
+    finished = finished and not pressed
     storeys = inelastic and _first_storey(run, p, founded)
     link = _first_link(run, p)
     return storeys and not link, link, finished and not (storeys or link)

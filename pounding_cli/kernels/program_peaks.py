@@ -111,24 +111,27 @@ def widen_ranges(run, p):
 
 @njit(**PART)
 def _set_rule(run, p, nodes, weights):
-    """Points (s of the step) and weights [s] of the largest rule, eight copies of each."""
-    row = MAX_POINTS * MAX_POINTS
+    """Points (s of the step) and weights [s], eight copies of each, of a rule that integrates a polynomial of the
+    series' order, and four more, exactly; returns their number."""
     order = run.tally[ORDER]
+    points = min(order // 2 + 3, MAX_POINTS)
+    row = points * MAX_POINTS
     end = run.clock[END]
-    for g in range(MAX_POINTS):
+    for g in range(points):
         s = nodes[row + g] * end
         store(run.rule, 8 * g, splat(s))
         store(run.rule, SHARES + 8 * g, splat(weights[row + g] * end * value(p.B, order - 1, s)))
+    return points
 
 
 @njit(**CALLED)
-def _link_work(run, p, e):
+def _link_work(run, p, e, points):
     """Work done on link e, and its impulse."""
     no_inline()
     order = run.tally[ORDER]
     force, rate = force_register(run, p, e), register(p, e, RATE)
     work, impulse = 0.0, 0.0
-    for g in range(0, 8 * MAX_POINTS, 8):
+    for g in range(0, 8 * points, 8):
         s, share = run.rule[g], run.rule[SHARES + g]
         pushed = value(force, order - 1, s) * share
         impulse += pushed
@@ -142,10 +145,10 @@ def _link_work(run, p, e):
 def account(run, foundations, p, nodes, weights, inelastic, founded):
     """Add the energies of the step up to s = END."""
     no_inline()
-    _set_rule(run, p, nodes, weights)
+    points = _set_rule(run, p, nodes, weights)
     slots = run.slots
     order = run.tally[ORDER]
-    for g in range(0, 8 * MAX_POINTS, 8):
+    for g in range(0, 8 * points, 8):
         s, share = run.rule[g], load(run.rule, SHARES + g)
         ground = splat(run.clock[GROUND] + run.clock[GROUND_SLOPE] * value(p.T, order, s))
         left = splat(0.0)
@@ -162,10 +165,10 @@ def account(run, foundations, p, nodes, weights, inelastic, founded):
             drag = load(slots, at(b, c.ALPHA)) * mass * v * v * share
             store(slots, at(b, c.DRAG_ENERGY), load(slots, at(b, c.DRAG_ENERGY)) + drag)
     if founded:
-        account_foundations(run, foundations, MAX_POINTS, SHARES)
+        account_foundations(run, foundations, points, SHARES)
     for e in range(run.link_start, run.link_stop):
         if is_closed(run, e):
-            _link_work(run, p, e)
+            _link_work(run, p, e, points)
     if inelastic:
         for i in range(run.slot_start, run.slot_stop):
             moved = slots[of(i, c.DRIFT1)] - slots[of(i, c.DRIFT0)]

@@ -23,6 +23,7 @@ from pounding_cli.kernels.foundations import foundation_forces, start_foundation
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, link_forces_on
+from pounding_cli.kernels.polynomial import value
 from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT, carry_out, product_term
 from pounding_cli.kernels.simd import from_left, from_right, further, fused, load, no_inline, splat, store
 
@@ -160,22 +161,32 @@ def _allowed_force(run, e):
 def least_closing(run, p, e):
     """A closing [m] below which the force of link e is not resolved, however it got there from where it is."""
     no_inline()
-    left, right = _sides(run, e)
+    v = 1e-3
+    while v > 1e-60 and _is_resolved(run, p, e, v):
+        v *= 0.125
+    return v
+
+
+@njit(**CALLED)
+def _is_resolved(run, p, e, v):
+    """Whether the force of link e at a closing v [m] is more than may be left out, at its rate or, if that is more, the
+    one that it has when it gets there from rest."""
+    no_inline()
     b = branch_of(run, e)
     first, last = int(t.branch(run, b, t.FIRST_STEP)), int(t.branch(run, b, t.LAST_STEP))
-    allowed = _allowed_force(run, e)
-    acceleration = max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], run.clock[LEAST_SCALE])
     closing, rate = register(p, e, CLOSING), register(p, e, RATE)
     v0, r0 = closing[0], rate[0]
-    v = 1e-3
-    while v > 1e-60:
-        closing[0] = v
-        rate[0] = max(abs(r0), math.sqrt(2.0 * acceleration * v))
-        if abs(carry_out(run.operations, first, last, register(p, e, 0), p.rows, 0)) <= allowed:
-            break
-        v *= 0.125
+    closing[0], rate[0] = v, max(abs(r0), math.sqrt(2.0 * _largest_acceleration(run, e) * v))
+    force = carry_out(run.operations, first, last, register(p, e, 0), p.rows, 0)
     closing[0], rate[0] = v0, r0
-    return v
+    return abs(force) > _allowed_force(run, e)
+
+
+@njit(**PART)
+def _largest_acceleration(run, e):
+    """Of the floors of link e of late [m/s2]."""
+    left, right = _sides(run, e)
+    return max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], run.clock[LEAST_SCALE])
 
 
 @njit(**CALLED)
@@ -199,12 +210,12 @@ def start(run, foundations, p, founded):
         if not is_closed(run, e) or t.branch(run, branch_of(run, e), t.REGULAR) <= 1.0:
             continue
         v, rate = register(p, e, CLOSING)[0], register(p, e, RATE)[0]
-        least = least_closing(run, p, e)
-        left, right = _sides(run, e)
-        acceleration = max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], clock[LEAST_SCALE])
-        p.resting[e] = 1 if v < least else 0
-        if v < least and not rate > math.sqrt(2.0 * acceleration * least):  # from rest q would stand still
-            continue
+        if not (v > 0.0 and _is_resolved(run, p, e, v)):
+            least = least_closing(run, p, e)
+            p.resting[e] = 1 if v < least else 0
+            # from rest q would stand still
+            if v < least and not rate > math.sqrt(2.0 * _largest_acceleration(run, e) * least):
+                continue
         if max(v, 0.0) / max(abs(rate), 1e-300) < nearest:
             nearest = max(v, 0.0) / max(abs(rate), 1e-300)
             p.numbers[CHOSEN], p.numbers[B_ROOT] = e, t.branch(run, branch_of(run, e), t.REGULAR)
@@ -351,9 +362,20 @@ def expand(run, foundations, p, order, founded):
 
 
 @njit(**PART)
-def _worse(worst, part, k):
-    """The larger of `worst` and part^(1/k)."""
-    return max(worst, part ** (1.0 / k)) if part > 0.0 else worst
+def _term_over_allowed(run, foundations, p, k, founded):
+    """The largest order k of an acceleration or a force over what may be left out of it [-]."""
+    largest = 0.0
+    for i in range(run.slot_start, run.slot_stop):
+        largest = max(largest, abs(p.A[k * run.padded + i]) / run.slots[of(i, c.TERM_TOLERANCE)])
+    if founded:
+        for f in range(run.foundations):
+            top, _ = top_of(run, foundations, k, f)
+            turning = abs(p.angular[k * run.foundations + f]) * run.slots[of(top, c.ELEVATION)]
+            largest = max(largest, turning / run.slots[of(top, c.TERM_TOLERANCE)])
+    for e in range(run.link_start, run.link_stop):
+        if is_closed(run, e):
+            largest = max(largest, abs(force_register(run, p, e)[k]) / _allowed_force(run, e))
+    return largest
 
 
 @njit(**CALLED)
@@ -362,25 +384,16 @@ def part_allowed(run, foundations, p, order, tolerance, founded):
     no_inline()
     worst = 0.0
     for k in range(max(order - JUDGED, 2), order):
-        for i in range(run.slot_start, run.slot_stop):
-            worst = _worse(worst, abs(p.A[k * run.padded + i]) / run.slots[of(i, c.TERM_TOLERANCE)], k)
-        if founded:
-            for f in range(run.foundations):
-                top, _ = top_of(run, foundations, k, f)
-                turning = abs(p.angular[k * run.foundations + f]) * run.slots[of(top, c.ELEVATION)]
-                worst = _worse(worst, turning / run.slots[of(top, c.TERM_TOLERANCE)], k)
-        for e in range(run.link_start, run.link_stop):
-            if is_closed(run, e):
-                worst = _worse(worst, abs(force_register(run, p, e)[k]) / _allowed_force(run, e), k)
+        term = _term_over_allowed(run, foundations, p, k, founded)
+        worst = max(worst, term ** (1.0 / k)) if term > 0.0 else worst
     ratio = MARGIN / worst if worst > MARGIN else 1.0
     for _ in range(3):  # the time, whose error shifts all, by itself
-        length = 0.0
-        for k in range(order, -1, -1):
-            length = length * ratio + p.T[k]
-        worst = 0.0
+        allowed = tolerance * abs(value(p.T, order, ratio))
+        worst = 1.0
         for k in range(max(order - JUDGED, 2), order + 1):
-            worst = _worse(worst, abs(p.T[k]) / (tolerance * abs(length)), k) if length != 0.0 else worst
-        ratio = min(ratio, 1.0 / worst) if worst > 0.0 else ratio
+            term = abs(p.T[k]) * ratio**k
+            worst = max(worst, (term / allowed) ** (1.0 / k)) if term > allowed > 0.0 else worst
+        ratio /= worst
     return ratio
 
 

@@ -17,13 +17,16 @@ import functools
 import numpy as np
 from numba import njit, types
 
+from pounding_cli.kernels.cells import EVENTS_AT_INSTANT as LINK_EVENTS
 from pounding_cli.kernels.cells import (
     LINK_INTEGERS,
+    SCALE,
     V1,
     at,
     give_links,
     give_slots,
     of,
+    of_link,
     record_parts,
     record_sizes,
     run_frame,
@@ -55,6 +58,7 @@ from pounding_cli.kernels.crossings import first_link_event, first_storey_event
 from pounding_cli.kernels.foundations import advance_foundations, foundations_frame, start_foundations
 from pounding_cli.kernels.frame import DOUBLES, Frame, filler
 from pounding_cli.kernels.from_rest import start_in_touch
+from pounding_cli.kernels.history import enter, history_pointers
 from pounding_cli.kernels.islands import (
     APART,
     FOUND,
@@ -431,15 +435,16 @@ def _end_segment(row):
 @njit(**PART)
 def _integrate(
     solve_island, slot_arrays, foundation_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays,
-    nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order,
-    max_steps, max_events, max_events_at_instant,
+    history_arrays, nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands, tolerance,
+    least_scale, max_order, max_steps, max_events, max_events_at_instant,
 ):  # fmt: skip
     """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
 
     `memory` and `integers` are scratch (`memory_needed`), zeroed, `memory` at a cache line. `nodes` and `weights` are
     Gauss-Legendre rules on [0, 1] (`ledger.MAX_POINTS`). `inelastic`: storeys can yield. `use_islands`: islands are
-    looked for; without it the row is one. `least_scale`: the acceleration below which nothing is resolved [m/s2]. Fills
-    state, peaks and ledger in place; returns (status, steps, events, orders computed, time reached [s]).
+    looked for; without it the row is one. `least_scale`: the least acceleration that errors are measured by [m/s2].
+    With a history every segment has a length of its own and is begun anew. Fills state, peaks, ledger and history in
+    place; returns (status, steps, events, orders computed, time reached [s]).
     """
     slots, given_foundations, links = (
         slot_pointers(slot_arrays),
@@ -447,7 +452,7 @@ def _integrate(
         link_pointers(link_arrays),
     )
     state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
-    ledger = ledger_pointers(ledger_arrays)
+    ledger, history = ledger_pointers(ledger_arrays), history_pointers(history_arrays)
     accelerations, rates = pointer(starts), pointer(slopes)
     run, row, frames, rest = _lay_out_scratch(
         given_foundations, links, row_pointers(row_arrays), pointer(memory), pointer(integers)
@@ -464,16 +469,18 @@ def _integrate(
     )  # fmt: skip
     take_slots(run, row, slots, state, peaks, ledger)
     take_links(run, row, links, state, peaks, ledger)
-    initialise_branches(run)
+    _start(run, row)
     start_in_touch(run)
     run.clock[SEGMENT_LENGTH] = length
     run.clock[LEAST_SCALE] = least_scale
-    for b in range(row.number):
-        row.notes[b * NOTE_COUNT + PINNED] = 1
     status = -1
     segment = 0
     while segment < starts.size:
         run.tally[SEGMENT] = segment
+        if history.segments > 0:
+            run.clock[SEGMENT_LENGTH] = history.lengths[segment]
+            if segment > 0:
+                _start(run, row)
         run.clock[SEGMENT_GROUND] = accelerations[segment]
         run.clock[GROUND_SLOPE] = rates[segment]
         _guess_islands(run, row, use_islands)
@@ -486,11 +493,28 @@ def _integrate(
         _end_segment(row)
         if peaks.watched != 0:
             sample(run, row, slots.size, peaks.samples)
+        if history.segments > 0:
+            enter(run, row, foundations, history, segment, slots.size, links.size)
         segment += 1
     give_slots(run, row, state, peaks, ledger)
     give_links(run, row, state, peaks, ledger)
     time = segment * length + (max(run.clock[ELAPSED], 0.0) if segment < starts.size else 0.0)
     return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time
+
+
+@njit(**CALLED)
+def _start(run, row):
+    """Begin with the state as it is: branches anew, nothing known of accelerations, all may be pinned at an event."""
+    no_inline()
+    initialise_branches(run)
+    for i in range(run.padded):
+        run.slots[of(i, SCALE)] = 0.0
+    for e in range(run.padded_links):
+        run.links[of_link(e, LINK_EVENTS)] = 0.0
+    for b in range(row.number):
+        row.notes[b * NOTE_COUNT + PINNED] = 1
+        row.notes[b * NOTE_COUNT + TOUCHED_BEFORE] = 0
+    run.tally[EVENTS_AT_INSTANT] = 0
 
 
 @functools.cache
@@ -505,29 +529,30 @@ def build(programs: bool):
 
         @njit(**PLAIN)
         def integrate_programs(
-            slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers, starts, slopes,
-            length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
+            slots, foundations, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
+            slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
             max_events_at_instant,
         ):  # fmt: skip
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return _integrate(
-                _solve_island_with_programs, slots, foundations, links, row, state, peaks, ledger, nodes, weights,
-                memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order,
-                max_steps, max_events, max_events_at_instant,
+                _solve_island_with_programs, slots, foundations, links, row, state, peaks, ledger, history, nodes,
+                weights, memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale,
+                max_order, max_steps, max_events, max_events_at_instant,
             )  # fmt: skip
 
         return integrate_programs
 
     @njit(**PLAIN)
     def integrate(
-        slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers, starts, slopes, length,
-        inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
+        slots, foundations, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
+        slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
+        max_events_at_instant,
     ):  # fmt: skip
         _ = source
         return _integrate(
-            _solve_island, slots, foundations, links, row, state, peaks, ledger, nodes, weights, memory, integers,
-            starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
-            max_events_at_instant,
+            _solve_island, slots, foundations, links, row, state, peaks, ledger, history, nodes, weights, memory,
+            integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps,
+            max_events, max_events_at_instant,
         )  # fmt: skip
 
     return integrate

@@ -150,14 +150,17 @@ class Branch:
             return work(lambda v: force.at(v, 0.0), rest, closing)
         return 0.5 * self.linear * closing**2 + 0.25 * self.cubic * closing**4 + self.offset * closing
 
-    def steepest(self) -> float:
-        """Stiffness [N/m] at its largest closing, where it is stiffest."""
+    @cached_property
+    def steepest(self) -> tuple[float, float]:
+        """(stiffness [N/m], dashpot [N s/m]) at its largest closing, where it is stiffest; of a force that is given as
+        an expression at `PRESSED`."""
         high = self.interval[1]
         if self.force is not None:
             v = min(high, PRESSED)
-            low = 0.999 * v
-            return float(self.force.at(v, 0.0) - self.force.at(low, 0.0)) / (v - low)
-        return self.linear + (3 * self.cubic * high**2 if self.cubic and math.isfinite(high) else 0.0)
+            here, before, moving = (float(self.force.at(*at, 1.0)) for at in ((v, 0.0), (0.999 * v, 0.0), (v, 1.0)))
+            return (here - before) / (0.001 * v), max(moving - here, 0.0)
+        slope = self.linear + (3 * self.cubic * high**2 if self.cubic and math.isfinite(high) else 0.0)
+        return slope, self.dashpot + self.root * math.sqrt(slope)
 
 
 def parameter(
@@ -193,6 +196,11 @@ class Parameter:
         if above and below:
             return ""
         return f"it must be {self.range}"
+
+    @property
+    def words(self) -> str:
+        """What it means, with its unit."""
+        return self.doc if self.unit == "-" else f"{self.doc} [{self.unit}]"
 
     @property
     def range(self) -> str:
@@ -306,12 +314,12 @@ class LinkLaw:
     def initial_stiffness(self) -> float:
         """The stiffness as the floors begin to press [N/m]; of a force without one there, its largest."""
         first = next(branch for branch in self._sample if branch.closed)
-        return first.linear if first.force is None else first.steepest()
+        return first.linear if first.force is None else first.steepest[0]
 
     @cached_property
     def stiffest(self) -> float:
         """The largest stiffness of its branches [N/m]."""
-        return max(branch.steepest() for branch in self._sample)
+        return max(branch.steepest[0] for branch in self._sample)
 
     def stored(self, closing: float) -> float:
         """Energy in the spring [J] at a closing u_left - u_right [m]: its elastic force integrated from where it

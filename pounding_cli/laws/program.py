@@ -96,15 +96,20 @@ class Expression:
         return self == part or any(one.holds(part) for one in self.parts)
 
     def at(self, closing: Any, rate: Any, memory: Any = 0.0) -> Any:
-        """Its value at closings v [m], rates [m/s] and what the link remembers; numbers or arrays of one shape."""
+        """Its value at closings v [m], rates [m/s] and what the link remembers; numbers or arrays of one shape. What is
+        multiplied by zero is zero, also where the other factor is infinite: v' / v0 of floors at rest."""
         if self.operation is None:
             return (closing, rate, memory)[self.register]
         x = self.parts[0].at(closing, rate, memory)
         a, b, c = self.numbers
         if self.operation is Operation.POWER:
-            return a * np.maximum(x, 0.0) ** b
+            with np.errstate(divide="ignore"):
+                return a * np.maximum(x, 0.0) ** b
         y = self.parts[-1].at(closing, rate, memory)
-        return a * x * y if self.operation is Operation.PRODUCT else a * x + b * y + c
+        if self.operation is Operation.LINEAR:
+            return a * x + b * y + c
+        with np.errstate(invalid="ignore"):
+            return np.where((x == 0.0) | (y == 0.0), 0.0, a * x * y)  # fault: product-of-zero
 
 
 CLOSING = Expression(register=_CLOSING)

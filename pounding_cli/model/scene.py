@@ -29,15 +29,15 @@ class Scene:
     Parameters
     ----------
     buildings : left to right
-    links : at most one between any two floors
+    links : several may join the same floors (a connector beside pounding, say), each with a law of its own
     motion : already windowed and scaled
     analysis : Analysis
     tail : free vibration after the motion [s], >= 0
 
     Raises
     ------
-    ValueError : no buildings, a link to a building or floor that is not there, two links between the same two
-        floors, or a negative tail
+    ValueError : no buildings, a link to a building or floor that is not there, two links alike between the
+        same two floors, or a negative tail
     """
 
     buildings: tuple[Building, ...]
@@ -59,13 +59,12 @@ class Scene:
                 building = self.buildings[place]
                 if floor > building.storeys:
                     raise ValueError(f"link: {building.name} has {counted(building.storeys, 'floor')}, not {floor}")
-            ends = (link.left, link.left_floor, link.right_floor)
-            if ends in taken:
+            if link in taken:
                 raise ValueError(
-                    f"link: two links between floors {link.left_floor} and {link.right_floor}"
+                    f"link: two {link.kind} links alike between floors {link.left_floor} and {link.right_floor}"
                     f" of buildings {link.left} and {link.left + 1}; give one"
                 )
-            taken.add(ends)
+            taken.add(link)
 
     def __repr__(self) -> str:
         names = " | ".join(building.name for building in self.buildings)

@@ -91,6 +91,16 @@ REFERENCES = {
             "An investigation of earthquake induced pounding between adjacent buildings", _EESD, "21(4)", "289--302",
             "10.1002/eqe.4290210402",
         ),
+        _article(
+            "muthukumar2006", "Muthukumar, S. & DesRoches, R.", 2006,
+            "A Hertz contact model with non-linear damping for pounding simulation", _EESD, "35(7)", "811--828",
+            "10.1002/eqe.557",
+        ),
+        _article(
+            "ye2009", "Ye, K., Li, L. & Zhu, H.", 2009,
+            "A note on the Hertz contact model with nonlinear damping for pounding simulation", _EESD, "38",
+            "1135--1142", "10.1002/eqe.883",
+        ),
         _article(  # the paper cites author and year; title and volume found nowhere else, so pages and DOI left out
             "westermo1989", "Westermo, B. D.", 1989,
             "The dynamics of interstructural connection to prevent pounding", _EESD, "18(5)",

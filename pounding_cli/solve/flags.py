@@ -9,11 +9,13 @@ from pounding_cli.solve.response import LinkResponse
 
 def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
     """One sentence for each link compressed beyond its thickness or its gap (paper, after eqs 9 and 10): what is
-    flagged, a colon, where and by how much."""
+    flagged, a colon, where and by how much. Where another link lets the floors strike, nothing is left out."""
     said = []
+    struck = {(link.left, link.left_floor, link.right_floor) for link in scene.links if link.law.subtracts_gap}
     for e, link in enumerate(scene.links):
         beyond = float(links.max_closing[e]) - link.gap
-        if beyond <= 0 or not link.law.beyond_gap:
+        strikes = link.law.meaningless and (link.left, link.left_floor, link.right_floor) in struck
+        if beyond <= 0 or not link.law.beyond_gap or strikes:
             continue
         left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
         said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond * 1000:.3g} mm")

@@ -6,20 +6,20 @@ link on the branch it is on."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import layout
+from pounding_cli.kernels.history import History as Entered
 from pounding_cli.laws import bilinear
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import link_tables, taylor
-from pounding_cli.solve.arrays import Arrays, aligned, at_rest, empty_ledger, no_peaks, pack
+from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.run import MAX_EVENTS, MAX_STEPS, OUTCOMES
 
@@ -91,62 +91,24 @@ def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> Histo
     return _evaluated(scene, arrays, times, states)
 
 
-@dataclass(frozen=True, eq=False)
-class _States:
-    """State and work so far at every output time: the fields of `layout.State` that matter, times first."""
-
-    u: np.ndarray
-    v: np.ndarray
-    line: np.ndarray
-    plastic: np.ndarray
-    link_branch: np.ndarray
-    link_memory: np.ndarray
-    phi: np.ndarray
-    phi_v: np.ndarray
-    work: np.ndarray  # (t, 4): input, dashpots, hysteresis, links [J]
-
-
-_BY_SLOT = ("u", "v", "line", "plastic")
-_WORK = ("input", "dashpots", "drag", "hysteresis")
-
-
-def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> _States:
-    """The states at `times`: the kernel run from one output time or sample to the next."""
-    peaks = no_peaks(arrays)
-    # one block of memory for what is kept by slot: a copy at each output time instead of eight
-    now = aligned(len(_BY_SLOT + _WORK) * arrays.padded).reshape(-1, arrays.padded)
-    state = _within(now[: len(_BY_SLOT)], _BY_SLOT, at_rest(arrays))
-    ledger = _within(now[len(_BY_SLOT) :], _WORK, empty_ledger(arrays))
-    beside = (state.link_branch, state.link_memory, state.phi, state.phi_v, ledger.foundations, ledger.links)
-    kept = [np.empty((times.size, *array.shape), array.dtype) for array in (now, *beside)]
+def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> Entered:
+    """The states at `times`, each run from one output time or sample of the motion to the next."""
+    state, peaks, ledger = at_rest(arrays), no_peaks(arrays), empty_ledger(arrays)
+    outputs, begins, rates, lengths = _pieces(scene, times)
+    wanted = ("u", "v", "line", "plastic", "link_branch", "link_memory", "phi", "phi_v")
+    kept = (np.repeat(getattr(state, name)[None], times.size, axis=0) for name in wanted)
+    states = Entered(lengths.size, lengths, outputs, *kept, work=np.zeros((times.size, 4)))  # type: ignore[misc]
     run = taylor.prepare(scene, arrays, state, accuracy, (MAX_STEPS, MAX_EVENTS))
-    for whole, array in zip(kept, (now, *beside), strict=True):
-        whole[0] = array
-    for output, *ground in _pieces(scene, times):
-        status, *_ = run(state, peaks, ledger, *ground)
-        if status != layout.DONE:
-            outcome, advice = OUTCOMES[status]
-            raise InputError(Problem(f"no history of this scene: {outcome}", advice))
-        if output >= 0:
-            for whole, array in zip(kept, (now, *beside), strict=True):
-                whole[output] = array
-    by_slot, link_branch, link_memory, phi, phi_v, foundations, links = kept
-    entered, dashpots, drag, hysteresis = by_slot[:, len(_BY_SLOT) :].sum(axis=2).T
-    work = np.stack((entered, dashpots + drag + foundations.sum(axis=1), hysteresis, links.sum(axis=1)), axis=1)
-    u, v, line, plastic = by_slot[:, : len(_BY_SLOT)].swapaxes(0, 1)
-    return _States(u, v, line, plastic, link_branch, link_memory, phi, phi_v, work)
+    status, *_ = run(state, peaks, ledger, begins, rates, 0.0, states)
+    if status != layout.DONE:
+        outcome, advice = OUTCOMES[status]
+        raise InputError(Problem(f"no history of this scene: {outcome}", advice))
+    return states
 
 
-def _within(block: np.ndarray, names: tuple[str, ...], fields: Any) -> Any:
-    """A state or ledger whose fields of these names are the rows of a block."""
-    for row, name in zip(block, names, strict=True):
-        row[:] = getattr(fields, name)
-    return fields._replace(**dict(zip(names, block, strict=True)))
-
-
-def _pieces(scene: Scene, times: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray, float]]:
-    """(output time that ends it or -1, acceleration at its start (1,), slope (1,), length) of every straight piece of
-    ground between neighbouring samples and output times."""
+def _pieces(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(output time that ends it or -1, acceleration at its start [m/s2], slope [m/s3], length [s]) of every straight
+    piece of ground between neighbouring samples and output times."""
     starts, slopes, dt = segments(scene)
     samples = dt * np.arange(starts.size + 1)
     after = np.clip(np.searchsorted(times, samples), 1, times.size - 1)
@@ -158,9 +120,7 @@ def _pieces(scene: Scene, times: np.ndarray) -> Iterator[tuple[int, np.ndarray, 
     cuts, outputs = cuts[order], outputs[order]
     segment = np.minimum((0.5 * (cuts[:-1] + cuts[1:]) / dt).astype(np.int64), starts.size - 1)
     begins = starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment)  # fault: history-ground
-    rates, lengths = slopes[segment], np.diff(cuts)
-    for i in range(lengths.size):
-        yield int(outputs[i + 1]), begins[i : i + 1], rates[i : i + 1], float(lengths[i])
+    return outputs[1:].copy(), begins, slopes[segment], np.diff(cuts)
 
 
 def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -174,7 +134,7 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return acceleration, moved[at] + (velocity[at] + (starts[at] / 2 + slopes[at] * since / 6) * since) * since
 
 
-def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: _States) -> History:
+def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> History:
     """What is wanted, from the states; the link branches say whether a link acts, also where it pulls at v' < 0."""
     slots, foundations = arrays.slots, arrays.foundations
     ground, moved = _ground(scene, times)
@@ -227,7 +187,7 @@ def _drifts(arrays: Arrays, u: np.ndarray, phi: np.ndarray) -> np.ndarray:
     return drift
 
 
-def _link_forces(arrays: Arrays, s: _States) -> np.ndarray:
+def _link_forces(arrays: Arrays, s: Entered) -> np.ndarray:
     """Force of every link over time [N], shape (t, m) (eqs 6, 9, 10)."""
     links = arrays.links
     forces = np.zeros((s.u.shape[0], links.number))
@@ -238,7 +198,7 @@ def _link_forces(arrays: Arrays, s: _States) -> np.ndarray:
     return forces
 
 
-def _accelerations(arrays: Arrays, s: _States, storey: np.ndarray, links: np.ndarray) -> np.ndarray:
+def _accelerations(arrays: Arrays, s: Entered, storey: np.ndarray, links: np.ndarray) -> np.ndarray:
     """Total accelerations u'' + a_g of the floors over time, by slot [m/s2]: forces over masses (eq. 2).
 
     storey : force of every storey, damping included; links : force of every link

@@ -81,6 +81,7 @@ def _branch_row(branch: Branch) -> np.ndarray:
     row[t.DASHPOT], row[t.ROOT] = branch.dashpot, branch.root
     row[t.CLOSED], row[t.ACTS], row[t.CUTS] = branch.closed, branch.acts, branch.cut and branch.acts
     row[t.FROM], row[t.TO] = low, high
+    row[t.STEEPEST], row[t.STEEPEST_DASHPOT] = branch.steepest
     row[t.GENERAL], row[t.WRITTEN], row[t.REGULAR] = branch.general, branch.force is not None, branch.regular
     row[t.LOW], row[t.HIGH] = (np.inf if branch.cut else low), high  # a force has to be looked at in any case
     return row
@@ -129,10 +130,7 @@ def stiffest(links: Links) -> tuple[np.ndarray, np.ndarray]:
     slope, dashpot = np.zeros((2, links.number))
     for e in range(links.number):
         rows = _branches(links)[links.first[e] : links.last[e]]
-        high = np.where(np.isfinite(rows[:, t.TO]) & (rows[:, t.CUBIC] != 0), rows[:, t.TO], 0.0)
-        slopes = rows[:, t.LINEAR] + 3 * rows[:, t.CUBIC] * high**2
-        dashpots = rows[:, t.DASHPOT] + rows[:, t.ROOT] * np.sqrt(slopes)
-        slope[e], dashpot[e] = slopes.max(), dashpots.max()
+        slope[e], dashpot[e] = rows[:, t.STEEPEST].max(), rows[:, t.STEEPEST_DASHPOT].max()
     return slope, dashpot
 
 

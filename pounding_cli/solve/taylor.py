@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pounding_cli.kernels.history import History
 from pounding_cli.kernels.layout import Foundations, Row
 from pounding_cli.kernels.ledger import MAX_POINTS
 from pounding_cli.model.effects import effects_of
@@ -27,6 +28,24 @@ LEAST_SCALE = 1e-3
 
 COARSEST_TOLERANCE = 1e-4
 """No series is cut shorter than this, whatever is asked: events would be found where there are none, to save little."""
+
+
+_NUMBERS, _PLACES = np.zeros((1, 1)), np.zeros((1, 1), np.int64)
+NO_HISTORY = History(
+    0,
+    _NUMBERS[0],
+    _PLACES[0],
+    _NUMBERS,
+    _NUMBERS,
+    _NUMBERS,
+    _NUMBERS,
+    _PLACES,
+    _NUMBERS,
+    _NUMBERS,
+    _NUMBERS,
+    _NUMBERS,
+)
+"""Of a run that keeps none."""
 
 
 @functools.cache
@@ -139,8 +158,8 @@ def prepare(
     scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], all_effects: bool = False
 ) -> Callable[..., tuple[int, int, int, int, float]]:
     """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
-    last three as in `ground.segments`. Called again it goes on from the state it left; see `kernels.taylor.build`.
-    It does what the scene needs, or looks for everything there is."""
+    last three as in `ground.segments`, and a history to enter (`kernels.history`); see `kernels.taylor.build`. It does
+    what the scene needs, or looks for everything there is."""
     from pounding_cli.kernels import taylor
 
     tolerance = local_tolerance(accuracy)
@@ -164,12 +183,12 @@ def prepare(
     events_at_instant = max_events_at_instant(real_slots(arrays), arrays.links.number)
     settings = inelastic, use_islands, tolerance, least_scale, max_order(tolerance), *bounds, events_at_instant
 
-    def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float):
+    def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float, history: History = NO_HISTORY):
         memory.fill(0.0)
         integers.fill(0)
         return kernel(
-            arrays.slots, foundations, arrays.links, row, state, peaks, ledger, *rules, memory, integers, starts,
-            slopes, dt, *settings,
+            arrays.slots, foundations, arrays.links, row, state, peaks, ledger, history, *rules, memory, integers,
+            starts, slopes, dt, *settings,
         )  # fmt: skip
 
     return run

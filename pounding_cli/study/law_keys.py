@@ -35,7 +35,7 @@ def law_keys() -> dict[str, tuple[Any, Any]]:
         for name, declared in own_parameters(law).items():
             kind = _kind(law, name, types[name], declared)
             owners = " and ".join(one.name for one in link_laws().values() if name in own_parameters(one))
-            description = f"{owners}: {declared.doc}" + (f" [{declared.unit}]" if declared.unit != "-" else "")
+            description = f"{owners}: {declared.words}"
             owner, known = first.setdefault(name, (law, declared))
             if known != declared:
                 raise ValueError(f"two link laws mean different things by '{name}': {owner.name} and {law.name}")

@@ -206,9 +206,10 @@ class _Reader:
     def _refuse_keys_of_others(self, word: str, law: type[LinkLaw], layers: list[_Layer]) -> None:
         """Note keys that belong to another law than the layer's own."""
         own = own_parameters(law)
-        others = {
-            name: owner.name for owner in link_laws().values() for name in own_parameters(owner) if name not in own
-        }
+        others: dict[str, list[str]] = {}
+        for owner in link_laws().values():
+            for name in own_parameters(owner).keys() - own.keys():
+                others.setdefault(name, []).append(owner.name)
         unused = [name for name in ("stiffness", "tension_cut") if name not in law.parameters()]
         if not {"damping_ratio", "restitution"} & law.parameters().keys():
             unused += ["damping_ratio", "restitution"]
@@ -220,9 +221,10 @@ class _Reader:
                     self.refuse((*layer.path, name), message, f"remove it; {word} takes {needed}", key=True)
             for name in others.keys() & layer.spec.model_fields_set:
                 if layer.spec.link == word and getattr(layer.spec, name) is not None:
-                    owner = f"{'an' if others[name][0] in 'aeio' else 'a'} {others[name]}"
+                    owners = (f"{'an' if one[0] in 'aeio' else 'a'} {one}" for one in others[name])
                     message = f"'{name}' means nothing for link: {word}"
-                    self.refuse((*layer.path, name), message, f"remove it; it belongs to {owner}", key=True)
+                    hint = f"remove it; it belongs to {' and '.join(owners)}"
+                    self.refuse((*layer.path, name), message, hint, key=True)
 
     def _own(self, name: str, law: type[LinkLaw], layers: list[_Layer]) -> Any:
         """A parameter that only this law has: as given, or its default; None where something is wrong."""
@@ -232,7 +234,9 @@ class _Reader:
             if default is not MISSING:
                 return default
             self.refuse(
-                layers[0].path, f"'{name}' is missing", f"a {law.name} needs it: {own_parameters(law)[name].doc}"
+                layers[0].path,
+                f"'{name}' is missing",
+                f"a {law.name} needs it: {own_parameters(law)[name].words}",
             )
             return None
         return self.value(given, _where(layers, name)) if isinstance(given, StiffnessRule) else given

@@ -14,6 +14,8 @@ from pages import ROOT, blocks
 
 PAGE = ROOT / "docs" / "extending.md"
 
+CONE = "class Cone"
+
 POUND = "import sys; from pounding_cli.cli.main import main; sys.exit(main())"
 
 CHECK = """
@@ -62,6 +64,7 @@ def outside(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bumper")
     law, project, study = (next(b.text for b in blocks(PAGE) if b.word == word) for word in ("python", "toml", "yaml"))
     (folder / "bumper.py").write_text(law)
+    (folder / "cone.py").write_text(next(b.text for b in blocks(PAGE) if CONE in b.text))
     (folder / "bumper.yaml").write_text(study)
     told = tomllib.loads(project)["project"]
     info = folder / f"{told['name']}-{told['version']}.dist-info"
@@ -145,3 +148,52 @@ def test_the_program_runs_a_study_with_it(outside):
     wrong.write_text(study.read_text().replace("pad: 1 cm", "pad: 1 kg"))
     refused = python("-c", POUND, "check", "wrong.yaml")
     assert "expected m" in refused.stderr
+
+
+CONE_CHECK = """
+import json, math
+import numpy as np
+from cone import Cone
+from pounding_cli import solve
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import Link
+from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.records import Motion
+from pounding_cli.solve.histories import history
+
+def free(mass):
+    return Building("free", [mass], [3.0], [1e-6], [math.inf], [0.0], 0.0, 0.0)
+
+def blow(delay, method="taylor", **more):
+    link = Link(0, 1, 1, Cone(gap=0.03, cone_stiffness=1e12, delay=delay))
+    scene = Scene((free(2e5), free(3e5)), (link,), Motion("still", 0.01, np.zeros(61)), Analysis.ELASTIC)
+    run = solve(scene, 1e-11 if method == "taylor" else 1e-6, method, initial=([[0.0], [0.0]], [[0.8], [0.0]]), **more)
+    (_, (left,)), (_, (right,)) = run.final
+    return [float(run.links.max_closing[0]), float(right - left), run.energy.get("residual", 0.0)]
+
+print(json.dumps({
+    "free": blow(0.0), "damped": blow(0.004),
+    "fixed": {m: blow(0.004, m, time_step=2e-5) for m in ("rk4-events", "rk4", "newmark")},
+}))
+"""
+
+
+def test_a_force_as_an_expression_is_run_by_every_method(outside):
+    """Without damping, m' v0^2 / 2 = k v^3.5 / 3.5; with it, methods that share nothing agree. Fails if the step takes
+    another power of the closing, or if a product of the expression is left out."""
+    python, _ = outside
+    done = python("-c", CONE_CHECK)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    reduced = 2e5 * 3e5 / 5e5
+    closing, rebound, residual = found["free"]
+    assert closing == pytest.approx(0.03 + (reduced * 0.8**2 / 2 * 3.5 / 1e12) ** (1 / 3.5), rel=1e-9)
+    assert rebound == pytest.approx(0.8, rel=1e-9)
+    assert abs(residual) < 1e-10
+    closing, rebound, residual = found["damped"]
+    assert rebound < 0.75
+    assert abs(residual) < 1e-10
+    for method, (other, back, _) in found["fixed"].items():
+        rel = 1e-7 if method == "rk4-events" else 5e-3
+        assert other == pytest.approx(closing, rel=rel), method
+        assert back == pytest.approx(rebound, rel=rel), method

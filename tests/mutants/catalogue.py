@@ -11,6 +11,7 @@ VERIFICATION, UNIT = "tests/verification", "tests/unit"
 
 IMPACT = f"{VERIFICATION}/test_impact.py::test_printed_law"
 WITHIN = f"{VERIFICATION}/test_impact.py::test_a_blow_within_one_step_of_the_motion"
+HERTZ = f"{VERIFICATION}/test_hertz.py"
 TENSION = f"{VERIFICATION}/test_impact.py::test_tension_cut"
 INFILL = f"{VERIFICATION}/test_infill.py::test_peak_compression_of_an_undamped_infill"
 INFILL_DAMPED = f"{VERIFICATION}/test_infill.py::test_damped_infill_against_the_reference"
@@ -47,6 +48,18 @@ LINKS = [
         "gap added instead of subtracted when looking for contact",
         ("self.gap if", "-self.gap if"),
         IMPACT,
+    ),
+    Mutant(
+        "product-of-zero",
+        "a force at rest that looks at the approach speed is no number",
+        ("np.where((x == 0.0) | (y == 0.0), 0.0, a * x * y)", "a * x * y"),
+        f"{HERTZ}::test_a_force_at_rest_needs_no_approach_speed",
+    ),
+    Mutant(
+        "pressed-from-rest",
+        "floors that rest in touch are asked whether they press in the last step of a segment only",
+        "pressed = finished and _presses(run, p)",
+        f"{HERTZ}::test_hard_contacts[0.0-1000000000000.0-None-0.05]",
     ),
     Mutant(
         "contact-begins",

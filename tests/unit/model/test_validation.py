@@ -107,7 +107,7 @@ def test_foundation(change, word):
         ((), (), 0.0, "no buildings"),
         ((building(),), (link(),), 0.0, "no neighbour"),
         ((building(), building()), (link(left_floor=3),), 0.0, "has 2 floors, not 3"),
-        ((building(), building()), (link(), link(gap=0.1)), 0.0, "two links"),
+        ((building(), building()), (link(), link()), 0.0, "two pounding links alike"),
         ((building(),), (), -1.0, "tail"),
     ],
 )

@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.optimize import brentq
 
 from pounding_cli.model.scene import Scene
 from reference.assembly import Coordinates, coordinates, reduced_mass
+
+ACTING = ("on", "beyond", "gaining")
+"""Branches of a link whose force acts."""
+HERTZ = ("hertz", "hertz-damp")
+PRESSED = 0.03
+"""Compression [m] up to which `fastest` holds for a Hertz contact."""
+
+
+@functools.cache
+def hertz_damping(restitution: float) -> float:
+    """zeta of ln((1 + zeta) / (1 - e zeta)) = zeta (1 + e) [-], 0 < e < 1; zeta lies below 1 / e."""
+    e = restitution
+    return float(
+        brentq(lambda z: math.log((1 + z) / (1 - e * z)) - z * (1 + e), 1e-3 * (1 - e), (1 - 1e-15) / e, xtol=1e-16)
+    )
 
 
 @dataclass
@@ -15,12 +34,15 @@ class Branches:
     """Which branch every storey and link is on; what `Laws` needs besides q and q'.
 
     storey : 0 elastic, +1 or -1 yielding that way; plastic : plastic drift [m] of an elastic storey
-    link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap)
+    link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap), "gaining"
+        (Hertz contact whose approach speed is the largest so far)
+    speed : largest approach speed of the present contact [m/s] by link, where it no longer grows
     """
 
     storey: np.ndarray
     plastic: np.ndarray
     link: list[str]
+    speed: dict[int, float] = field(default_factory=dict)
 
 
 class Laws:
@@ -30,8 +52,8 @@ class Laws:
         self.scene = scene
         self.c: Coordinates = coordinates(scene)
         self.elastic = str(scene.analysis) == "elastic"
-        self.reduced = [reduced_mass(scene, e) for e in range(len(scene.links))]
-        self.offset = np.array([0.0 if e.kind != "pounding" else e.gap for e in scene.links])
+        self.reduced = [0.0 if link.kind in HERTZ else reduced_mass(scene, e) for e, link in enumerate(scene.links)]
+        self.offset = np.array([e.gap if e.kind in ("pounding", *HERTZ) else 0.0 for e in scene.links])
 
     def begin(self) -> Branches:
         """At rest: nothing has yielded, only connectors act."""
@@ -53,9 +75,18 @@ class Laws:
         still = (1 - a) * k * np.where(b.storey == 0, -b.plastic, b.storey * reach)
         return np.where(b.storey == 0, k, a * k), still
 
-    def link_law(self, e: int, v: np.ndarray, rate: np.ndarray, branch: str) -> np.ndarray:
-        """Force [N] of link e on a branch at v (gap subtracted for pounding) and v'; eqs (6), (9), (10)."""
+    def link_law(
+        self, e: int, v: np.ndarray, rate: np.ndarray, branch: str, speed: dict[int, float] | None = None
+    ) -> np.ndarray:
+        """Force [N] of link e on a branch at v (gap subtracted for pounding) and v'; eqs (6), (9), (10), and Hertz:
+        k v^1.5 (1 + zeta v' / v0)."""
         link = self.scene.links[e].law
+        if link.name in HERTZ:
+            spring = link.hertz_stiffness * np.maximum(v, 0.0) ** 1.5
+            if link.name == "hertz":
+                return spring
+            zeta = hertz_damping(link.restitution)
+            return spring * (1 + zeta * (1.0 if branch == "gaining" else rate / (speed or {})[e]))
         xi, m = link.damping_ratio, self.reduced[e]
         if link.name != "infill":
             return link.stiffness * v + 2 * xi * np.sqrt(link.stiffness * m) * rate
@@ -77,8 +108,8 @@ class Laws:
         """Forces of all links [N], shape of v."""
         force = np.zeros_like(v)
         for e, branch in enumerate(b.link):
-            if branch in ("on", "beyond"):
-                force[e] = self.link_law(e, v[e], rate[e], branch)
+            if branch in ACTING:
+                force[e] = self.link_law(e, v[e], rate[e], branch, b.speed)
         return force
 
     def linear(self, b: Branches) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
@@ -88,9 +119,9 @@ class Laws:
         k = c.springs + c.drift.T @ (slope[:, None] * c.drift)
         damping, f, curved = c.damping.copy(), c.drift.T @ still, []
         for e, link in enumerate(each.law for each in self.scene.links):
-            if b.link[e] not in ("on", "beyond"):
+            if b.link[e] not in ACTING:
                 continue
-            if link.name == "infill" and b.link[e] == "on":
+            if link.name in HERTZ or (link.name == "infill" and b.link[e] == "on"):
                 curved.append(e)
                 continue
             # Two values of a straight line give the line.
@@ -109,13 +140,19 @@ class Laws:
         for e, branch in enumerate(b.link):
             if branch != "open":
                 link = self.scene.links[e].law
-                s = max(link.stiffness, link.impact_stiffness) if link.name == "infill" else link.stiffness
+                if link.name in HERTZ:
+                    s = 1.5 * link.hertz_stiffness * PRESSED**0.5
+                else:
+                    s = max(link.stiffness, link.impact_stiffness) if link.name == "infill" else link.stiffness
                 k = k + s * np.outer(c.closing[e], c.closing[e])
         root = 1 / np.sqrt(c.mass)
         return float(np.sqrt(np.linalg.eigvalsh(k * np.outer(root, root))[-1]))
 
-    def guards(self, q: np.ndarray, rate: np.ndarray, b: Branches) -> list[tuple[tuple, np.ndarray]]:
-        """What ends the branches: (change, g), due when g rises through zero; q, q' of shape (N, times)."""
+    def guards(
+        self, q: np.ndarray, rate: np.ndarray, b: Branches, acceleration: Callable[[], np.ndarray]
+    ) -> list[tuple[tuple, np.ndarray]]:
+        """What ends the branches: (change, g), due when g rises through zero; q, q' and what `acceleration` gives, q'',
+        of shape (N, times)."""
         c, out = self.c, []
         drift, drift_rate = c.drift @ q, c.drift @ rate
         if not self.elastic:
@@ -131,10 +168,15 @@ class Laws:
             branch = b.link[e]
             if link.name == "connector":
                 continue
+            damped = link.name == "hertz-damp"
             if branch == "open":
-                out += [(("link", e, "on"), v[e])]
+                out += [(("link", e, "gaining" if damped else "on"), v[e])]
                 continue
             out += [(("link", e, "open"), -v[e])]
+            if damped:
+                out += self.hertz_guards(e, v_rate[e], b, acceleration)
+            if link.name in HERTZ:
+                continue
             infill = link.name == "infill"
             if infill and branch == "on":
                 out += [(("link", e, "beyond"), v[e] - link.gap)]
@@ -153,10 +195,26 @@ class Laws:
                     out += [(("link", e, "cut"), -self.link_law(e, v[e], v_rate[e], branch))]
         return out
 
-    def apply(self, change: tuple, q: np.ndarray, b: Branches) -> Branches:
-        """The branches after a change."""
+    def hertz_guards(self, e: int, v_rate: np.ndarray, b: Branches, acceleration) -> list[tuple[tuple, np.ndarray]]:
+        """v0 is reached where v'' falls below zero, and grows again where v' exceeds it; below v' = -v0 / zeta the
+        contact would pull."""
+        if b.link[e] == "gaining":
+            return [(("link", e, "on"), -(self.c.closing[e] @ acceleration()))]
+        pulls = -v_rate - b.speed[e] / hertz_damping(self.scene.links[e].law.restitution)
+        if b.link[e] == "cut":
+            return [(("link", e, "press"), -pulls)]
+        return [(("link", e, "gaining"), v_rate - b.speed[e]), (("link", e, "cut"), pulls)]
+
+    def apply(self, change: tuple, q: np.ndarray, rate: np.ndarray, b: Branches, acceleration) -> Branches:
+        """The branches after a change, at q, q' and what `acceleration` gives, q''."""
         what, i, to = change
-        new = Branches(b.storey.copy(), b.plastic.copy(), list(b.link))
+        new = Branches(b.storey.copy(), b.plastic.copy(), list(b.link), dict(b.speed))
+        if what == "link" and self.scene.links[i].kind == "hertz-damp" and to != "press":
+            speed = self.c.closing[i] @ rate
+            if to == "gaining" and speed > 0 and self.c.closing[i] @ acceleration() <= 0:
+                to = "on"
+            if "gaining" in (to, b.link[i]) or b.link[i] == "open":
+                new.speed[i] = float(speed)
         if what == "storey":
             if to == 0:
                 new.plastic[i] = self.c.drift[i] @ q - b.storey[i] * self.c.yield_drift[i]

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from pounding_cli.model.scene import Scene
 from reference.assembly import ground, start
-from reference.branches import Laws
+from reference.branches import ACTING, Laws
 
 PLACES = np.linspace(0.0, 1.0, 5)
 """Where in a step events are looked for."""
@@ -75,13 +75,13 @@ class _Run:
         force = force - (np.outer(c.loaded, a_g) if tall else c.loaded * a_g)
         for e in self.curved:
             pair = c.closing[e]
-            law = laws.link_law(e, pair @ q, pair @ rate, "on")
+            law = laws.link_law(e, pair @ q - laws.offset[e], pair @ rate, self.b.link[e], self.b.speed)
             force -= np.outer(pair, law) if tall else pair * law
         return force / (c.mass[:, None] if tall else c.mass)
 
     def slope(self, t: float, y: np.ndarray) -> np.ndarray:
         q, rate = self.split(y)
-        c, a_g = self.c, self.a0 + self.a1 * (t - self.t0)
+        c, a_g = self.c, self.ground(t)
         out = np.empty_like(y)
         out[: self.n], out[self.n : 2 * self.n] = rate, self.acceleration(q, rate, a_g)
         closing_rate = c.closing @ rate
@@ -99,7 +99,7 @@ class _Run:
     def quantities(self, t: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Everything whose largest value is wanted, (quantities, times)."""
         q, rate = y[: self.n], y[self.n : 2 * self.n]
-        c, a_g = self.c, self.a0 + self.a1 * (t - self.t0)
+        c, a_g = self.c, self.ground(t)
         drift, closing = c.drift @ q, c.closing @ q
         force = self.laws.link_forces(closing - self.laws.offset[:, None], c.closing @ rate, self.b)
         total = self.acceleration(q, rate, a_g)[self.floors] + a_g
@@ -128,7 +128,7 @@ class _Run:
     def due(self, t: np.ndarray, y: np.ndarray, dense) -> tuple[float, tuple] | None:
         """The first change between t[0] and t[-1], with its time."""
         first = None
-        for number, (change, g) in enumerate(self.laws.guards(y[: self.n], y[self.n : 2 * self.n], self.b)):
+        for number, (change, g) in enumerate(self.guards(t, y)):
             if not g.max() > FINEST:
                 continue
             if g[0] > 0:  # past zero by rounding: two changes at one instant, or one at the end of the last step
@@ -144,9 +144,17 @@ class _Run:
                 first = (crossing, change)
         return first
 
+    def guards(self, t: np.ndarray, y: np.ndarray) -> list[tuple[tuple, np.ndarray]]:
+        q, rate = y[: self.n], y[self.n : 2 * self.n]
+        return self.laws.guards(q, rate, self.b, lambda: self.acceleration(q, rate, self.ground(t)))
+
     def guard(self, number: int, t: float, dense) -> float:
-        y = dense(np.array([t]))
-        return float(self.laws.guards(y[: self.n], y[self.n : 2 * self.n], self.b)[number][1][0])
+        at = np.array([t])
+        return float(self.guards(at, dense(at))[number][1][0])
+
+    def ground(self, t):
+        """Acceleration of the ground [m/s2]."""
+        return self.a0 + self.a1 * (t - self.t0)
 
     def piece(self, t: float, end: float) -> float:
         """Integrate to `end` or to the next change; returns the time reached."""
@@ -169,7 +177,7 @@ class _Run:
                 y = dense(np.array([method.t_old, stop]))
             ends = np.column_stack((self.y, y[:, -1]))
             self.gather(method.t_old, stop, ends, dense)
-            acting = [e for e, branch in enumerate(self.b.link) if branch in ("on", "beyond")]
+            acting = [e for e, branch in enumerate(self.b.link) if branch in ACTING]
             self.contact_time[acting] += stop - method.t_old
             self.y = ends[:, -1].copy()
             if event is not None:
@@ -181,9 +189,10 @@ class _Run:
         self.changes.append((t, change))
         assert len(self.changes) < 20_000, "events without end"
         what, e, to = change
-        if what == "link" and to == "on" and self.b.link[e] == "open":
+        if what == "link" and to in ("on", "gaining") and self.b.link[e] == "open":
             self.impacts[e] += 1
-        self.b = self.laws.apply(change, self.y[: self.n], self.b)
+        q, rate = self.split(self.y)
+        self.b = self.laws.apply(change, q, rate, self.b, lambda: self.acceleration(q, rate, self.ground(t)))
 
     def result(self) -> Result:
         c, floors = self.c, self.floors

@@ -1,0 +1,59 @@
+"""The state at the output times of a history: what a run enters at the end of its segments."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from numba import njit
+
+from pounding_cli.kernels import cells as c
+from pounding_cli.kernels.cells import of, of_link_integer
+from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.simd import no_inline, pointer
+
+History = namedtuple("History", "segments lengths outputs u v line plastic link_branch link_memory phi phi_v work")
+"""segments : number of segments, 0 for a run without a history
+lengths, outputs : of each its length [s] and the place of the output time at its end, or -1
+u, v, line, plastic, link_branch, link_memory, phi, phi_v : as in `layout.State`, shape (times, slots, links or
+    foundations)
+work : put in by the ground, taken by dashpots, hysteresis and links so far, shape (times, 4) [J]"""
+
+
+@njit(**PART)
+def history_pointers(a):
+    """History of pointers from History of arrays."""
+    return History(
+        a.segments, pointer(a.lengths), pointer(a.outputs), pointer(a.u), pointer(a.v), pointer(a.line),
+        pointer(a.plastic), pointer(a.link_branch), pointer(a.link_memory), pointer(a.phi), pointer(a.phi_v),
+        pointer(a.work),
+    )  # fmt: skip
+
+
+@njit(**CALLED)
+def enter(run, row, foundations, history, segment, slots, links):
+    """Enter the state at the end of this segment; `slots` and `links` are numbers with padding."""
+    no_inline()
+    output = history.outputs[segment]
+    if output < 0:
+        return
+    records = run.slots
+    work = output * 4
+    for slot in range(row.slots):
+        i = row.slot_places[slot]
+        at = output * slots + slot
+        history.u[at] = run.W[i - run.padded]
+        history.v[at] = run.W[i]
+        history.line[at] = records[of(i, c.LINE)]
+        history.plastic[at] = records[of(i, c.PLASTIC)]
+        history.work[work] += records[of(i, c.INPUT_ENERGY)]
+        history.work[work + 1] += records[of(i, c.DASHPOT_ENERGY)] + records[of(i, c.DRAG_ENERGY)]
+        history.work[work + 2] += records[of(i, c.HYSTERESIS_ENERGY)]
+    for link in range(row.links):
+        e = row.link_places[link]
+        history.link_branch[output * links + link] = run.link_integers[of_link_integer(e, c.BRANCH)]
+        history.link_memory[output * links + link] = run.links[c.of_link(e, c.MEMORY)]
+        history.work[work + 3] += run.links[c.of_link(e, c.WORK)]
+    for f in range(run.foundations):
+        history.phi[output * run.foundations + f] = foundations.phi[f]
+        history.phi_v[output * run.foundations + f] = foundations.phi_v[f]
+        history.work[work + 1] += foundations.energy_lost[f]

@@ -1,0 +1,64 @@
+"""Hertz links in a study file: their number and its unit, what they refuse, and what is said of them."""
+
+from __future__ import annotations
+
+import pytest
+
+from pounding_cli.errors import InputError
+from pounding_cli.laws.hertz import Hertz, HertzDamp, HertzDamping
+from pounding_cli.study import expand, load_study
+
+STUDY = """\
+records: {{use: [elcentro], duration: 3 s}}
+buildings: {{stiff: {{storeys: 1, period: 0.3 s}}, soft: {{storeys: 1, period: 0.5 s}}}}
+group: [stiff, soft]
+cases: {{struck: {{gap: 1 cm, {link}}}}}
+analyses: [elastic]
+"""
+K = "hertz_stiffness: 2 kN/mm^1.5"
+
+
+def study(tmp_path, link: str):
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY.format(link=link))
+    return load_study(path)
+
+
+@pytest.mark.parametrize(
+    ("link", "law"),
+    [
+        (f"link: hertz, {K}", Hertz(0.01, 2e3 * 1000**1.5)),
+        (f"link: hertz-damp, {K}", HertzDamp(0.01, 2e3 * 1000**1.5, 0.5)),
+        (
+            f"link: hertz-damp, {K}, restitution: 0.6, damping_formula: ye",
+            HertzDamp(0.01, 2e3 * 1000**1.5, 0.6, HertzDamping.YE),
+        ),
+    ],
+)
+def test_a_law_is_read(tmp_path, link, law):
+    """Fails if the unit's power is lost, or the restitution is not that of the case."""
+    plan = expand(study(tmp_path, link))
+    (found,) = (one.links[0].law for one in plan.scenes.values() if one.links)
+    assert type(found) is type(law)
+    assert found.hertz_stiffness == pytest.approx(law.hertz_stiffness, rel=1e-12)
+    assert getattr(found, "restitution", None) == getattr(law, "restitution", None)
+    assert getattr(found, "damping_formula", None) == getattr(law, "damping_formula", None)
+
+
+@pytest.mark.parametrize(
+    ("link", "said"),
+    [
+        ("link: hertz", "'hertz_stiffness' is missing"),
+        (f"link: hertz, {K}, stiffness: 1e9 N/m", "'stiffness' means nothing for link: hertz"),
+        (f"link: hertz, {K}, restitution: 0.5", "'restitution' means nothing for link: hertz"),
+        (f"link: hertz-damp, {K}, restitution: 0", "restitution is 0; it must be above 0"),
+        (f"link: hertz-damp, {K}, restitution: 0.005", "restitution is 0.005; it must be at least 0.01"),
+        ("link: hertz, hertz_stiffness: 2e9 N/m", "expected N/m^1.5"),
+        (f"link: hertz-damp, {K}, damping_formula: kelvin", "write 'exact', 'muthukumar' or 'ye'"),
+        (f"link: pounding, {K}", "it belongs to a hertz and a hertz-damp"),
+    ],
+)
+def test_what_does_not_fit_is_refused(tmp_path, link, said):
+    with pytest.raises(InputError) as refused:
+        expand(study(tmp_path, link))
+    assert said in str(refused.value)
