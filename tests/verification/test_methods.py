@@ -282,6 +282,7 @@ def test_exact_stepping_refuses_what_is_not_linear(scene, reason):
     [
         ("euler", {}, "there is no method euler"),
         ("rk4", {"time_step": 0.0}, "time step is 0; it must be above zero"),
+        ("rk4", {"time_step": np.inf}, "time step is inf; it must be above zero"),
         ("rk4", {"time_step": np.nan}, "time step is nan"),
         ("taylor", {"accuracy": -1e-6}, "accuracy is -1e-06"),
         ("rk4", {}, "method rk4 takes a time step"),
