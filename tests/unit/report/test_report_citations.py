@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from pounding_cli.laws import link_laws
 from pounding_cli.methods import METHODS
 from pounding_cli.report.citations import citations, motions
 from pounding_cli.report.references import REFERENCES, named_in
@@ -131,6 +132,7 @@ def test_every_source_of_a_method_has_a_reference(name):
 def test_no_reference_is_idle():
     rest = {key for method in METHODS.values() for key in (r.key for r in named_in(method.source))}
     rest |= {f"ubc{edition}" for edition in (1985, 1988, 1991, 1994)} | ALWAYS | IMPACT
+    rest |= {key for law in link_laws().values() for key, _ in law.citation}
     assert set(REFERENCES) == rest | {"westermo1989", "arias1970", "lilhanand1988", "gustafsson2020", "wood1980"}
 
 
