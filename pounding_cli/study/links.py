@@ -174,12 +174,13 @@ class _Reader:
         if self._conflicts(law, layers, gap=gap, stiffness=stiffness, impact_stiffness=impact):
             return None
         cut = _says(layers, "tension_cut")
+        ratio, restitution = self._losses(layers)
         given = {
             "gap": gap,
             "stiffness": stiffness,
             "impact_stiffness": impact,
-            "damping_ratio": self._damping(layers),
-            "restitution": self._restitution(layers),
+            "damping_ratio": ratio,
+            "restitution": restitution,
             "tension_cut": self.street.impact.tension_cut if cut is None else cut,
             "dashpot": DashpotLaw(self.street.impact.dashpot),
         }
@@ -250,25 +251,18 @@ class _Reader:
         default = read_stiffness(rule) if rule else self.street.impact.stiffness
         return self.value(default, ("impact", "stiffness"))
 
-    def _damping(self, layers: list[_Layer]) -> float:
+    def _losses(self, layers: list[_Layer]) -> tuple[float, float]:
+        """(damping ratio, coefficient of restitution) of a link: the nearest layer gives one, the other follows."""
         speakers: list[LinkSpec | Impact] = [*(layer.spec for layer in layers), self.street.impact]
+        restitution = self.street.impact.restitution
         for spec in speakers:
             given = spec.model_fields_set
             if "damping_ratio" in given and spec.damping_ratio is not None:
-                return spec.damping_ratio
+                return spec.damping_ratio, restitution_of(spec.damping_ratio)
             if "restitution" in given and spec.restitution is not None:
-                return damping_ratio(spec.restitution) + 0.0  # no negative zero at e = 1
-        return damping_ratio(self.street.impact.restitution) + 0.0
-
-    def _restitution(self, layers: list[_Layer]) -> float:
-        speakers: list[LinkSpec | Impact] = [*(layer.spec for layer in layers), self.street.impact]
-        for spec in speakers:
-            given = spec.model_fields_set
-            if "restitution" in given and spec.restitution is not None:
-                return spec.restitution
-            if "damping_ratio" in given and spec.damping_ratio is not None:
-                return restitution_of(spec.damping_ratio)
-        return self.street.impact.restitution
+                restitution = spec.restitution
+                break
+        return damping_ratio(restitution) + 0.0, restitution  # no negative zero at e = 1
 
     def value(self, given: float | StiffnessRule, path: Path) -> float | None:
         """A stiffness in N/m."""
