@@ -5,18 +5,24 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
 from pounding_cli.kernels.layout import Foundations, Links, Peaks, Slots, State
 from pounding_cli.kernels.ledger import Ledger
+from pounding_cli.laws.program import MEMORIES
+from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
-from pounding_cli.solve import link_tables
-from pounding_cli.solve.link_tables import LANES
+from pounding_cli.solve import law_tables
+from pounding_cli.solve.law_tables import LANES
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
+
+_BY_SLOT = Slots._fields[1:11]
+"""What is given of every slot (`layout.Slots`)."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,8 @@ class Arrays:
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
     foundation_of: tuple[int, ...]  # by building: place among the foundations, or -1
+    laws: tuple[StoreyLaw | None, ...]  # by slot: what yields; None where nothing does
+    memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
 
     @property
     def padded(self) -> int:
@@ -71,19 +79,33 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         place += building.storeys
         foundation_of.append(founded if foundation is not None else -1)
         founded += int(foundation is not None)
-    slots = _slots(buildings, analysis, floors, bases, place)
+    slots = _slots(buildings, floors, bases, place)
     foundations = _foundations(buildings, floors, bases)
-    packed_links = link_tables.pack_links(buildings, links, floors)
-    return Arrays(slots, foundations, packed_links, tuple(floors), tuple(bases), tuple(foundation_of))
+    tables = law_tables.Tables()
+    branch = np.zeros(slots["mass"].size, np.int64)
+    laws: list[StoreyLaw | None] = [None] * branch.size
+    if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
+        for building, span in zip(buildings, floors, strict=True):
+            laws[span] = building.laws
+            branch[span] = law_tables.storey_branches(tables, building.laws)
+    packed_links = law_tables.pack_links(tables, buildings, links, floors)
+    own = packed_links.branches, packed_links.guards, packed_links.operations
+    packed_slots = Slots(branch.size, **slots, branch=branch, branches=own[0], guards=own[1], operations=own[2])
+    memory = np.zeros((MEMORIES, branch.size))
+    for i, law in enumerate(laws):
+        begin = law.memories_at_rest if law else ()
+        memory[: len(begin), i] = begin
+    return Arrays(
+        packed_slots, foundations, packed_links, tuple(floors), tuple(bases), tuple(foundation_of), tuple(laws),
+        memory.ravel(),
+    )  # fmt: skip
 
 
-def _slots(
-    buildings: tuple[Building, ...], analysis: Analysis, floors: list[slice], bases: list[int], count: int
-) -> Slots:
-    """`count` slots and the padding."""
+def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int], count: int) -> dict[str, np.ndarray]:
+    """What is given of `count` slots and the padding, by the names of `layout.Slots`."""
     padded = -(-count // LANES) * LANES
-    slots = Slots(padded, **rows(Slots._fields[1:], padded))
-    slots.yield_drift[:] = np.inf
+    given = rows(_BY_SLOT, padded)
+    slots = SimpleNamespace(**given)
     slots.real[:count] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation
@@ -91,12 +113,6 @@ def _slots(
         slots.stiffness[span] = building.stiffness
         slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
         slots.mass[span] = building.mass
-        if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
-            slots.yield_drift[span] = building.yield_drift
-            slots.hardening[span] = building.hardening
-            finite = np.isfinite(building.yield_shear)
-            plateau = (1 - building.hardening) * np.where(finite, building.yield_shear, 0)  # fault: yield-plateau
-            slots.plateau[span] = np.where(finite, plateau, 0)
         slots.elevation[span] = building.elevation
         if foundation is None:
             slots.alpha[span] = building.alpha  # fault: mass-damping
@@ -110,7 +126,7 @@ def _slots(
             slots.couple[span.start] = 0.0
     slots.couple_right[:-1] = slots.couple[1:]
     slots.inverse_mass[:count] = 1.0 / slots.mass[:count]
-    return slots
+    return given
 
 
 def _foundations(buildings: tuple[Building, ...], floors: list[slice], bases: list[int]) -> Foundations:
@@ -132,9 +148,11 @@ def _foundations(buildings: tuple[Building, ...], floors: list[slice], bases: li
 def at_rest(arrays: Arrays) -> State:
     """The state before the motion: at rest, touching links exactly at v = 0."""
     padded, foundations = arrays.padded, arrays.foundations.number
-    branch, known, at = link_tables.at_rest(arrays.links)
+    branch, known, at = law_tables.at_rest(arrays.links)
     return State(
-        **rows(("u", "v", "line", "plastic"), padded),
+        **rows(("u", "v"), padded),
+        storey_branch=arrays.slots.branch.copy(),
+        storey_memory=arrays.memory_at_rest.copy(),
         pinned_storey=np.zeros(padded, np.int64),
         link_branch=branch,
         pinned_link=known,
@@ -158,7 +176,7 @@ def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
 
 def empty_ledger(arrays: Arrays) -> Ledger:
     """Energies before the first step."""
-    by_slot = rows(Ledger._fields[:4], arrays.padded)
+    by_slot = rows(Ledger._fields[:5], arrays.padded)
     return Ledger(**by_slot, links=aligned(arrays.links.size), foundations=np.zeros(arrays.foundations.number))
 
 
