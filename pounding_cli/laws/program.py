@@ -156,42 +156,54 @@ def operations(force: Expression, root: int = 1) -> tuple[Step, ...]:
     ------
     ValueError : a power of the closing is no whole power of q, or the force is too long
     """
-    done: list[Step] = []
-    known: dict[Expression, int] = {}
+    program = _Program(root)
+    program.end_with(force)
+    return program.steps()
 
-    def register(part: Expression) -> int:
-        if root > 1:
-            part = _in_root(part, root)
+
+class _Program:
+    """Operations as they are written: what several expressions share is made once."""
+
+    def __init__(self, root: int = 1) -> None:
+        self.root = root
+        self.done: list[Step] = []
+        self.known: dict[Expression, int] = {}
+
+    def register(self, part: Expression) -> int:
+        """The register that holds an expression."""
+        if self.root > 1:
+            part = _in_root(part, self.root)
         if part.operation is None:
             return part.register
-        if part not in known:
-            x, y = register(part.parts[0]), register(part.parts[-1])
-            done.append((part.operation, x, y, *part.numbers))
-            known[part] = GIVEN + len(done) - 1
-        return known[part]
+        if part not in self.known:
+            x, y = self.register(part.parts[0]), self.register(part.parts[-1])
+            self.done.append((part.operation, x, y, *part.numbers))
+            self.known[part] = GIVEN + len(self.done) - 1
+        return self.known[part]
 
-    if register(force) != GIVEN + len(done) - 1:  # a register that is given, or one made before another
-        done.append((Operation.LINEAR, register(force), 0, 1.0, 0.0, 0.0))
-    if GIVEN + len(done) > MOST_REGISTERS:
-        raise ValueError(f"a force of {len(done)} operations is longer than {MOST_REGISTERS - GIVEN}")
-    return tuple(done)
+    def end_with(self, part: Expression) -> None:
+        """Have an expression in the last register: what is given, or made before another, is copied there."""
+        if self.register(part) != GIVEN + len(self.done) - 1:
+            self.done.append((Operation.LINEAR, self.register(part), 0, 1.0, 0.0, 0.0))
+
+    def steps(self) -> tuple[Step, ...]:
+        """What is written.
+
+        Raises
+        ------
+        ValueError : it is too long
+        """
+        if GIVEN + len(self.done) > MOST_REGISTERS:
+            raise ValueError(f"{len(self.done)} operations are more than {MOST_REGISTERS - GIVEN}")
+        return tuple(self.done)
 
 
 def kept(sets: tuple[tuple[int, Expression], ...]) -> tuple[tuple[Step, ...], tuple[Step, ...]]:
     """The operations that make what is remembered of an event, and those that then keep it: (number of the memory, what
     goes there), ... All are made of the memories as they were."""
-    made: list[Step] = []
-    places = []
-    for number, expression in sets:
-        steps = operations(expression)
-        shift = len(made)
-        for code, x, y, *numbers in steps:
-            moved = (r + shift if r >= GIVEN else r for r in (x, y))
-            made.append((code, *moved, *numbers))  # type: ignore[arg-type]
-        places.append((Operation.KEEP, GIVEN + len(made) - 1, number, 0.0, 0.0, 0.0))
-    if GIVEN + len(made) > MOST_REGISTERS:
-        raise ValueError(f"what is remembered takes {len(made)} operations; {MOST_REGISTERS - GIVEN} are allowed")
-    return tuple(made), tuple(places)
+    program = _Program()
+    places = tuple((Operation.KEEP, program.register(what), number, 0.0, 0.0, 0.0) for number, what in sets)
+    return program.steps(), places
 
 
 def straight(value: Expression | float) -> tuple[float, float, int]:
