@@ -20,6 +20,9 @@ from scipy.special import log_ndtr, ndtr
 
 from pounding_cli.fragility.curve import Curve, Outcome
 
+MOST_SPREAD = 10.0
+"""A curve with a larger logarithmic spread is told from no trend by chance alone [-]; buildings have 0.2 to 1."""
+
 _MOST_STEPS = 200
 _LOG_ROOT_2PI = 0.5 * np.log(2.0 * np.pi)
 
@@ -128,12 +131,12 @@ def fit_many(brackets: Brackets, weights: np.ndarray) -> Fits:
     for rows, what, value in ((last_held == 0, Outcome.ALWAYS, 0.0), (first_passed == np.inf, Outcome.NEVER, np.inf)):
         outcome[rows], median[rows] = what, value
     share = np.where(high < np.inf, weights, 0.0).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-300)
-    flat = ~apart & ~_rises(brackets, weights, share)
-    outcome[flat], spread[flat] = Outcome.FLAT, np.inf
-    median[flat] = np.where(share[flat] < 0.5, np.inf, 0.0)
-    rest = outcome == Outcome.FITTED
+    rest = ~apart & _rises(brackets, weights, share)
     if rest.any():
         median[rest], spread[rest] = _newton(brackets, weights[rest])
+    flat = ~apart & ~(rest & (spread <= MOST_SPREAD))
+    outcome[flat], spread[flat] = Outcome.FLAT, np.inf
+    median[flat] = np.where(share[flat] < 0.5, np.inf, 0.0)
     return Fits(outcome, median, spread, share)
 
 
@@ -196,7 +199,8 @@ def _newton(brackets: Brackets, weights: np.ndarray) -> tuple[np.ndarray, np.nda
         a[going], b[going] = np.where(enough, at, a[going]), np.where(enough, bt, b[going])
         value[going], gradient[going], hessian[going] = _likelihood(a[going], b[going], low, high, weights[going])
         going = going[enough & (decrement > 1e-22 * weights[going].sum(axis=1))]
-    return np.exp(centre - width * a / b), width / b
+    with np.errstate(over="ignore"):  # what is as flat as that is not kept
+        return np.exp(centre - width * a / b), width / b
 
 
 def _likelihood(
