@@ -101,8 +101,10 @@ def test_results_histories_and_pictures(study, tmp_path, monkeypatch):
     from pounding_cli.api.studies import run
 
     monkeypatch.chdir(tmp_path)
-    case = f"gap: {{gap: 1 cm, link: [pounding, {{link: connector, stiffness: 20 kN/mm, floors: [3]}}]}}\n  plain: {GAP[5:]}"
-    results = run(study((GAP, case), ("analyses: [elastic]", "analyses: [elastic]\nkeep: histories\nestimate: none")).path)
+    both = "gap: {gap: 1 cm, link: [pounding, {link: connector, stiffness: 20 kN/mm, floors: [3]}]}"
+    kept = "analyses: [elastic]\nkeep: histories\nestimate: none"
+    read = study((GAP, f"{both}\n  plain: {GAP[5:]}"), ("analyses: [elastic]", kept))
+    results = run(read.path)
     table = results.link()
     here = table[(table["case"] == "gap") & (table["record"] == "elcentro")]
     assert here["link"].tolist() == [f"stiff|soft floor {n}" for n in (1, 2, 3)] + ["stiff|soft floor 3, connector"]
