@@ -96,6 +96,9 @@ def _links(case: Any) -> Iterable[str]:
     """Every kind of link that a case names, on any floor or pair."""
     if isinstance(case, str):
         yield case
+    elif isinstance(case, list | tuple):
+        for one in case:
+            yield from _links(one)
     elif isinstance(case, Mapping):
         for key in ("link", "elsewhere"):
             yield from _links(case.get(key))

@@ -213,6 +213,16 @@ def axis_keys(frame: pd.DataFrame) -> list[str]:
     return columns[: columns.index("case")]
 
 
+def by_floor(link: pd.DataFrame) -> pd.DataFrame:
+    """The table of links with one row a floor: of several links between the same floors the largest of every number."""
+    place = [*axis_keys(link), "case", "analysis", "record", "left", "right", "floor"]
+    if not any(", " in label for label in link["link"].unique()) or not link.duplicated(place).any():
+        return link
+    largest = dict.fromkeys(("impacts", "peak_force", "max_closing", "impulse", "contact_time"), "max")
+    others = [name for name in link.columns if name not in (*place, *largest)]
+    return link.groupby(place, sort=False, as_index=False).agg(dict.fromkeys(others, "first") | largest)
+
+
 def points(results: Tables) -> list[Evidence]:
     """The evidence at every point of the sweep, in the order of the file; one where nothing is swept."""
     scene = results.scene()

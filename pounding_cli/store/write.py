@@ -17,6 +17,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError
+from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
 from pounding_cli.store import answers
 from pounding_cli.store.blocks import blocks
@@ -193,9 +194,9 @@ def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h
             describe_unit(file[name], axis.unit(number))
             beside.append(name)
     if shape.links:
-        labels = [_link_label(plan.buildings, place) for place in shape.links]
+        labels = [link_label(plan.buildings, place) for place in shape.links]
         scales["link"] = _scale(file, "link", _text(labels), *COORDINATES["link"])
-        left, left_floor, right_floor = (np.array(column) for column in zip(*shape.links, strict=True))
+        left, left_floor, right_floor, _ = (np.array(column) for column in zip(*shape.links, strict=True))
         beside_links = {
             "link_left": _text([plan.buildings[place] for place in left]),
             "link_right": _text([plan.buildings[place + 1] for place in left]),
@@ -293,12 +294,6 @@ def _axis_values(values: list) -> np.ndarray:
     """Numbers stay numbers; an axis with any text is text."""
     numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
     return np.array(values, float) if numeric else _text(values)
-
-
-def _link_label(buildings: tuple[str, ...], place: tuple[int, int, int]) -> str:
-    left, left_floor, right_floor = place
-    floors = f"{left_floor}" if left_floor == right_floor else f"{left_floor}|{right_floor}"
-    return f"{buildings[left]}|{buildings[left + 1]} floor {floors}"
 
 
 def _json(value: object) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from pounding_cli.model.links import LinkPlace
 from pounding_cli.model.scene import Scene
 from pounding_cli.words import Unit
 
@@ -36,13 +37,20 @@ class Axis:
 
 
 class LinkSeen(NamedTuple):
-    """A link as the tables know it: place of the left building from 0, floors from 1, law, gap [m]."""
+    """A link as the tables know it: left building from 0, floors from 1, name among those of the same floors
+    (`model.links.link_places`), law, gap [m]."""
 
     left: int
     left_floor: int
     right_floor: int
+    name: str
     kind: str
     gap: float
+
+    @property
+    def place(self) -> LinkPlace:
+        """Its place in tables."""
+        return self[:4]
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,8 +26,10 @@ Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
 Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
 if TYPE_CHECKING:
     LinkKind = str
+    LawName = str
 else:
     LinkKind = Literal[(*link_laws(), "none")]
+    LawName = Literal[tuple(link_laws())]
 AnalysisKind = Literal["elastic", "inelastic"]
 
 Length = Annotated[float, units.LENGTH]
@@ -220,14 +222,6 @@ class _LinkSpec(Model):
     tension_cut: bool | None = optional(None, description="no force that pulls the floors together")
 
 
-if TYPE_CHECKING:
-    LinkSpec = _LinkSpec
-else:
-    LinkSpec = create_model("LinkSpec", __base__=_LinkSpec, __doc__=_LinkSpec.__doc__, **law_keys())
-
-LinkOrWord = Annotated[
-    Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)
-]
 Floor = Annotated[int, Field(ge=1, le=100), whole_number(1, 100)]
 
 
@@ -242,6 +236,46 @@ Floors = Annotated[
     | Annotated[Floor, AfterValidator(lambda floor: (floor,)), Tag("single")]
     | Annotated[Literal["all"], Tag("one")],
     Discriminator(_floors_kind),
+]
+
+
+class _ListedLink(_LinkSpec):
+    """One of several links between the same floors."""
+
+    link: LawName = Field(description="what stands between the floors, beside the others of the list")
+    floors: Floors = optional("all", description="floors with this link, of those that the list stands on")
+
+
+if TYPE_CHECKING:
+    ListedLink = _ListedLink
+else:
+    ListedLink = create_model("ListedLink", __base__=_ListedLink, __doc__=_ListedLink.__doc__, **law_keys())
+
+ListedOrWord = Annotated[
+    Annotated[LawName, Tag("word")] | Annotated[ListedLink, Tag("mapping")], Discriminator(word_or_mapping)
+]
+WordOrList = Annotated[
+    Annotated[LinkKind, Tag("word")]
+    | Annotated[tuple[ListedOrWord, ...], Field(min_length=1, max_length=10), Tag("list")],
+    Discriminator(lambda value: "list" if isinstance(value, list | tuple) else "word"),
+]
+
+
+class _AnyLinks(_LinkSpec):
+    __doc__ = _LinkSpec.__doc__
+
+    link: WordOrList | None = optional(  # type: ignore[assignment]
+        None, description="what stands between the floors; a list where several join the same floors"
+    )
+
+
+if TYPE_CHECKING:
+    LinkSpec = _AnyLinks
+else:
+    LinkSpec = create_model("LinkSpec", __base__=_AnyLinks, __doc__=_LinkSpec.__doc__, **law_keys())
+
+LinkOrWord = Annotated[
+    Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)
 ]
 
 
