@@ -86,7 +86,7 @@ def scene(
     motion: Motion,
     *,
     analysis: str = "inelastic",
-    link: str = "pounding",
+    link: str | Sequence[str | Mapping[str, Any]] = "pounding",
     links: Sequence[Link] | None = None,
     impact: Mapping[str, Any] | None = None,
     tail: float | str = 0.0,
@@ -99,7 +99,8 @@ def scene(
     buildings : left to right; one alone has no links
     motion : as used, cut and scaled
     analysis : "elastic" or "inelastic"
-    link : "pounding", "infill", "connector" or "none", between all floors at one elevation
+    link : "pounding", "infill", "connector", ... or "none", between all floors at one elevation; a list where several
+        join the same floors
     links : the links themselves, in place of `link` and the keys of a case
     impact : keys of a study's `impact` (`stiffness`, `restitution`, `tension_cut`, ...)
     tail : free vibration after the motion [s]

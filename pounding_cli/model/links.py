@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
+
+APART = "apart"
+"""What tables call the kind of a link that is nothing but a place where the closing of two floors is found."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +47,8 @@ class Link:
 
     @property
     def kind(self) -> str:
-        """The name of its law."""
-        return self.law.name
+        """The name of its law; APART where nothing stands between the floors."""
+        return APART if self.law.gap == math.inf else self.law.name
 
     @property
     def gap(self) -> float:
@@ -54,3 +59,36 @@ class Link:
     def words(self) -> str:
         """Everything about the link, in a line: two links with one line act alike."""
         return f"{self.left} {self.left_floor} {self.right_floor} {self.law.words}"
+
+
+LinkPlace = tuple[int, int, int, str]
+"""Left building from 0, its floor, the right one's floor, and the name of `link_places`."""
+
+
+def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
+    """Where each link of a scene stands, and its name among those that join the same floors.
+
+    The name is empty where it is the only one. Of several the first that strikes has no name (without one, the first),
+    so that it stands in the same row of tables as the pounding of another case; the others are named for their law:
+    `connector`, `connector 2`.
+    """
+    joined: dict[tuple[int, int, int], list[int]] = {}
+    for number, link in enumerate(links):
+        joined.setdefault((link.left, link.left_floor, link.right_floor), []).append(number)
+    names = [""] * len(links)
+    for several in joined.values():
+        plain = next((number for number in several if links[number].law.subtracts_gap), several[0])
+        count: Counter[str] = Counter()
+        for number in several:
+            if number != plain:
+                kind = links[number].kind
+                count[kind] += 1
+                names[number] = kind if count[kind] == 1 else f"{kind} {count[kind]}"
+    return tuple((link.left, link.left_floor, link.right_floor, name) for link, name in zip(links, names, strict=True))
+
+
+def link_label(buildings: Sequence[str], place: LinkPlace) -> str:
+    """A link as tables call it: `stiff|soft floor 3`, `stiff|soft floor 3, connector`."""
+    left, left_floor, right_floor, name = place
+    floors = f"{left_floor}" if left_floor == right_floor else f"{left_floor}|{right_floor}"
+    return f"{buildings[left]}|{buildings[left + 1]} floor {floors}" + (f", {name}" if name else "")

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import pandas as pd
 
 from pounding_cli.records.suite import SpectrumMatch
+from pounding_cli.store.answers import Answer
 from pounding_cli.store.flagged import FlagGroup, flag_groups_of
 from pounding_cli.store.layout import VARIABLES
 from pounding_cli.words import Unit
@@ -42,6 +43,11 @@ class Tables(Protocol):
     def spectrum_match(self) -> SpectrumMatch | None: ...
     @property
     def attrs(self) -> Mapping[str, Any]: ...
+    @property
+    def workflow(self) -> str: ...
+    @property
+    def answers(self) -> tuple[str, ...]: ...
+    def answer(self, name: str) -> Answer: ...
     def storey(self) -> pd.DataFrame: ...
     def floor(self) -> pd.DataFrame: ...
     def link(self) -> pd.DataFrame: ...
@@ -205,6 +211,16 @@ def axis_keys(frame: pd.DataFrame) -> list[str]:
     """The swept keys of a table: every column before `case`; none where nothing is swept."""
     columns = [str(column) for column in frame.columns]
     return columns[: columns.index("case")]
+
+
+def by_floor(link: pd.DataFrame) -> pd.DataFrame:
+    """The table of links with one row a floor: of several links between the same floors the largest of every number."""
+    place = [*axis_keys(link), "case", "analysis", "record", "left", "right", "floor"]
+    if not any(", " in label for label in link["link"].unique()) or not link.duplicated(place).any():
+        return link
+    largest = dict.fromkeys(("impacts", "peak_force", "max_closing", "impulse", "contact_time"), "max")
+    others = [name for name in link.columns if name not in (*place, *largest)]
+    return link.groupby(place, sort=False, as_index=False).agg(dict.fromkeys(others, "first") | largest)
 
 
 def points(results: Tables) -> list[Evidence]:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from pounding_cli.report.evidence import Evidence, motion_sentence
+from pounding_cli.report.evidence import Evidence, by_floor, motion_sentence
 from pounding_cli.report.inset import draw_group
 from pounding_cli.report.style import VOID, Look, caption, legend, looks, new_figure, styled
 from pounding_cli.words import counted
@@ -96,8 +96,9 @@ def accelerations(evidence: Evidence, building: str) -> Figure:
 
 @styled
 def link_forces(evidence: Evidence) -> Figure:
-    """Largest force in every link, floor by floor: one row of panels a pair of neighbours."""
-    links = evidence.link.assign(force=evidence.link["peak_force"] / 1e6)
+    """Largest force between the floors, one by one: one row of panels a pair of neighbours."""
+    links = by_floor(evidence.link)
+    links = links.assign(force=links["peak_force"] / 1e6)
     pairs = list(dict.fromkeys(zip(links["left"], links["right"], strict=True)))
     analyses = evidence.analyses
     figure, axes = framed(evidence, [], len(pairs), len(analyses), "Forces between neighbours")

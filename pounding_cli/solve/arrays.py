@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -48,7 +48,7 @@ class Arrays:
 def aligned(count: int) -> np.ndarray:
     """Zeros that begin at a cache line, so that no vector lies across two."""
     memory = np.zeros(count + LANES)
-    skip = (-memory.ctypes.data // 8) % LANES
+    skip = (-memory.__array_interface__["data"][0] // 8) % LANES
     return memory[skip : skip + count]
 
 
@@ -60,13 +60,25 @@ def rows(names: Iterable[str], count: int) -> dict[str, np.ndarray]:
 
 
 def pack(scene: Scene) -> Arrays:
-    """Lay a scene out in slots (see `kernels.layout`). Scenes that differ in their motion alone share the arrays, which
-    nothing writes to."""
+    """Lay a scene out in slots (see `kernels.layout`). Scenes share what they have in common: the buildings, the links
+    or all of it; nothing writes to these arrays."""
     return _packed(scene.buildings, scene.links, scene.analysis)
 
 
 @functools.lru_cache(maxsize=8)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
+    alone, storeys = _without_links(buildings, analysis)
+    packed = law_tables.pack_links(buildings, links, alone.floors)
+    tables, branch = law_tables.with_storeys(packed, *storeys)
+    own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
+    return dataclasses.replace(alone, slots=alone.slots._replace(branch=branch, **own), links=packed._replace(**own))
+
+
+@functools.lru_cache(maxsize=64)
+def _without_links(
+    buildings: tuple[Building, ...], analysis: Analysis
+) -> tuple[Arrays, tuple[law_tables.Rows | None, np.ndarray]]:
+    """The arrays of buildings alone; the rows of their storeys' laws, and by slot the first of them, -1 for none."""
     floors, bases, foundation_of = [], [], []
     place = 0
     founded = 0
@@ -80,32 +92,30 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         foundation_of.append(founded if foundation is not None else -1)
         founded += int(foundation is not None)
     slots = _slots(buildings, floors, bases, place)
-    foundations = _foundations(buildings, floors, bases)
-    tables = law_tables.Tables()
-    branch = np.zeros(slots["mass"].size, np.int64)
-    laws: list[StoreyLaw | None] = [None] * branch.size
+    laws: list[StoreyLaw | None] = [None] * slots.size
     if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
         for building, span in zip(buildings, floors, strict=True):
-            laws[span] = building.laws
-            branch[span] = law_tables.storey_branches(tables, building.laws)
-    packed_links = law_tables.pack_links(tables, buildings, links, floors)
-    own = packed_links.branches, packed_links.guards, packed_links.operations
-    packed_slots = Slots(branch.size, **slots, branch=branch, branches=own[0], guards=own[1], operations=own[2])
-    memory = np.zeros((MEMORIES, branch.size))
+            laws[span] = (law if law.can_yield else None for law in building.laws)
+    memory = np.zeros((MEMORIES, slots.size))
     for i, law in enumerate(laws):
         begin = law.memories_at_rest if law else ()
         memory[: len(begin), i] = begin
-    return Arrays(
-        packed_slots, foundations, packed_links, tuple(floors), tuple(bases), tuple(foundation_of), tuple(laws),
-        memory.ravel(),
+    none = law_tables.pack_links(buildings, (), floors)
+    arrays = Arrays(
+        slots, _foundations(buildings, floors, bases), none, tuple(floors), tuple(bases), tuple(foundation_of),
+        tuple(laws), memory.ravel(),
     )  # fmt: skip
+    return arrays, law_tables.storey_rows(laws)
 
 
-def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int], count: int) -> dict[str, np.ndarray]:
-    """What is given of `count` slots and the padding, by the names of `layout.Slots`."""
+def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int], count: int) -> Slots:
+    """`count` slots and the padding, without their laws."""
     padded = -(-count // LANES) * LANES
-    given = rows(_BY_SLOT, padded)
-    slots = SimpleNamespace(**given)
+    nothing = np.zeros(0)
+    slots = Slots(
+        padded, **rows(_BY_SLOT, padded), branch=np.zeros(padded, np.int64), branches=nothing, guards=nothing,
+        operations=nothing,
+    )  # fmt: skip
     slots.real[:count] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation
@@ -126,7 +136,7 @@ def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int
             slots.couple[span.start] = 0.0
     slots.couple_right[:-1] = slots.couple[1:]
     slots.inverse_mass[:count] = 1.0 / slots.mass[:count]
-    return given
+    return slots
 
 
 def _foundations(buildings: tuple[Building, ...], floors: list[slice], bases: list[int]) -> Foundations:

@@ -15,7 +15,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import layout
 from pounding_cli.kernels.history import History as Entered
 from pounding_cli.model.condense import condensed
-from pounding_cli.model.links import Link
+from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import law_tables, taylor
 from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
@@ -157,6 +157,7 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         columns = [values[:, place] if place >= 0 else np.zeros(times.size) for place in places]
         return np.stack(columns, axis=1)
 
+    names = tuple(building.name for building in scene.buildings)
     return History(
         time=times,
         ground_acceleration=ground,
@@ -169,8 +170,8 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         rocking=of_foundation(s.phi, arrays.foundation_of),
         link_force=links,
         energy=dict(zip(ENERGIES, (s.work[:, 0], kinetic, stored, *s.work[:, 1:].T), strict=True)),
-        buildings=tuple(building.name for building in scene.buildings),
-        links=tuple(_label(scene, link) for link in scene.links),
+        buildings=names,
+        links=tuple(link_label(names, place) for place in link_places(scene.links)),
     )
 
 
@@ -215,12 +216,6 @@ def _accelerations(arrays: Arrays, s: Entered, storey: np.ndarray, links: np.nda
     return force * slots.inverse_mass
 
 
-def _label(scene: Scene, link: Link) -> str:
-    """A link in words, as in the results file."""
-    floors = f"{link.left_floor}" if link.left_floor == link.right_floor else f"{link.left_floor}|{link.right_floor}"
-    return f"{scene.buildings[link.left].name}|{scene.buildings[link.left + 1].name} floor {floors}"
-
-
 def link_ends(buildings: Sequence[str], links: Sequence[str]) -> list[tuple[int, int, int]]:
     """Of links in words as `History.links` has them: the place of the left building from 0, its floor from 1, and the
     floor of the building to its right."""
@@ -229,7 +224,7 @@ def link_ends(buildings: Sequence[str], links: Sequence[str]) -> list[tuple[int,
         for left in range(len(buildings) - 1):
             start = f"{buildings[left]}|{buildings[left + 1]} floor "
             if label.startswith(start):
-                floors = label.removeprefix(start).split("|")
+                floors = label.removeprefix(start).split(",")[0].split("|")
                 ends.append((left, int(floors[0]), int(floors[-1])))
                 break
     return ends

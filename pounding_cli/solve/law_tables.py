@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np
 
@@ -24,79 +24,95 @@ FAR = 1e100
 
 
 class Tables:
-    """The tables of a scene as they grow: the rows of every law once."""
+    """Tables as they grow: the rows of every law once, after a row of each that means nothing."""
 
     def __init__(self) -> None:
-        self.branches, self.guards, self.steps = (
-            [_NOTHING],
-            [np.zeros((1, t.GUARD_ROW))],
-            [np.zeros((1, t.OPERATION_ROW))],
-        )
+        self.branches, self.guards = [_NOTHING], [np.zeros((1, t.GUARD_ROW))]
+        self.steps = [np.zeros((1, t.OPERATION_ROW))]
         self.sizes = [1, 1, 1]
-        self.places: dict[tuple, tuple[int, int]] = {}
+        self.places: dict[Hashable, tuple[int, int]] = {}
 
-    def add(self, key: tuple, rows: Rows) -> tuple[int, int]:
-        """The first branch of these rows and one more than the last; `key` tells them from others."""
-        if key not in self.places:
-            count, asked, done = self.sizes
-            own, ends, steps = rows
-            self.branches.append(own + asked * _GUARD_PLACES + done * _STEP_PLACES)
-            self.guards.append(ends + count * _BRANCH_PLACE + done * _SET_PLACES)
+    def add(self, law: Hashable, rows: Callable[[], Rows]) -> tuple[int, int]:
+        """The first branch of a law and one more than the last; `rows` makes its rows if they are not there yet."""
+        if law not in self.places:
+            own, ends, steps = rows()
+            self.branches.append(own + self.sizes[1] * _GUARD_PLACES + self.sizes[2] * _STEP_PLACES)
+            self.guards.append(ends + self.sizes[0] * _BRANCH_PLACE + self.sizes[2] * _SET_PLACES)
             self.steps.append(steps)
-            self.sizes = [count + len(own), asked + len(ends), done + len(steps)]
-            self.places[key] = count, count + len(own)
-        return self.places[key]
-
-    def arrays(self) -> Rows:
-        """Branches, guards and operations, flat."""
-        return tuple(np.concatenate(rows).ravel() for rows in (self.branches, self.guards, self.steps))  # type: ignore[return-value]
+            self.places[law] = self.sizes[0], self.sizes[0] + len(own)
+            self.sizes = [size + len(new) for size, new in zip(self.sizes, (own, ends, steps), strict=True)]
+        return self.places[law]
 
     def rows(self) -> Rows:
-        """What was added, as rows that count from its first."""
-        branches, guards, steps = (
-            np.concatenate((rows[0][:0], *rows[1:])) for rows in (self.branches, self.guards, self.steps)
-        )
-        return branches - _GUARD_PLACES - _STEP_PLACES, guards - _BRANCH_PLACE - _SET_PLACES, steps
+        """Branches, guards and operations."""
+        return np.concatenate(self.branches), np.concatenate(self.guards), np.concatenate(self.steps)
 
 
-def storey_branches(tables: Tables, laws: tuple[StoreyLaw, ...]) -> np.ndarray:
-    """The first branch of every storey of a building, shape (n,); what cannot yield has none."""
-    rows, first = _rows_of_storeys(laws)
-    begin, _ = tables.add(laws, rows)
-    return np.where(first >= 0, begin + first, t.NO_BRANCH)
-
-
-@functools.lru_cache(maxsize=256)
-def _rows_of_storeys(laws: tuple[StoreyLaw, ...]) -> tuple[Rows, np.ndarray]:
-    """The rows of the laws of a building, each once, and the place of every storey's first branch; -1 without one."""
+def storey_rows(laws: Sequence[StoreyLaw | None]) -> tuple[Rows | None, np.ndarray]:
+    """(the rows of these laws of storeys, each once, which count from the first; by slot its first branch among them,
+    -1 for none); None where there are no laws."""
+    first = np.full(len(laws), -1)
     tables = Tables()
-    first = [tables.add((law,), _storey_rows(law))[0] - 1 if law.can_yield else -1 for law in laws]
-    return tables.rows(), np.array(first, np.int64)
+    for i, law in enumerate(laws):
+        if law is not None:
+            first[i] = tables.add(law, functools.partial(_storey_rows, law))[0] - 1
+    if not tables.places:
+        return None, first
+    branches, guards, steps = (rows[1:] for rows in tables.rows())
+    return (branches - _GUARD_PLACES - _STEP_PLACES, guards - _BRANCH_PLACE - _SET_PLACES, steps), first
 
 
-def pack_links(tables: Tables, buildings: tuple[Building, ...], given: tuple[Link, ...], floors: list[slice]) -> Links:
-    """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`, their laws added to the tables.
-    Links of one law between floors of the same masses share their rows."""
-    padded = -(-len(given) // LANES) * LANES
+def with_storeys(links: Links, storeys: Rows | None, first: np.ndarray) -> tuple[Rows, np.ndarray]:
+    """(the tables of the links with the rows of storeys behind them, flat; by slot the first branch of its law)."""
+    tables = links.branches, links.guards, links.operations
+    if storeys is None:
+        return tables, np.zeros(first.size, np.int64)
+    count, asked, done = (
+        rows.size // width for rows, width in zip(tables, (t.BRANCH_ROW, t.GUARD_ROW, t.OPERATION_ROW), strict=True)
+    )
+    branches, guards, steps = storeys
+    moved = branches + asked * _GUARD_PLACES + done * _STEP_PLACES, guards + count * _BRANCH_PLACE + done * _SET_PLACES
+    behind = tuple(np.concatenate((rows, new.ravel())) for rows, new in zip(tables, (*moved, steps), strict=True))
+    return behind, np.where(first >= 0, count + first, t.NO_BRANCH)  # type: ignore[return-value]
+
+
+def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: Sequence[slice]) -> Links:
+    """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`. Links of one law between floors of
+    the same masses share their rows."""
+    masses = [building.mass.tolist() for building in buildings]
+    laws, ends = [], []
+    for link in given:
+        one, other = link.left_floor - 1, link.right_floor - 1
+        laws.append((link.law, masses[link.left][one], masses[link.left + 1][other]))
+        ends.append((floors[link.left].start + one, floors[link.left + 1].start + other))
+    return _packed(tuple(laws), tuple(ends))
+
+
+Between = tuple[LinkLaw, float, float]
+"""A law and the masses of the floors that it stands between [kg]."""
+
+
+@functools.lru_cache(maxsize=4096)
+def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> Links:
+    """Links of these laws between these slots."""
+    padded = -(-len(laws) // LANES) * LANES
     left, right, first, last = np.zeros((4, padded), np.int64)
     offset = np.zeros(padded)
-    key = None
-    written = any(link.law.general for link in given)
-    for e, link in enumerate(given):
-        one, other = link.left_floor - 1, link.right_floor - 1
-        masses = buildings[link.left].mass[one], buildings[link.left + 1].mass[other]
-        if key is None or link.law is not key[0] or masses != key[1:]:
-            key = (link.law, *masses)
-            places = tables.add(key, _link_rows(*key, written))
-        left[e], right[e] = floors[link.left].start + one, floors[link.left + 1].start + other
-        first[e], last[e] = places
-        offset[e] = min(link.law.offset, FAR)
-    branches, guards, steps = tables.arrays()
-    table = branches.reshape(-1, t.BRANCH_ROW)
-    registers = GIVEN + int(np.max(table[:, [t.LAST_STEP, t.LAST_REGULAR]] - table[:, [t.FIRST_STEP, t.FIRST_REGULAR]]))
-    return Links(len(given), padded, registers, left, right, offset, first, last, branches, guards, steps)
+    tables = Tables()
+    written = any(law.general for law, *_ in laws)
+    for e, key in enumerate(laws):
+        left[e], right[e] = ends[e]
+        first[e], last[e] = tables.add(key, functools.partial(_link_rows, *key, written))
+        offset[e] = min(key[0].offset, FAR)
+    branches, guards, steps = tables.rows()
+    registers = GIVEN + int(
+        np.max(branches[:, [t.LAST_STEP, t.LAST_REGULAR]] - branches[:, [t.FIRST_STEP, t.FIRST_REGULAR]])
+    )
+    flat = branches.ravel(), guards.ravel(), steps.ravel()
+    return Links(len(laws), padded, registers, left, right, offset, first, last, *flat)
 
 
+@functools.lru_cache(maxsize=4096)
 def _storey_rows(law: StoreyLaw) -> Rows:
     """As `_link_rows`, of a storey."""
     branches = law.branches()
@@ -109,7 +125,7 @@ def _storey_rows(law: StoreyLaw) -> Rows:
     return rows, guards, np.array(made, float).reshape(-1, t.OPERATION_ROW)
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=4096)
 def _link_rows(law: LinkLaw, left_mass: float, right_mass: float, written: bool) -> Rows:
     """A row for every branch, for every guard and, where forces are `written` as operations, for each of these; all
     count from the law's first."""
@@ -197,8 +213,8 @@ def at_rest(links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Branch, what is known exactly, and the closing it then has [m], of every link before the motion: floors
     that touch are exactly where their first branch ends."""
     begin = 0.0 - links.offset
-    rows = _branches(links)[links.first]
-    known = np.where((rows[:, t.TO] == begin) | (rows[:, t.FROM] == begin), t.CLOSING, t.NOTHING)
+    low, high = _branches(links)[links.first[:, None], [t.FROM, t.TO]].T
+    known = np.where((high == begin) | (low == begin), t.CLOSING, t.NOTHING)
     return links.first.copy(), known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
 
 

@@ -98,7 +98,7 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
         values = np.stack([taken[rows[number].scene][1] for number in numbers])
         _put_scene(arrays, np.array(numbers), line, values)
         _put_peaks(arrays, np.array(numbers), line, values)
-        chosen = [columns[link.left, link.left_floor, link.right_floor] for link in links]
+        chosen = [columns[link.place] for link in links]
         _put_links(arrays, np.array(numbers), line, values, chosen)
     alone_errors = np.full((len(rows), len(plan.buildings)), np.nan)
     for place, building in enumerate(plan.buildings):

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pounding_cli.model.links import APART, LinkPlace
 from pounding_cli.store.layout import BUILDINGS, LINKS, PLACE, RECORDS, Variable
 
 if TYPE_CHECKING:
     from pounding_cli.store.parts import PartStore
     from pounding_cli.study import Plan
 
-LinkPlace = tuple[int, int, int]
 """Place of the left building, its floor, the floor of the right building."""
 
 Data = dict[str, tuple[tuple[str, ...], np.ndarray]]
@@ -48,7 +48,7 @@ def shape_of(plan: Plan, responses: PartStore) -> Shape:
     """The dimensions of a plan whose scenes are all in `responses`."""
     axes = tuple(axis.names[0] for axis in plan.axes)
     seen = set(row.links for row in plan.rows)
-    links = tuple(sorted({(link.left, link.left_floor, link.right_floor) for some in seen for link in some}))
+    links = tuple(sorted({link.place for some in seen for link in some}))
     sizes = {name: len(axis.values) for name, axis in zip(axes, plan.axes, strict=True)}
     sizes |= {"case": len(plan.cases), "analysis": len(plan.analyses), "record": len(plan.records)}
     storeys = responses.storeys(plan.scenes)
@@ -79,9 +79,10 @@ def _links(plan: Plan, shape: Shape) -> Data:
             continue  # the same links for every analysis and record
         last = at
         for link in row.links:
-            column = places[link.left, link.left_floor, link.right_floor]
+            column = places[link.place]
             arrays["kind"][(*at, column)] = link.kind
-            arrays["gap"][(*at, column)] = link.gap
+            if link.kind != APART:
+                arrays["gap"][(*at, column)] = link.gap
     return {v.name: ((*shape.axes, *v.dims), arrays[v.name]) for v in LINKS}
 
 

@@ -17,7 +17,9 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError
+from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
+from pounding_cli.store import answers
 from pounding_cli.store.blocks import blocks
 from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import damage_of, opened
@@ -29,6 +31,7 @@ from pounding_cli.store.parts import PartStore
 from pounding_cli.store.sink import writing
 from pounding_cli.store.solutions import write_solutions
 from pounding_cli.store.swept import describe_unit
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -101,6 +104,8 @@ def content_digest(plan: Plan) -> str:
         repr(([(row.point, row.case, row.analysis, row.record) for row in plan.kept], plan.every)),
     ):
         sha.update(part.encode() + b"\0")
+    if plan.workflow != "run":
+        sha.update(plan.workflow.encode() + b"\0")
     for row in plan.rows:
         sha.update(f"{row.scene} {' '.join(row.baselines)}\0".encode())
     return sha.hexdigest()
@@ -114,6 +119,10 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
             _dataset(file, name, dims, array, VARIABLES[name].unit, VARIABLES[name].text, scales)
     check()
     _write_tables(file, plan, responses, shape, scales, check)
+    tables = WORKFLOWS[plan.workflow].part("tables")
+    if tables is not None:
+        answers.write_tables(file, tables(plan, lambda name: file[name][()]))
+        check()
     for name, quantity in WRITTEN.items():
         if name in file:  # where no case has a link, no gap is
             describe_unit(file[name], plan.study.unit(quantity))
@@ -185,9 +194,9 @@ def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h
             describe_unit(file[name], axis.unit(number))
             beside.append(name)
     if shape.links:
-        labels = [_link_label(plan.buildings, place) for place in shape.links]
+        labels = [link_label(plan.buildings, place) for place in shape.links]
         scales["link"] = _scale(file, "link", _text(labels), *COORDINATES["link"])
-        left, left_floor, right_floor = (np.array(column) for column in zip(*shape.links, strict=True))
+        left, left_floor, right_floor, _ = (np.array(column) for column in zip(*shape.links, strict=True))
         beside_links = {
             "link_left": _text([plan.buildings[place] for place in left]),
             "link_right": _text([plan.buildings[place + 1] for place in left]),
@@ -207,6 +216,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
         {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
+            **({} if plan.workflow == "run" else {"workflow": plan.workflow}),
             "title": plan.study.title,
             "swept": json.dumps([list(axis.names) for axis in plan.axes]),
             "content": content_digest(plan),
@@ -284,12 +294,6 @@ def _axis_values(values: list) -> np.ndarray:
     """Numbers stay numbers; an axis with any text is text."""
     numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
     return np.array(values, float) if numeric else _text(values)
-
-
-def _link_label(buildings: tuple[str, ...], place: tuple[int, int, int]) -> str:
-    left, left_floor, right_floor = place
-    floors = f"{left_floor}" if left_floor == right_floor else f"{left_floor}|{right_floor}"
-    return f"{buildings[left]}|{buildings[left + 1]} floor {floors}"
 
 
 def _json(value: object) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from pounding_cli.model.links import LinkPlace
 from pounding_cli.model.scene import Scene
 from pounding_cli.words import Unit
 
@@ -36,13 +37,20 @@ class Axis:
 
 
 class LinkSeen(NamedTuple):
-    """A link as the tables know it: place of the left building from 0, floors from 1, law, gap [m]."""
+    """A link as the tables know it: left building from 0, floors from 1, name among those of the same floors
+    (`model.links.link_places`), law, gap [m]."""
 
     left: int
     left_floor: int
     right_floor: int
+    name: str
     kind: str
     gap: float
+
+    @property
+    def place(self) -> LinkPlace:
+        """Its place in tables."""
+        return self[:4]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +92,7 @@ class Plan:
     estimate : which scenes are solved twice more for error and sensitivity: none, sample or all
     all_effects : whether to simulate what cannot matter too
     kept : rows whose scenes are kept over time, every `every` seconds
+    workflow : what is asked of the scenes, a key of WORKFLOWS
     """
 
     study: Study
@@ -102,6 +111,7 @@ class Plan:
     kept: tuple[Row, ...] = ()
     every: float = 0.002
     time_step: float | None = None
+    workflow: str = "run"
 
     def shown(self, row: Row) -> dict[str, str]:
         """The swept values of a row, by key, in the units of the study."""

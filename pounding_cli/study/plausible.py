@@ -165,6 +165,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, pa
             continue
         own = root.get(*path, "stiffness") is not None
         at = (*path, "stiffness") if own or not pounds else ("impact", "stiffness")
+        at = at if pounds or own else _leaf(root, path, "stiffness")
         text = _text(root, at)
         number = _PARTED.match(text)
         if number and not number[2] and fits.holds(float(number[1])):

@@ -19,7 +19,8 @@ from pounding_cli.model.links import Link
 from pounding_cli.study import buildings as building_room
 from pounding_cli.study import facing, plausible
 from pounding_cli.study.inherit import inherited, refuse_alternatives
-from pounding_cli.study.links import Street, links_of
+from pounding_cli.study.link_laws import Street
+from pounding_cli.study.links import links_of
 from pounding_cli.study.motions import Shelf, Used, motions_of
 from pounding_cli.study.problems import Faults, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule

@@ -9,7 +9,7 @@ from typing import overload
 
 import numpy as np
 
-from pounding_cli.model.links import Link
+from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.plan import LinkSeen, Row
 
@@ -129,5 +129,5 @@ class Scenes(Mapping[str, Scene]):
 def seen(links: Sequence[Link]) -> tuple[LinkSeen, ...]:
     """What the tables say of links."""
     return tuple(
-        LinkSeen(link.left, link.left_floor, link.right_floor, str(link.kind), float(link.gap)) for link in links
+        LinkSeen(*place, str(link.kind), float(link.gap)) for place, link in zip(link_places(links), links, strict=True)
     )

@@ -15,6 +15,7 @@ from pounding_cli.study.law_keys import link_keys, storey_keys
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     Method = str
@@ -25,9 +26,11 @@ Edition = Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"]
 Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
 if TYPE_CHECKING:
     LinkKind = str
+    LawName = str
     StoreyKind = str
 else:
     LinkKind = Literal[(*link_laws(), "none")]
+    LawName = Literal[tuple(link_laws())]
     StoreyKind = Literal[tuple(storey_laws())]
 AnalysisKind = Literal["elastic", "inelastic"]
 
@@ -228,14 +231,6 @@ class _LinkSpec(Model):
     tension_cut: bool | None = optional(None, description="no force that pulls the floors together")
 
 
-if TYPE_CHECKING:
-    LinkSpec = _LinkSpec
-else:
-    LinkSpec = create_model("LinkSpec", __base__=_LinkSpec, __doc__=_LinkSpec.__doc__, **link_keys())
-
-LinkOrWord = Annotated[
-    Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)
-]
 Floor = Annotated[int, Field(ge=1, le=100), whole_number(1, 100)]
 
 
@@ -250,6 +245,46 @@ Floors = Annotated[
     | Annotated[Floor, AfterValidator(lambda floor: (floor,)), Tag("single")]
     | Annotated[Literal["all"], Tag("one")],
     Discriminator(_floors_kind),
+]
+
+
+class _ListedLink(_LinkSpec):
+    """One of several links between the same floors."""
+
+    link: LawName = Field(description="what stands between the floors, beside the others of the list")
+    floors: Floors = optional("all", description="floors with this link, of those that the list stands on")
+
+
+if TYPE_CHECKING:
+    ListedLink = _ListedLink
+else:
+    ListedLink = create_model("ListedLink", __base__=_ListedLink, __doc__=_ListedLink.__doc__, **link_keys())
+
+ListedOrWord = Annotated[
+    Annotated[LawName, Tag("word")] | Annotated[ListedLink, Tag("mapping")], Discriminator(word_or_mapping)
+]
+WordOrList = Annotated[
+    Annotated[LinkKind, Tag("word")]
+    | Annotated[tuple[ListedOrWord, ...], Field(min_length=1, max_length=10), Tag("list")],
+    Discriminator(lambda value: "list" if isinstance(value, list | tuple) else "word"),
+]
+
+
+class _AnyLinks(_LinkSpec):
+    __doc__ = _LinkSpec.__doc__
+
+    link: WordOrList | None = optional(  # type: ignore[assignment]
+        None, description="what stands between the floors; a list where several join the same floors"
+    )
+
+
+if TYPE_CHECKING:
+    LinkSpec = _AnyLinks
+else:
+    LinkSpec = create_model("LinkSpec", __base__=_AnyLinks, __doc__=_LinkSpec.__doc__, **link_keys())
+
+LinkOrWord = Annotated[
+    Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)
 ]
 
 
@@ -341,7 +376,7 @@ _BRACKET_FORM = {
 }
 
 
-class StudyModel(Model):
+class _StudyModel(Model):
     """A study of earthquake pounding between adjacent buildings."""
 
     model_config = ConfigDict(frozen=False, validate_assignment=True, title="pound study")
@@ -385,6 +420,21 @@ class StudyModel(Model):
         description="keys whose values nobody knows, with an odd number of them: the middle one leads in tables and "
         "figures; `impact.stiffness`: a quarter of, once and five times the study's own",
     )
+
+
+def _sections() -> dict[str, tuple[Any, Any]]:
+    """The sections that workflows add to a study, as `pydantic.create_model` takes them."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for name, workflow in WORKFLOWS.items():
+        if (section := workflow.part("schema")) is not None:
+            found[name] = section, optional(section(), description=f"what `pound {name}` is asked")
+    return found
+
+
+if TYPE_CHECKING:
+    StudyModel = _StudyModel
+else:
+    StudyModel = create_model("StudyModel", __base__=_StudyModel, __doc__=_StudyModel.__doc__, **_sections())
 
 
 def json_schema() -> dict[str, Any]:

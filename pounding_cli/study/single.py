@@ -16,7 +16,8 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study.buildings import common_floors
 from pounding_cli.study.data import at_keys, tree_of
-from pounding_cli.study.links import Street, links_of
+from pounding_cli.study.link_laws import Street
+from pounding_cli.study.links import links_of
 from pounding_cli.study.problems import Faults
 from pounding_cli.study.resolve import Resolver, places
 from pounding_cli.study.units import Quantity

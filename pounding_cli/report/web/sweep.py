@@ -12,7 +12,7 @@ import pandas as pd
 
 from pounding_cli.report.axes import SweptAxis, swept_axes
 from pounding_cli.report.columns import Shown, shown
-from pounding_cli.report.evidence import Tables, names
+from pounding_cli.report.evidence import Tables, by_floor, names
 from pounding_cli.report.quantity import largest, over_motions, point_numbers
 from pounding_cli.report.web.data import numbers
 from pounding_cli.store import flagged_scenes
@@ -124,7 +124,10 @@ def _place(level: str) -> list[str]:
 
 def _of_cases(frame: pd.DataFrame, cases: Sequence[str]) -> pd.DataFrame:
     frame = frame[frame["case"].isin(cases)]
-    return frame.assign(pair=_pairs(frame)) if "left" in frame.columns else frame
+    if "left" not in frame.columns:
+        return frame
+    frame = by_floor(frame)
+    return frame.assign(pair=_pairs(frame))
 
 
 def _pairs(link: pd.DataFrame) -> pd.Series:

@@ -1,0 +1,85 @@
+"""Bootstrap bands of fragility curves: motions are drawn again and again, and every draw is fitted.
+
+Efron, B. and Tibshirani, R. (1993). An Introduction to the Bootstrap. Chapman & Hall, percentile intervals (ch. 13).
+The motion is what is drawn, with all its observations: they are not independent of each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding_cli.fragility.curve import Outcome
+from pounding_cli.fragility.likelihood import Brackets, fit_many
+
+DRAWS = 1000
+"""Draws of a bootstrap unless said otherwise."""
+
+CONFIDENCE = 0.9
+"""Part of the draws that lies in a band unless said otherwise [-]."""
+
+_SEED = 20260101
+
+
+@dataclass(frozen=True)
+class Bands:
+    """What the draws say of a curve; ends are 0 or inf where the draws leave them open.
+
+    median, spread : low and high end
+    low, high : of the probability [-], shape (intensities,)
+    unfitted : draws without a fit; they count with what a fit would tend to
+    draws : in all
+    """
+
+    median: tuple[float, float]
+    spread: tuple[float, float]
+    low: np.ndarray
+    high: np.ndarray
+    unfitted: int
+    draws: int
+
+
+def resamples(motions: int, draws: int = DRAWS, seed: int = _SEED) -> np.ndarray:
+    """How often each motion is taken in each draw, shape (draws, motions); the same for the same arguments.
+
+    Curves of the same motions that are drawn alike can be compared draw by draw.
+    """
+    generator = np.random.Generator(np.random.PCG64(seed))
+    return generator.multinomial(motions, np.full(motions, 1.0 / motions), size=draws)
+
+
+def bands(brackets: Brackets, times: np.ndarray, intensity: np.ndarray, confidence: float = CONFIDENCE) -> Bands:
+    """Percentile bands of median, spread and probability.
+
+    times : `resamples` of as many motions as `brackets` numbers; intensity : where the probability is wanted, above 0
+    """
+    fits = fit_many(brackets, brackets.weights(times))
+    ends = 0.5 - confidence / 2, 0.5 + confidence / 2
+    low, high = _quantiles(fits.probability(np.asarray(intensity, dtype=float)), ends)
+    unfitted = int((fits.outcome != Outcome.FITTED).sum())
+    return Bands(
+        _pair(_quantiles(fits.median, ends)), _pair(_quantiles(fits.spread, ends)), low, high, unfitted, len(times)
+    )  # fmt: skip
+
+
+def median_ratio(
+    first: Brackets, second: Brackets, times: np.ndarray, confidence: float = CONFIDENCE
+) -> tuple[float, float]:
+    """Band of the median of `second` over that of `first` [-], both fitted to the same motions draw by draw.
+
+    A draw whose ratio has no value, both medians beyond the same end, is taken as 1.
+    """
+    medians = [fit_many(each, each.weights(times)).median for each in (first, second)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = medians[1] / medians[0]
+    return _pair(_quantiles(np.where(np.isnan(ratio), 1.0, ratio), (0.5 - confidence / 2, 0.5 + confidence / 2)))
+
+
+def _quantiles(values: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
+    """Quantiles over the draws; infinite values are values like any other."""
+    return np.quantile(values, ends, axis=0, method="inverted_cdf")
+
+
+def _pair(values: np.ndarray) -> tuple[float, float]:
+    return float(values[0]), float(values[1])

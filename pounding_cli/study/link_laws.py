@@ -1,0 +1,212 @@
+"""The law of one link from the mappings of a study that speak about it, the nearest first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass
+from typing import Any
+
+from pounding_cli.laws import link_laws
+from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.building import Building
+from pounding_cli.study.law_keys import FROM_CASE, own_parameters
+from pounding_cli.study.problems import Faults, Path, Tree, nearest
+from pounding_cli.study.rules import StiffnessRule, read_stiffness
+from pounding_cli.study.schema import Impact, LinkSpec, ListedLink
+from pounding_cli.study.source import Node
+
+
+@dataclass(frozen=True)
+class Street:
+    """What the links of a case depend on besides the case.
+
+    group, types : buildings by place and by name; common : common floors of each pair of neighbours
+    impact : the impact element
+    A sketch stands in for a street that is not sound, so that its cases can be looked at all the same:
+    `group` and `common` are empty then, and `defined` still holds every name the file defines.
+    """
+
+    group: Sequence[Building]
+    types: Mapping[str, Building]
+    common: Sequence[Sequence[tuple[int, int]]]
+    impact: Impact
+    defined: Sequence[str]
+
+    @property
+    def is_sketch(self) -> bool:
+        return not self.group
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One mapping that speaks about a link: the nearest comes first."""
+
+    spec: LinkSpec | ListedLink
+    path: Path
+
+
+def says(layers: Sequence[Layer], key: str) -> Any:
+    """What the nearest layer that gives `key` says; the default of the outermost otherwise."""
+    for layer in layers:
+        if key in layer.spec.model_fields_set:
+            return getattr(layer.spec, key)
+    return getattr(layers[-1].spec, key, None)
+
+
+def where(layers: Sequence[Layer], key: str) -> Path:
+    for layer in layers:
+        if key in layer.spec.model_fields_set:
+            return (*layer.path, key)
+    return layers[0].path
+
+
+class LawReader:
+    """Builds laws of links and notes what is wrong with them."""
+
+    def __init__(self, street: Street, root: Node | Tree, faults: Faults) -> None:
+        self.street, self.root, self.faults = street, root, faults
+
+    def refuse(self, path: Path, message: str, hint: str, key: bool = False) -> None:
+        self.faults.at(self.root, path, message, hint, key)
+
+    def law(self, layers: list[Layer]) -> LinkLaw | None:
+        """The law of a link; None where there is none, or where something is wrong."""
+        word = says(layers, "link")
+        if word is None:
+            known = ", ".join((*list(link_laws())[1:], "or none")).replace(", or", " or")
+            self.refuse(layers[0].path, "'link' is missing", f"write `link: pounding`, {known}")
+            return None
+        if word == "none":
+            return None
+        law = link_laws()[word]
+        gap = says(layers, "gap")
+        if gap is None:
+            self.refuse(
+                layers[0].path,
+                "'gap' is missing",
+                "write the distance between the buildings, e.g. `gap: 5 cm`, or `gap: 0 cm`",
+            )
+            return None
+        if self._conflicts(law, layers, gap=gap):
+            return None
+        self._refuse_keys_of_others(word, law, layers)
+        impact = self.value(self.street.impact.stiffness, ("impact", "stiffness"))
+        stiffness = self._stiffness(word, law, layers)
+        if impact is None or stiffness is None:
+            return None
+        if self._conflicts(law, layers, gap=gap, stiffness=stiffness, impact_stiffness=impact):
+            return None
+        cut = says(layers, "tension_cut")
+        ratio, restitution = self._losses(layers)
+        given = {
+            "gap": gap,
+            "stiffness": stiffness,
+            "impact_stiffness": impact,
+            "damping_ratio": ratio,
+            "restitution": restitution,
+            "tension_cut": self.street.impact.tension_cut if cut is None else cut,
+            "dashpot": DashpotLaw(self.street.impact.dashpot),
+        }
+        values = {name: given[name] for name in law.parameters() if name in given}
+        for name in own_parameters(law):
+            own = self._own(name, law, layers)
+            if own is None:
+                return None
+            values[name] = own
+        try:
+            return law(**values)
+        except ValueError as error:
+            self.refuse(layers[0].path, str(error).removeprefix("link: "), "correct it")
+            return None
+
+    def _conflicts(self, law: type[LinkLaw], layers: list[Layer], **values: float) -> bool:
+        """Note what a law says is wrong with values that are each in their range; whether there was something."""
+        conflict = law.conflict(**values)
+        if conflict is not None:
+            name, message, hint = conflict
+            self.refuse(where(layers, name), message, hint)
+        return conflict is not None
+
+    def _refuse_keys_of_others(self, word: str, law: type[LinkLaw], layers: list[Layer]) -> None:
+        """Note keys that belong to another law than the layer's own."""
+        own = own_parameters(law)
+        others: dict[str, list[str]] = {}
+        for owner in link_laws().values():
+            for name in own_parameters(owner).keys() - own.keys():
+                others.setdefault(name, []).append(owner.name)
+        unused = [name for name in ("stiffness", "tension_cut") if name not in law.parameters()]
+        if not {"damping_ratio", "restitution"} & law.parameters().keys():
+            unused += ["damping_ratio", "restitution"]
+        for layer in layers:
+            for name in unused:
+                if layer.spec.link == word and getattr(layer.spec, name, None) is not None:
+                    message = f"'{name}' means nothing for link: {word}"
+                    needed = ", ".join((*own, *(n for n in FROM_CASE if n in law.parameters())))
+                    self.refuse((*layer.path, name), message, f"remove it; {word} takes {needed}", key=True)
+            for name in others.keys() & layer.spec.model_fields_set:
+                if layer.spec.link == word and getattr(layer.spec, name) is not None:
+                    owners = (f"{'an' if one[0] in 'aeio' else 'a'} {one}" for one in others[name])
+                    message = f"'{name}' means nothing for link: {word}"
+                    hint = f"remove it; it belongs to {' and '.join(owners)}"
+                    self.refuse((*layer.path, name), message, hint, key=True)
+
+    def _own(self, name: str, law: type[LinkLaw], layers: list[Layer]) -> Any:
+        """A parameter that only this law has: as given, or its default; None where something is wrong."""
+        given = says(layers, name)
+        if given is None:
+            default = law.parameters()[name].default
+            if default is not MISSING:
+                return default
+            self.refuse(
+                layers[0].path,
+                f"'{name}' is missing",
+                f"a {law.name} needs it: {own_parameters(law)[name].words}",
+            )
+            return None
+        return self.value(given, where(layers, name)) if isinstance(given, StiffnessRule) else given
+
+    def _stiffness(self, word: str, law: type[LinkLaw], layers: list[Layer]) -> float | None:
+        # A stiffness given around a link holds for it only where the kind is the same.
+        for place, layer in enumerate(layers):
+            if layer.spec.stiffness is not None and says(layers[place:], "link") == word:
+                return self.value(layer.spec.stiffness, (*layer.path, "stiffness"))
+        rule = law.stiffness_default
+        default = read_stiffness(rule) if rule else self.street.impact.stiffness
+        return self.value(default, ("impact", "stiffness"))
+
+    def _losses(self, layers: list[Layer]) -> tuple[float, float]:
+        """(damping ratio, coefficient of restitution) of a link: the nearest layer gives one, the other follows."""
+        speakers: list[LinkSpec | ListedLink | Impact] = [*(layer.spec for layer in layers), self.street.impact]
+        restitution = self.street.impact.restitution
+        for spec in speakers:
+            given = spec.model_fields_set
+            if "damping_ratio" in given and spec.damping_ratio is not None:
+                return spec.damping_ratio, restitution_of(spec.damping_ratio)
+            if "restitution" in given and spec.restitution is not None:
+                restitution = spec.restitution
+                break
+        return damping_ratio(restitution) + 0.0, restitution  # no negative zero at e = 1
+
+    def value(self, given: float | StiffnessRule, path: Path) -> float | None:
+        """A stiffness in N/m."""
+        if not isinstance(given, StiffnessRule):
+            return given
+        buildings = list(self.street.group)
+        if given.building is not None:
+            if given.building not in self.street.defined:
+                self.refuse(
+                    path,
+                    f"no building '{given.building}' is defined",
+                    nearest(given.building, self.street.defined),
+                )
+                return None
+            buildings = [self.street.types[given.building]] if given.building in self.street.types else []
+        if not buildings:
+            return None
+        of = max if given.which == "stiffest" else _mean
+        return given.factor * max(float(of(b.stiffness.tolist())) for b in buildings)
+
+
+def _mean(values: list[float]) -> float:
+    return sum(values) / len(values)
