@@ -10,10 +10,11 @@ from importlib import metadata
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
+from pounding_cli.laws.jankowski import Jankowski
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
 
-BUILT_IN: tuple[type[LinkLaw], ...] = (Pounding, Infill, Connector, Hertz, HertzDamp)
+BUILT_IN: tuple[type[LinkLaw], ...] = (Pounding, Infill, Connector, Hertz, HertzDamp, Jankowski)
 """In the order in which reference pages list them."""
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated, Any, Literal, get_type_hints
 
-from pydantic import AfterValidator
-
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.law import LinkLaw, Parameter
 from pounding_cli.study.base import optional
@@ -34,7 +32,8 @@ def law_keys() -> dict[str, tuple[Any, Any]]:
         types = get_type_hints(law)
         for name, declared in own_parameters(law).items():
             kind = _kind(law, name, types[name], declared)
-            owners = " and ".join(one.name for one in link_laws().values() if name in own_parameters(one))
+            named = [one.name for one in link_laws().values() if name in own_parameters(one)]
+            owners = " and ".join(filter(None, (", ".join(named[:-1]), named[-1])))
             description = f"{owners}: {declared.words}"
             owner, known = first.setdefault(name, (law, declared))
             if known != declared:
@@ -43,11 +42,18 @@ def law_keys() -> dict[str, tuple[Any, Any]]:
     return found
 
 
+def words_of(law: type[LinkLaw], name: str) -> type[StrEnum] | None:
+    """The words that a law knows for a parameter; None where that is no choice of words."""
+    given = get_type_hints(law)[name]
+    return given if isinstance(given, type) and issubclass(given, StrEnum) else None
+
+
 def _kind(law: type[LinkLaw], name: str, given: Any, declared: Parameter) -> Any:
     if given is bool:
         return bool
-    if isinstance(given, type) and issubclass(given, StrEnum):
-        return Annotated[Literal[tuple(str(word) for word in given)], AfterValidator(given)]
+    if words_of(law, name) is not None:  # laws with one key may know different words for it
+        owners = (one for one in link_laws().values() if name in own_parameters(one))
+        return Literal[tuple(dict.fromkeys(str(word) for one in owners for word in words_of(one, name) or ()))]
     if declared.unit == "N/m":
         return Annotated[float | StiffnessRule, STIFFNESS_FORM]
     unit = "" if declared.unit == "-" else declared.unit
