@@ -31,8 +31,8 @@ def hertz_damping(restitution: float) -> float:
 
 @functools.cache
 def jankowski_damping(restitution: float) -> float:
-    """xi [-] that gives e: with s = v^1.25 a blow is that of a damped oscillator of ratio b = sqrt(0.8) xi as far as its
-    turning point, and e is what its spring then holds; 0 < e < 1, b below one."""
+    """xi [-] that gives e: with s = v^1.25 the approach is that of a damped oscillator of ratio b = sqrt(0.8) xi as
+    far as it turns; e is what its spring then holds; 0 < e < 1, b below one."""
 
     def left(b: float) -> float:
         damped = math.sqrt(1 - b * b)
