@@ -11,12 +11,13 @@ from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
+from pounding_cli.laws.jankowski import Jankowski
 from pounding_cli.laws.law import Law, LinkLaw
 from pounding_cli.laws.peak_oriented import PeakOriented
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.laws.storey import StoreyLaw
 
-BUILT_IN: tuple[type[Law], ...] = (Pounding, Infill, Connector, Hertz, HertzDamp, Bilinear, PeakOriented)
+BUILT_IN: tuple[type[Law], ...] = (Pounding, Infill, Connector, Hertz, HertzDamp, Jankowski, Bilinear, PeakOriented)
 """In the order in which reference pages list them."""
 
 

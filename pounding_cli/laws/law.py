@@ -330,8 +330,10 @@ class LinkLaw(Law):
 
     @cached_property
     def remembers(self) -> bool:
-        """Whether its force depends on what happened before, so that only a method that locates events knows it."""
-        return any(guard.sets for branch in self._sample for guard in branch.guards)
+        """Whether its force does not follow from closing and rate alone, or its branch not from the closing, so that
+        only a method that locates events knows it."""
+        guards = [guard for branch in self._sample for guard in branch.guards]
+        return any(guard.sets or guard.quantity in (Quantity.RATE, Quantity.ACCELERATION) for guard in guards)
 
     @cached_property
     def is_linear(self) -> bool:
