@@ -16,8 +16,6 @@ from pounding_cli.solve.arrays import Arrays
 Terms = list[tuple[int, float]]
 """(degree of freedom, weight), ..."""
 
-_NO_TERMS: Terms = [(0, 0.0), (0, 0.0)]
-
 
 @functools.lru_cache(maxsize=8)
 def elements_of(arrays: Arrays) -> Elements:
@@ -41,7 +39,7 @@ def elements_of(arrays: Arrays) -> Elements:
     terms += [[(int(links.left[e]), 1.0), (int(links.right[e]), -1.0)] for e in range(links.number)]
     mass = np.concatenate((slots.mass, np.where(rocks, foundations.inertia, 1.0)))
     inverse = np.concatenate((slots.inverse_mass, np.where(rocks, 1.0 / foundations.inertia, 0.0)))
-    ends = np.array([(own + _NO_TERMS)[:2] for own in terms])
+    ends = np.array([_two(own) for own in terms])
     each = [term for own in terms for term in own[2:]]
     return Elements(
         number=len(terms),
@@ -85,6 +83,13 @@ def _drag_terms(arrays: Arrays, i: int, f: int) -> Terms:
     if np.isfinite(foundations.inertia[f]):
         terms.append((arrays.slots.size + f, -float(arrays.slots.elevation[i])))
     return terms
+
+
+def _two(terms: Terms) -> Terms:
+    """The first two terms; where there is one, the other weighs nothing on the same freedom, so that what grows without
+    bound there stays there."""
+    one = terms[0] if terms else (0, 0.0)
+    return [one, terms[1] if len(terms) > 1 else (one[0], 0.0)]
 
 
 def term_matrix(elements: Elements) -> np.ndarray:
