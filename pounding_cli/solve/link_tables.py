@@ -13,15 +13,17 @@ from pounding_cli.laws.law import Branch, Guard, LinkLaw
 from pounding_cli.laws.program import GIVEN, carried_out, operations
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
+from pounding_cli.solve.blank import LANES
 
-LANES = 8
 FAR = 1e100
 """What stands for a gap without end [m]: kernels take differences of it, and inf - inf is none."""
 
 
-def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: Sequence[slice]) -> Links:
-    """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`. Links of one law between floors of
-    the same masses share their rows."""
+def pack_links(
+    buildings: tuple[Building, ...], given: tuple[Link, ...], floors: Sequence[slice]
+) -> tuple[Links, AtRest]:
+    """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`, and their state before the motion.
+    Links of one law between floors of the same masses share their rows."""
     masses = [building.mass.tolist() for building in buildings]
     laws, ends = [], []
     for link in given:
@@ -34,9 +36,12 @@ def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors:
 Between = tuple[LinkLaw, float, float]
 """A law and the masses of the floors that it stands between [kg]."""
 
+AtRest = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Branch, what is known exactly, and the closing it then has [m], of every link before the motion."""
+
 
 @functools.lru_cache(maxsize=4096)
-def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> Links:
+def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> tuple[Links, AtRest]:
     """Links of these laws between these slots."""
     padded = -(-len(laws) // LANES) * LANES
     left, right, first, last = np.zeros((4, padded), np.int64)
@@ -59,7 +64,8 @@ def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> Lin
     table = np.concatenate(branches)
     registers = GIVEN + int(np.max(table[:, [t.LAST_STEP, t.LAST_REGULAR]] - table[:, [t.FIRST_STEP, t.FIRST_REGULAR]]))
     tables = table.ravel(), np.concatenate(guards).ravel(), np.concatenate(steps).ravel()
-    return Links(len(laws), padded, registers, left, right, offset, first, last, *tables)
+    links = Links(len(laws), padded, registers, left, right, offset, first, last, *tables)
+    return links, _at_rest(links)
 
 
 @functools.lru_cache(maxsize=4096)
@@ -118,13 +124,12 @@ _BRANCH_PLACE = np.zeros(t.GUARD_ROW)
 _BRANCH_PLACE[t.NEXT] = 1.0
 
 
-def at_rest(links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Branch, what is known exactly, and the closing it then has [m], of every link before the motion: floors
-    that touch are exactly where their first branch ends."""
+def _at_rest(links: Links) -> AtRest:
+    """Floors that touch are exactly where their first branch ends."""
     begin = 0.0 - links.offset
     low, high = _branches(links)[links.first[:, None], [t.FROM, t.TO]].T
     known = np.where((high == begin) | (low == begin), t.CLOSING, t.NOTHING)
-    return links.first.copy(), known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
+    return links.first, known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
 
 
 def acting_at_rest(links: Links) -> np.ndarray:

@@ -53,8 +53,7 @@ class LinkSeen(NamedTuple):
         return self[:4]
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(NamedTuple):
     """One place in the tables: its index on every axis, keys of Plan.scenes for scene and baselines, its links."""
 
     point: tuple[int, ...]

@@ -103,7 +103,7 @@ LINKS = [
     Mutant(
         "branch-at-rest",
         "connector holds in compression only",
-        ("links.first.copy()", "np.zeros_like(links.first)"),
+        ("links.first,", "np.zeros_like(links.first),"),
         YIELDING,
     ),
 ]
@@ -493,7 +493,10 @@ PRUNING = [
         OPEN_GAP,
     ),
     Mutant(
-        "closing-between-groups", "a link between groups has no closing", ("0.0, closing", "0.0, 0.0 * closing"), APART
+        "closing-between-groups",
+        "a link between groups has no closing",
+        ("= closings[link]", "= 0.0 * closings[link]"),
+        APART,
     ),
     Mutant(
         "base-held-fixed",
