@@ -344,6 +344,12 @@ METHODS = [
         f"{UNIT}/solve/test_assess.py::test_the_error_is_that_of_the_response_and_not_of_the_finer_run",
     ),
     Mutant(
+        "harmless-at-once",
+        "a scene that may miss the accuracy is told by one run",
+        ("error <= HARMLESS * accuracy and ", ""),
+        f"{UNIT}/solve/test_assess.py::test_a_response_that_misses_the_accuracy_gives_way_to_the_finer_run",
+    ),
+    Mutant(
         "scatter-of-rounding",
         "an estimate where rounding decides is that of two runs, which may lie close by chance",
         ("*(difference(response, other) for other in others)", ""),
@@ -358,7 +364,7 @@ METHODS = [
     Mutant(
         "held-in-finer-runs",
         "a base that is held fixed is resolved in the finer runs",
-        ("accuracy)", "tight)"),
+        ("accuracy)", "finer(accuracy))"),
         f"{UNIT}/solve/test_assess.py::test_a_base_that_is_held_fixed_is_held_in_the_finer_runs",
     ),
     Mutant(
