@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import ClassVar
 
-from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity, falls_below, opening, parameter
+from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity, falls_below, opening, parameter, remembering
 from pounding_cli.laws.program import CLOSING, MEMORY, RATE, Expression
 
 EXPONENT = 1.5
@@ -17,6 +17,8 @@ EXPONENT = 1.5
 LEAST_RESTITUTION = 0.01
 """Below this the damping of `HertzDamp` grows as 1 / e, and means nothing for floors of buildings."""
 
+DAMPING_FORMULA = "where the damping comes from: the restitution that comes out (exact), or a published formula"
+"""What `damping_formula` is."""
 
 SERIES_ABOVE = 0.9
 """Coefficient of restitution above which `_exact` goes by powers of zeta."""
@@ -69,8 +71,11 @@ def _exact(restitution: float) -> float:
 
 
 @dataclass(frozen=True)
-class _HertzLaw(LinkLaw):
-    """What both have in common: F = k_h v^1.5 for v > 0 but for damping; v is the closing less the gap."""
+class HertzSpring(LinkLaw):
+    """What laws of a Hertz contact have in common: F = k_h v^1.5 for v > 0 but for damping.
+
+    v is the closing less the gap.
+    """
 
     subtracts_gap: ClassVar[bool] = True
 
@@ -87,7 +92,7 @@ class _HertzLaw(LinkLaw):
 
 
 @dataclass(frozen=True)
-class Hertz(_HertzLaw):
+class Hertz(HertzSpring):
     """F = k_h v^1.5 for v > 0. It takes no energy."""
 
     name: ClassVar[str] = "hertz"
@@ -99,7 +104,7 @@ class Hertz(_HertzLaw):
 
 
 @dataclass(frozen=True)
-class HertzDamp(_HertzLaw):
+class HertzDamp(HertzSpring):
     """F = k_h v^1.5 (1 + zeta v' / v0), not below zero, for v > 0.
 
     v0 is the largest approach speed so far in the present contact: for a blow the speed at which it begins, and above
@@ -113,10 +118,7 @@ class HertzDamp(_HertzLaw):
     )
 
     restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
-    damping_formula: HertzDamping = parameter(
-        "where the damping comes from: the restitution that comes out (exact), or a published formula",
-        default=HertzDamping.EXACT,
-    )
+    damping_formula: HertzDamping = parameter(DAMPING_FORMULA, default=HertzDamping.EXACT)
 
     @property
     def damping_factor(self) -> float:
@@ -128,7 +130,7 @@ class HertzDamp(_HertzLaw):
         zeta = self.damping_factor
         if zeta == 0.0:
             return opening(Branch("damped", force=self.spring, regular=2, guards=(falls_below(0.0, "open"),)))
-        slows = Guard(Quantity.ACCELERATION, 0.0, 1.0, "damped", once=True, remembers=Quantity.RATE)
+        slows = Guard(Quantity.ACCELERATION, 0.0, 1.0, "damped", once=True, sets=remembering(RATE))
         gains = Guard(Quantity.RATE, 0.0, -1.0, "gaining", once=True, of_memory=1.0)
         pulls = Guard(Quantity.RATE, 0.0, 1.0, "cut", once=True, of_memory=-1.0 / zeta)
         pushes = Guard(Quantity.RATE, 0.0, -1.0, "damped", once=True, of_memory=-1.0 / zeta)
@@ -138,5 +140,5 @@ class HertzDamp(_HertzLaw):
             Branch("gaining", force=(1.0 + zeta) * self.spring, regular=2, guards=(opens, slows)),
             Branch("damped", force=damped, regular=2, guards=(opens, gains, pulls)),
             Branch("cut", guards=(opens, pushes), acts=False),
-            remembers=Quantity.RATE,
+            remembers=RATE,
         )

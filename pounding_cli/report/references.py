@@ -97,9 +97,51 @@ REFERENCES = {
             "10.1002/eqe.557",
         ),
         _article(
+            "jankowski2005", "Jankowski, R.", 2005,
+            "Non-linear viscoelastic modelling of earthquake-induced structural pounding", _EESD, "34(6)", "595--611",
+            "10.1002/eqe.434",
+        ),
+        _article(
+            "jankowski2006", "Jankowski, R.", 2006,
+            "Analytical expression between the impact damping ratio and the coefficient of restitution in the "
+            "non-linear viscoelastic model of structural pounding", _EESD, "35(4)", "517--524", "10.1002/eqe.537",
+        ),
+        _article(
             "ye2009", "Ye, K., Li, L. & Zhu, H.", 2009,
             "A note on the Hertz contact model with nonlinear damping for pounding simulation", _EESD, "38",
             "1135--1142", "10.1002/eqe.883",
+        ),
+        Reference(
+            "clough1966", "inproceedings", "Clough, R. W. & Johnston, S. B.", 1966,
+            "Effect of stiffness degradation on earthquake ductility requirements",
+            (("booktitle", "Proceedings of the Second Japan National Conference on Earthquake Engineering"),
+             ("pages", "227--232"), ("address", "Tokyo")),
+        ),
+        _article(
+            "ibarra2005", "Ibarra, L. F., Medina, R. A. & Krawinkler, H.", 2005,
+            "Hysteretic models that incorporate strength and stiffness deterioration", _EESD, "34(12)", "1489--1511",
+            "10.1002/eqe.495",
+        ),
+        _article(
+            "jeng1992", "Jeng, V., Kasai, K. & Maison, B. F.", 1992,
+            "A spectral difference method to estimate building separations to avoid pounding", "Earthquake Spectra",
+            "8(2)", "201--223", "10.1193/1.1585679",
+        ),
+        _article(
+            "derkiureghian1981", "Der Kiureghian, A.", 1981,
+            "A response spectrum method for random vibration analysis of MDF systems", _EESD, "9(5)", "419--435",
+            "10.1002/eqe.4290090503",
+        ),
+        Reference(
+            "asce2010", "manual", "American Society of Civil Engineers", 2010,
+            "Minimum design loads for buildings and other structures, ASCE/SEI 7-10",
+            (("address", "Reston, Virginia"),),
+        ),
+        Reference(
+            "gb50011-2010", "manual",
+            "Ministry of Housing and Urban-Rural Development of the People's Republic of China", 2010,
+            "Code for seismic design of buildings, GB 50011-2010",
+            (("publisher", "China Architecture & Building Press"), ("address", "Beijing")),
         ),
         _article(  # the paper cites author and year; title and volume found nowhere else, so pages and DOI left out
             "westermo1989", "Westermo, B. D.", 1989,

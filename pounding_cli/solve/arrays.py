@@ -11,13 +11,18 @@ import numpy as np
 
 from pounding_cli.kernels.layout import Foundations, Links, Peaks, Slots, State
 from pounding_cli.kernels.ledger import Ledger
+from pounding_cli.laws.program import MEMORIES
+from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
-from pounding_cli.solve import link_tables
+from pounding_cli.solve import law_tables
 from pounding_cli.solve.blank import LANES, Blank, aligned
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
+
+_BY_SLOT = Slots._fields[1:11]
+"""What is given of every slot (`layout.Slots`)."""
 
 
 @dataclass(frozen=True)
@@ -28,10 +33,12 @@ class Arrays:
     slots: Slots
     foundations: Foundations
     links: Links
-    links_at_rest: link_tables.AtRest
+    links_at_rest: law_tables.AtRest
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
     foundation_of: tuple[int, ...]  # by building: place among the foundations, or -1
+    laws: tuple[StoreyLaw | None, ...]  # by slot: what yields; None where nothing does
+    memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
 
     @property
     def padded(self) -> int:
@@ -54,13 +61,19 @@ def pack(scene: Scene) -> Arrays:
 
 @functools.lru_cache(maxsize=1024)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
-    alone = _without_links(buildings, analysis)
-    packed, links_at_rest = link_tables.pack_links(buildings, links, alone.floors)
-    return dataclasses.replace(alone, links=packed, links_at_rest=links_at_rest)
+    alone, storeys = _without_links(buildings, analysis)
+    packed, links_at_rest = law_tables.pack_links(buildings, links, alone.floors)
+    tables, branch = law_tables.with_storeys(packed, *storeys)
+    own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
+    slots = alone.slots._replace(branch=branch, **own)
+    return dataclasses.replace(alone, slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest)
 
 
 @functools.lru_cache(maxsize=64)
-def _without_links(buildings: tuple[Building, ...], analysis: Analysis) -> Arrays:
+def _without_links(
+    buildings: tuple[Building, ...], analysis: Analysis
+) -> tuple[Arrays, tuple[law_tables.Rows | None, np.ndarray]]:
+    """The arrays of buildings alone; the rows of their storeys' laws, and by slot the first of them, -1 for none."""
     floors, bases, foundation_of = [], [], []
     place = 0
     founded = 0
@@ -73,25 +86,30 @@ def _without_links(buildings: tuple[Building, ...], analysis: Analysis) -> Array
         place += building.storeys
         foundation_of.append(founded if foundation is not None else -1)
         founded += int(foundation is not None)
-    slots = _slots(buildings, analysis, floors, bases, place)
-    foundations = _foundations(buildings, floors, bases)
-    return Arrays(
-        slots,
-        foundations,
-        *link_tables.pack_links(buildings, (), floors),
-        tuple(floors),
-        tuple(bases),
-        tuple(foundation_of),
-    )
+    slots = _slots(buildings, floors, bases, place)
+    laws: list[StoreyLaw | None] = [None] * slots.size
+    if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
+        for building, span in zip(buildings, floors, strict=True):
+            laws[span] = (law if law.can_yield else None for law in building.laws)
+    memory = np.zeros((MEMORIES, slots.size))
+    for i, law in enumerate(laws):
+        begin = law.memories_at_rest if law else ()
+        memory[: len(begin), i] = begin
+    arrays = Arrays(
+        slots, _foundations(buildings, floors, bases), *law_tables.pack_links(buildings, (), floors), tuple(floors),
+        tuple(bases), tuple(foundation_of), tuple(laws), memory.ravel(),
+    )  # fmt: skip
+    return arrays, law_tables.storey_rows(laws)
 
 
-def _slots(
-    buildings: tuple[Building, ...], analysis: Analysis, floors: list[slice], bases: list[int], count: int
-) -> Slots:
-    """`count` slots and the padding."""
+def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int], count: int) -> Slots:
+    """`count` slots and the padding, without their laws."""
     padded = -(-count // LANES) * LANES
-    slots = Slots(padded, **rows(Slots._fields[1:], padded))
-    slots.yield_drift[:] = np.inf
+    nothing = np.zeros(0)
+    slots = Slots(
+        padded, **rows(_BY_SLOT, padded), branch=np.zeros(padded, np.int64), branches=nothing, guards=nothing,
+        operations=nothing,
+    )  # fmt: skip
     slots.real[:count] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation
@@ -99,12 +117,6 @@ def _slots(
         slots.stiffness[span] = building.stiffness
         slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
         slots.mass[span] = building.mass
-        if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
-            slots.yield_drift[span] = building.yield_drift
-            slots.hardening[span] = building.hardening
-            finite = np.isfinite(building.yield_shear)
-            plateau = (1 - building.hardening) * np.where(finite, building.yield_shear, 0)  # fault: yield-plateau
-            slots.plateau[span] = np.where(finite, plateau, 0)
         slots.elevation[span] = building.elevation
         if foundation is None:
             slots.alpha[span] = building.alpha  # fault: mass-damping
@@ -140,6 +152,7 @@ def _foundations(buildings: tuple[Building, ...], floors: list[slice], bases: li
 def at_rest(arrays: Arrays) -> State:
     """The state before the motion: at rest, touching links exactly at v = 0."""
     state = _blanks(arrays.padded, arrays.foundations.number, arrays.links.size)[0].copy()
+    state.storey_branch[:], state.storey_memory[:] = arrays.slots.branch, arrays.memory_at_rest
     state.link_branch[:], state.pinned_link[:], state.pinned_closing[:] = arrays.links_at_rest
     return state
 
@@ -158,12 +171,20 @@ def empty_ledger(arrays: Arrays) -> Ledger:
 
 @functools.lru_cache(maxsize=64)
 def _blanks(padded: int, foundations: int, links: int) -> tuple[Blank, Blank, Blank]:
-    """State, peaks and ledger of a scene of this size before its first step."""
+    """State, peaks and ledger of a scene of this size before its first step, but for branches and memories."""
     slot, base, link = np.zeros(padded), np.zeros(foundations), np.zeros(links)
-    which = np.zeros(links, np.int64)
-    state = State(slot, slot, slot, slot, np.zeros(padded, np.int64), which, which, link, link, base, base)
-    peaks = Peaks(0, slot, slot, slot, slot, slot, base, link - 1e300, link, link, link, slot[:0], which)
-    return Blank(state), Blank(peaks), Blank(Ledger(slot, slot, slot, slot, link, base))
+    storey, which = np.zeros(padded, np.int64), np.zeros(links, np.int64)
+    state = State(
+        u=slot, v=slot, storey_branch=storey, storey_memory=np.zeros(MEMORIES * padded), pinned_storey=storey,
+        link_branch=which, pinned_link=which, pinned_closing=link, link_memory=link, phi=base, phi_v=base,
+    )  # fmt: skip
+    peaks = Peaks(
+        watched=0, drift=slot, shear=slot, acceleration=slot, displacement_max=slot, displacement_min=slot,
+        rocking=base, closing=link - 1e300, force=link, impulse=link, contact_time=link, samples=slot[:0],
+        impacts=which,
+    )  # fmt: skip
+    ledger = Ledger(**dict.fromkeys(Ledger._fields[:5], slot), links=link, foundations=base)
+    return Blank(state), Blank(peaks), Blank(ledger)
 
 
 def unpack(

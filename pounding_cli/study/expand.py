@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import product
 
@@ -27,8 +27,16 @@ MOST_AROUND = 256
 """Buildings with motions that are kept at a time: motions are long."""
 
 
-def expand(study: Study) -> Plan:
-    """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound."""
+Links = Callable[[Point, str], tuple[Link, ...] | None]
+"""links(point, case) -> what stands between the buildings of the group, which depends on these, `impact` and the case
+alone."""
+
+
+def expand(study: Study, links_of: Links | None = None) -> Plan:
+    """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound.
+
+    links_of : what stands between the buildings in place of what the study says
+    """
     model, resolver = study.model, study.resolver
     cases, analyses = tuple(model.cases), tuple(Analysis(word) for word in model.analyses)
     records = tuple(study.motions(resolver.base))
@@ -38,7 +46,7 @@ def expand(study: Study) -> Plan:
         tuple(str(analysis) for analysis in analyses),
         records,
     )
-    builder = _Builder(resolver, cases, analyses, records)
+    builder = _Builder(resolver, links_of or resolver.links, cases, analyses, records)
     rows = Rows(frame)
     scenes = Scenes(frame, len(model.group), builder)
     problems: dict[Problem, None] = {}
@@ -104,9 +112,15 @@ class _Builder:
     motions that are the same."""
 
     def __init__(
-        self, resolver: Resolver, cases: tuple[str, ...], analyses: tuple[Analysis, ...], records: tuple[str, ...]
+        self,
+        resolver: Resolver,
+        links_of: Links,
+        cases: tuple[str, ...],
+        analyses: tuple[Analysis, ...],
+        records: tuple[str, ...],
     ) -> None:
-        self._resolver, self._cases, self._analyses, self._records = resolver, cases, analyses, records
+        self._resolver, self._links_of = resolver, links_of
+        self._cases, self._analyses, self._records = cases, analyses, records
         self._around: dict[Point, _Around] = {}
         self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
 
@@ -137,7 +151,7 @@ class _Builder:
         key = case, self._resolver.key(point, ("buildings", "group", "impact", ("cases", case)))
         found = self._links.get(key)
         if found is None:
-            found = self._resolver.links(point, case)
+            found = self._links_of(point, case)
             assert found is not None
             _keep(self._links, key, found, MOST_KEPT)
         return found

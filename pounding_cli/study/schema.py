@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.laws import link_laws
+from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
-from pounding_cli.study.law_keys import law_keys
+from pounding_cli.study.law_keys import link_keys, storey_keys
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     Method = str
@@ -26,9 +27,11 @@ Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
 if TYPE_CHECKING:
     LinkKind = str
     LawName = str
+    StoreyKind = str
 else:
     LinkKind = Literal[(*link_laws(), "none")]
     LawName = Literal[tuple(link_laws())]
+    StoreyKind = Literal[tuple(storey_laws())]
 AnalysisKind = Literal["elastic", "inelastic"]
 
 Length = Annotated[float, units.LENGTH]
@@ -166,7 +169,7 @@ Base = Annotated[
 ]
 
 
-class BuildingSpec(Model):
+class _BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
     like: str | None = optional(None, description="another building whose keys are taken unless given here")
@@ -191,7 +194,14 @@ class BuildingSpec(Model):
     yield_shear: YieldShears | None = optional(
         None, description="storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
+    storey_law: StoreyKind = optional("bilinear", description="how storeys yield and unload")
     foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
+
+
+if TYPE_CHECKING:
+    BuildingSpec = _BuildingSpec
+else:
+    BuildingSpec = create_model("BuildingSpec", __base__=_BuildingSpec, __doc__=_BuildingSpec.__doc__, **storey_keys())
 
 
 class Impact(Model):
@@ -248,7 +258,7 @@ class _ListedLink(_LinkSpec):
 if TYPE_CHECKING:
     ListedLink = _ListedLink
 else:
-    ListedLink = create_model("ListedLink", __base__=_ListedLink, __doc__=_ListedLink.__doc__, **law_keys())
+    ListedLink = create_model("ListedLink", __base__=_ListedLink, __doc__=_ListedLink.__doc__, **link_keys())
 
 ListedOrWord = Annotated[
     Annotated[LawName, Tag("word")] | Annotated[ListedLink, Tag("mapping")], Discriminator(word_or_mapping)
@@ -271,7 +281,7 @@ class _AnyLinks(_LinkSpec):
 if TYPE_CHECKING:
     LinkSpec = _AnyLinks
 else:
-    LinkSpec = create_model("LinkSpec", __base__=_AnyLinks, __doc__=_LinkSpec.__doc__, **law_keys())
+    LinkSpec = create_model("LinkSpec", __base__=_AnyLinks, __doc__=_LinkSpec.__doc__, **link_keys())
 
 LinkOrWord = Annotated[
     Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)
@@ -366,7 +376,7 @@ _BRACKET_FORM = {
 }
 
 
-class StudyModel(Model):
+class _StudyModel(Model):
     """A study of earthquake pounding between adjacent buildings."""
 
     model_config = ConfigDict(frozen=False, validate_assignment=True, title="pound study")
@@ -410,6 +420,21 @@ class StudyModel(Model):
         description="keys whose values nobody knows, with an odd number of them: the middle one leads in tables and "
         "figures; `impact.stiffness`: a quarter of, once and five times the study's own",
     )
+
+
+def _sections() -> dict[str, tuple[Any, Any]]:
+    """The sections that workflows add to a study, as `pydantic.create_model` takes them."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for name, workflow in WORKFLOWS.items():
+        if (section := workflow.part("schema")) is not None:
+            found[name] = section, optional(section(), description=f"what `pound {name}` is asked")
+    return found
+
+
+if TYPE_CHECKING:
+    StudyModel = _StudyModel
+else:
+    StudyModel = create_model("StudyModel", __base__=_StudyModel, __doc__=_StudyModel.__doc__, **_sections())
 
 
 def json_schema() -> dict[str, Any]:

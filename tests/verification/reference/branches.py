@@ -13,9 +13,9 @@ from scipy.optimize import brentq
 from pounding_cli.model.scene import Scene
 from reference.assembly import Coordinates, coordinates, reduced_mass
 
-ACTING = ("on", "beyond", "gaining")
+ACTING = ("on", "beyond", "gaining", "parting")
 """Branches of a link whose force acts."""
-HERTZ = ("hertz", "hertz-damp")
+HERTZ = ("hertz", "hertz-damp", "jankowski")
 PRESSED = 0.03
 """Compression [m] up to which `fastest` holds for a Hertz contact."""
 
@@ -29,13 +29,28 @@ def hertz_damping(restitution: float) -> float:
     )
 
 
+@functools.cache
+def jankowski_damping(restitution: float) -> float:
+    """xi [-] that gives e: with s = v^1.25 the approach is that of a damped oscillator of ratio b = sqrt(0.8) xi as
+    far as it turns; e is what its spring then holds; 0 < e < 1, b below one."""
+
+    def left(b: float) -> float:
+        damped = math.sqrt(1 - b * b)
+        turning = brentq(
+            lambda t: damped * math.cos(damped * t) - b * math.sin(damped * t), 1e-12, math.pi / damped / 2
+        )
+        return math.exp(-b * turning) * math.sin(damped * turning) / damped
+
+    return float(brentq(lambda b: left(b) - restitution, 1e-9, 0.999, xtol=1e-15)) / math.sqrt(0.8)
+
+
 @dataclass
 class Branches:
     """Which branch every storey and link is on; what `Laws` needs besides q and q'.
 
     storey : 0 elastic, +1 or -1 yielding that way; plastic : plastic drift [m] of an elastic storey
     link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap), "gaining"
-        (Hertz contact whose approach speed is the largest so far)
+        (Hertz contact whose approach speed is the largest so far), "parting" (of floors that approach no longer)
     speed : largest approach speed of the present contact [m/s] by link, where it no longer grows
     """
 
@@ -52,7 +67,7 @@ class Laws:
         self.scene = scene
         self.c: Coordinates = coordinates(scene)
         self.elastic = str(scene.analysis) == "elastic"
-        self.reduced = [0.0 if link.kind in HERTZ else reduced_mass(scene, e) for e, link in enumerate(scene.links)]
+        self.reduced = [reduced_mass(scene, e) for e in range(len(scene.links))]
         self.offset = np.array([e.gap if e.kind in ("pounding", *HERTZ) else 0.0 for e in scene.links])
 
     def begin(self) -> Branches:
@@ -85,6 +100,10 @@ class Laws:
             spring = link.hertz_stiffness * np.maximum(v, 0.0) ** 1.5
             if link.name == "hertz":
                 return spring
+            if link.name == "jankowski":
+                xi = jankowski_damping(link.restitution)
+                c = 2 * xi * np.sqrt(link.hertz_stiffness * np.sqrt(np.maximum(v, 0.0)) * self.reduced[e])
+                return spring + c * rate if branch == "on" else spring
             zeta = hertz_damping(link.restitution)
             return spring * (1 + zeta * (1.0 if branch == "gaining" else rate / (speed or {})[e]))
         xi, m = link.damping_ratio, self.reduced[e]
@@ -175,6 +194,9 @@ class Laws:
             out += [(("link", e, "open"), -v[e])]
             if damped:
                 out += self.hertz_guards(e, v_rate[e], b, acceleration)
+            if link.name == "jankowski":
+                approach = branch == "on"
+                out += [(("link", e, "parting" if approach else "on"), -v_rate[e] if approach else v_rate[e])]
             if link.name in HERTZ:
                 continue
             infill = link.name == "infill"
