@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, optional
@@ -66,10 +66,12 @@ def _list_or_one(value: Any) -> str:
 
 
 OneLimit = Annotated[Limit, TextForm(read_limit, "limit in words", ("mu > 4", "drift > 2 %", "contact"))]
-Limits = Annotated[
-    Annotated[tuple[OneLimit, ...], Field(max_length=20), Tag("list")] | Annotated[OneLimit, Tag("one")],
-    Discriminator(_list_or_one),
-]
+_SeveralLimits = Annotated[tuple[OneLimit, ...], Field(max_length=20), Tag("list")]
+_OnlyLimit = Annotated[OneLimit, AfterValidator(lambda limit: (limit,)), Tag("one")]
+if TYPE_CHECKING:
+    Limits = tuple[Limit, ...]
+else:
+    Limits = Annotated[_SeveralLimits | _OnlyLimit, Discriminator(_list_or_one)]
 
 
 class FragilitySpec(Model):

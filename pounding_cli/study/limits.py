@@ -57,6 +57,20 @@ class Limit:
         return self.text
 
 
+@dataclass(frozen=True)
+class Target:
+    """What a curve is about: a limit and the building it concerns, by place, or the left one of a pair (contact)."""
+
+    limit: Limit
+    building: int
+
+    def label(self, names: tuple[str, ...]) -> str:
+        """The building, or the pair."""
+        if self.limit.quantity == CONTACT:
+            return f"{names[self.building]}|{names[self.building + 1]}"
+        return names[self.building]
+
+
 def read_limit(value: Any) -> Limit:
     """A limit as the file says it.  Raises PydanticCustomError saying what to write."""
     if not isinstance(value, str):

@@ -74,6 +74,6 @@ def test_intensity_measures():
         ("sa(0.5)", "no unit"), ("pga(1 s)", "only sa"), ("pgx", "no intensity measure"), ("sa(1 m)", "no period"),
         ("sa()", "no unit"), ("sa(0.5 s", "is not an intensity"), (3, "is not an intensity"), ("sa(100 s)", "at most"),
     ):  # fmt: skip
-        with pytest.raises(PydanticCustomError, match=".") as refused:
+        with pytest.raises(PydanticCustomError) as refused:
             read_measure(text)
         assert said in refused.value.context["message"]
