@@ -34,6 +34,7 @@ def run(
     scheduler: str | None = None,
     progress: Progress | None = None,
     replace: bool = False,
+    workflow: str = "run",
 ) -> Results:
     """Run a study, reusing scenes solved before, and open its results.
 
@@ -46,20 +47,22 @@ def run(
     scheduler : address of a Dask scheduler, for the dask engine; a cluster on this machine unless given
     progress : as in `pounding_cli.batch.progress`; nothing is shown unless given
     replace : replace results of another study too, and leave out scenes and histories that this study does not have
+    workflow : what is asked, as the command of that name: "run", or "gap" (how wide must the gap be?), whose answer is
+        `Results.table("gap")`
 
     Raises
     ------
-    InputError : the study or the output is refused
+    InputError : the study or the output is refused, or there is no such workflow over time histories
 
     Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables.
     """
     from pounding_cli.batch import run_plan
-    from pounding_cli.study import expand
+    from pounding_cli.workflows import expansion
 
     loaded = load_study(study) if isinstance(study, str | Path | Mapping) else study
-    path = Path(output) if output is not None else default_output(Path(loaded.path))
+    path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
     run_plan(
-        expand(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler,
+        expansion(workflow)(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler,
         replace=replace,
     )  # fmt: skip
     return open_results(path)
@@ -77,6 +80,7 @@ def open_results(path: str | Path) -> Results:
     return Results(Path(path))
 
 
-def default_output(study: Path) -> Path:
-    """Where results go unless told otherwise: `results/<study stem>.h5` in the current directory."""
-    return Path("results") / f"{study.stem}.h5"
+def default_output(study: Path, workflow: str = "run") -> Path:
+    """Where results go unless told otherwise: `results/<study stem>.h5` in the current directory, with the name of the
+    workflow behind the stem where it is another than `run`."""
+    return Path("results") / (f"{study.stem}.h5" if workflow == "run" else f"{study.stem}-{workflow}.h5")

@@ -11,6 +11,7 @@ from pounding_cli.batch.histories import refuse_loss
 from pounding_cli.store import PartStore, former_run, stored_chunks
 from pounding_cli.store.files import damage_of
 from pounding_cli.words import counted
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -50,7 +51,8 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
         if held > IN_MEMORY:
             parts.flush()
         taken += sum(digest in plan.scenes for digest in chunk.digests)
-    if replace:
+    in_rounds = bool(WORKFLOWS[plan.workflow].refine)  # later rounds may ask for what this one does not
+    if replace and not in_rounds:
         parts.only(plan.scenes)
     if former is None:
         return
@@ -59,7 +61,7 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
             f"{output} was made with {former.differs}: all scenes are run anew, "
             "and the file stays as it is until the new one is whole"
         )
-    elif taken < len(plan.scenes) or taken < former.scenes:
+    elif not in_rounds and (taken < len(plan.scenes) or taken < former.scenes):
         gone = sum(digest not in plan.scenes for digest in parts)
         stay = "stays in the file" if gone == 1 else "stay in the file"
         left = f"; {counted(gone, 'scene')} no longer in the study {stay}" if gone else ""

@@ -28,6 +28,7 @@ from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.files import is_results, refused_write
 from pounding_cli.store.locks import lock_of
 from pounding_cli.words import counted
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -81,7 +82,7 @@ def run_plan(
     if not replace and is_current(output, plan):
         _tidy(output, parts)
         return Outcome(output, 0, 0, len(plan.scenes), (), "none", 0, 0.0, time.perf_counter() - begin)
-    check_results(output, plan.study, replace=replace)
+    check_results(output, plan.study, "" if plan.workflow == "run" else plan.workflow, replace)
     try:
         with locked(output):
             return _run(plan, parts, output, progress, solve, chosen, begin, replace)
@@ -109,29 +110,48 @@ def _run(
     replace: bool,
 ) -> Outcome:
     reuse(plan, output, parts, progress.say, replace)
-    reused = sum(digest in parts for digest in plan.scenes)
-    order = order_of(plan, parts)
-    used, seconds = "none", 0.0
-    if order.digests:
-        progress.start(len(order.digests), reused)
-        try:
-            used, seconds = _solve_missing(plan, order, parts, chosen, progress, solve)
-        except BaseException:
-            with contextlib.suppress(OSError):  # the disk may be why
-                parts.flush()
-            progress.stop()
-            progress.say(f"{parts.saved(plan.scenes)} of {counted(len(plan.scenes), 'scene')} kept in {parts.folder}")
-            raise
-        progress.stop()
+    refine = WORKFLOWS[plan.workflow].part("refine")
+    former = set(parts)
+    used, seconds, solved = "none", 0.0, 0
+    following: Plan | None = plan
+    while following is not None:
+        plan = following
+        order = order_of(plan, parts)
+        if order.digests:
+            by, spent = _solve_round(plan, order, parts, chosen, progress, solve)
+            used = by if used in ("none", "serial") else used
+            seconds, solved = seconds + spent, solved + len(order.digests)
+        following = None if refine is None else refine(plan, parts)
+    if replace:
+        parts.only(plan.scenes)
+    reused = sum(digest in former for digest in plan.scenes)
     workers = chosen.workers if used == chosen.name else 1
-    run = Run(time.perf_counter() - begin, len(order.digests), reused, used, workers)
+    run = Run(time.perf_counter() - begin, solved, reused, used, workers)
     histories = kept_histories(plan, parts, output, parts.key, progress.say, replace)
     write_results(output, plan, parts, run, histories)
     parts.remove()
     failures = tuple(_failures(plan, parts))
-    done = len(order.digests) - len(failures)
+    done = solved - len(failures)
     wall = time.perf_counter() - begin
     return Outcome(output, done, len(failures), reused, failures, used, workers, seconds, wall)
+
+
+def _solve_round(
+    plan: Plan, order: Order, parts: PartStore, chosen: Engine, progress: Progress, solve: Solve | None
+) -> tuple[str, float]:
+    """Solve what is missing of a plan and show how it goes; what is solved is kept, whatever happens. Returns as
+    `_solve_missing`."""
+    progress.start(len(order.digests), len(plan.scenes) - len(order.digests))
+    try:
+        found = _solve_missing(plan, order, parts, chosen, progress, solve)
+    except BaseException:
+        with contextlib.suppress(OSError):  # the disk may be why
+            parts.flush()
+        progress.stop()
+        progress.say(f"{parts.saved(plan.scenes)} of {counted(len(plan.scenes), 'scene')} kept in {parts.folder}")
+        raise
+    progress.stop()
+    return found
 
 
 def _solve_missing(

@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from pounding_cli.words import counted
-
-if TYPE_CHECKING:
-    from pounding_cli.study.connector_study import ConnectorStudy
-    from pounding_cli.study.wall_study import WallStudy
 
 MOST_ROWS = 50_000
 """Rows of a study whose combinations of swept values are looked at too."""
@@ -31,10 +26,11 @@ def command(study: Path) -> None:
     from pounding_cli.reading import shortened
     from pounding_cli.study import expand, load_study
     from pounding_cli.study.kinds import kind_of_file
+    from pounding_cli.workflows import WORKFLOWS
 
     name = shortened(study)
     if (kind := kind_of_file(study)) != "run":
-        loaded = _loaded(study, kind)
+        loaded = WORKFLOWS[kind].part("load")(study)
         for warning in loaded.warnings:
             click.echo(f"warning: {warning}", err=True)
         count = counted(len(loaded.points), "point")
@@ -57,14 +53,3 @@ def command(study: Path) -> None:
     click.echo(f"OK: {name}: {' x '.join(factors)} = {counted(rows, 'row')}{scenes}")
     if not scenes:
         click.echo("Each value of the sweep was looked at, not their combinations: `pound plan` does that.")
-
-
-def _loaded(study: Path, kind: str) -> ConnectorStudy | WallStudy:
-    """A study of another system."""
-    if kind == "connector":
-        from pounding_cli.study.connector_study import load_connector_study
-
-        return load_connector_study(study)
-    from pounding_cli.study.wall_study import load_wall_study
-
-    return load_wall_study(study)

@@ -58,18 +58,12 @@ _Used = tuple[str, str, Mapping[str, Any], Mapping[str, str], Collection[str]]
 
 def _study(path: Path) -> _Used:
     from pounding_cli.study.kinds import kind_of_file
+    from pounding_cli.workflows import WORKFLOWS
 
     kind = kind_of_file(path)
-    if kind == "connector":
-        from pounding_cli.study.connector_study import load_connector_study
-
-        connector = load_connector_study(path)
-        return connector.title, kind, connector.resolved, {}, ()
-    if kind == "wall":
-        from pounding_cli.study.wall_study import load_wall_study
-
-        wall = load_wall_study(path)
-        return wall.title, kind, wall.resolved, {}, ()
+    if WORKFLOWS[kind].has_own_model:
+        own = WORKFLOWS[kind].part("load")(path)
+        return own.title, kind, own.resolved, {}, ()
     from pounding_cli.batch.forecast import methods_needed
     from pounding_cli.study import expand, load_study
 
@@ -90,4 +84,4 @@ def _results(path: Path) -> _Used:
     results = open_results(path)
     records = results.records()
     sources = dict(zip(records["record"], records["source"], strict=True))
-    return results.title, "run", results.resolved, sources, results.methods
+    return results.title, results.workflow, results.resolved, sources, results.methods

@@ -74,6 +74,7 @@ def command(
     from pounding_cli.report.sweep import Asked
     from pounding_cli.store import open_results
     from pounding_cli.store.files import kind_of
+    from pounding_cli.workflows import WORKFLOWS
 
     chosen = () if no_figures else formats or FORMATS
     systems = [path for path in files if kind_of(path)]
@@ -82,9 +83,7 @@ def command(
     asked = {path: Asked(quantities, choice, points_at(results, at)) for path, results in opened.items()}
     folders = _folders(files, output)
     for path in systems:
-        from pounding_cli.report.systems import write_system_report
-
-        written = write_system_report(path, folders[path], chosen, not no_page)
+        written = WORKFLOWS[kind_of(path)].part("report")(path, folders[path], chosen, not no_page)
         if not quiet:
             click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
     for path, results in opened.items():

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from pounding_cli.cli import streams
+from pounding_cli.cli.solving import Solving, output_option, solve_study, solving_options, time_text
 from pounding_cli.words import counted
 
 if TYPE_CHECKING:
     import numpy as np
 
     from pounding_cli.batch import Outcome
-    from pounding_cli.batch.progress import JsonLines
     from pounding_cli.store import Overview
     from pounding_cli.store.overview import Trust
 
@@ -27,52 +27,11 @@ MEANINGLESS = "!"
 
 @click.command("run", short_help="Run a study and print its summary.")
 @click.argument("study", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE.h5",
-    help="Results file; results/<study>.h5 in the current folder unless given.",
-)
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing but scenes that failed.")
-@click.option(
-    "--workers",
-    type=click.IntRange(min=1),
-    metavar="N",
-    help="Scenes solved side by side; all cores unless given.",
-)
-@click.option(
-    "--engine",
-    type=click.Choice(("serial", "threads", "processes", "dask")),
-    default="processes",
-    show_default=True,
-    help="Where scenes are solved, with the same results; small studies are solved serially whatever it is.",
-)
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Dask scheduler, e.g. tcp://node:8786, for --engine dask; a cluster on this machine unless given.",
-)
+@output_option("results/<study>.h5")
 @click.option("--all-effects", is_flag=True, help="Simulate what cannot matter too: a check of the pruning, slower.")
-@click.option(
-    "--replace",
-    is_flag=True,
-    help="Replace results of another study; leave out scenes and histories that STUDY does not have any more.",
-)
-@click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines, and nothing else.")
+@solving_options
 @click.pass_context
-def command(
-    ctx: click.Context,
-    study: Path,
-    output: Path | None,
-    quiet: bool,
-    workers: int | None,
-    engine: str,
-    scheduler: str | None,
-    all_effects: bool,
-    replace: bool,
-    log_json: bool,
-) -> None:
+def command(ctx: click.Context, study: Path, output: Path | None, all_effects: bool, **options: Any) -> None:
     """Run STUDY, write one results file, print a summary.
 
     Scenes that an earlier run solved are reused, also after the study was changed, and the count is printed.
@@ -86,92 +45,13 @@ def command(
       pound run configs/fig6.yaml -o results/fig6.h5 --workers 4
       pound run sweep.yaml --engine dask --scheduler tcp://node:8786
     """
-    import dataclasses
-    import gc
-
-    _alone_on_its_core()
-    gc.disable()  # what is imported stays: looking for garbage in it takes a fifteenth of a short run
-    ctx.call_on_close(gc.enable)
-    from pounding_cli.api import default_output, load_study
-    from pounding_cli.batch.progress import JsonLines, chosen
-    from pounding_cli.study import expand
-
-    quiet = quiet or log_json
-    log = JsonLines() if log_json else None
-    loaded = load_study(study)
-    for warning in loaded.warnings:
-        if log:
-            log.tell("warning", text=str(warning))
-        elif not quiet:
-            click.echo(f"warning: {warning}", err=True)
-    plan = dataclasses.replace(expand(loaded), all_effects=all_effects)
-    _numba_without_blas()  # only now: a study that is refused needs no numba
-    from pounding_cli.batch import run_plan
-
-    path = output or default_output(study)
-    gc.freeze()
-    gc.enable()
-    outcome = run_plan(
-        plan, path, progress=log or chosen(quiet), workers=workers, engine_name=engine, scheduler=scheduler,
-        replace=replace,
-    )  # fmt: skip
-    if log:
-        _log(log, outcome)
-    elif not quiet:
-        from pounding_cli.store import overview
-
-        _print(overview(path), outcome)
-    for failure in () if log else outcome.failures:
-        click.echo(f"failed: {failure.place}: {failure.status}", err=True)
-        if failure.advice:
-            click.echo(f"    {failure.advice}", err=True)
-    if outcome.failures:
-        ctx.exit(1)
+    solve_study(ctx, "run", study, output, Solving(**options), _summary, all_effects=all_effects)
 
 
-def _numba_without_blas() -> None:
-    """Numba asks SciPy for its linear algebra when it starts, a tenth of a second for what no kernel uses. It is told
-    that there is none, in this process alone; all others who ask SciPy get it. Where SciPy's is there already, nothing
-    would be gained."""
-    import sys
+def _summary(path: Path, outcome: Outcome) -> None:
+    from pounding_cli.store import overview
 
-    name = "scipy.linalg.cython_blas"
-    if name not in sys.modules and "numba" not in sys.modules:
-        sys.modules[name] = None  # type: ignore[assignment]
-        try:
-            import numba.np.arraymath  # noqa: F401
-        finally:
-            del sys.modules[name]
-
-
-def _alone_on_its_core() -> None:
-    """Linear algebra in one thread: scenes are solved side by side, and their matrices are small. SIGTERM, which batch
-    systems send when time is up, stops a run as Ctrl-C does."""
-    import os
-    import signal
-    import threading
-
-    for name in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
-        os.environ.setdefault(f"{name}_NUM_THREADS", "1")
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
-
-
-def _log(log: JsonLines, outcome: Outcome) -> None:
-    """The failed scenes and the end of a run as JSON lines."""
-    for failure in outcome.failures:
-        log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
-    log.tell(
-        "end",
-        done=outcome.done,
-        failed=outcome.failed,
-        reused=outcome.reused,
-        results=str(outcome.path),
-        engine=outcome.engine,
-        workers=outcome.workers,
-        solver_seconds=round(outcome.solver_seconds, 3),
-        wall_seconds=round(outcome.wall_seconds, 3),
-    )
+    _print(overview(path), outcome)
 
 
 def _print(found: Overview, outcome: Outcome) -> None:
@@ -221,7 +101,7 @@ def _print(found: Overview, outcome: Outcome) -> None:
     worthless = f", {counted(found.meaningless, 'row')} meaningless ({MEANINGLESS})" if found.meaningless else ""
     click.echo(
         f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{worthless}{side}; "
-        f"solver {_time(outcome.solver_seconds)}, in all {_time(outcome.wall_seconds)}"
+        f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}"
     )
     click.echo(f"Results: {outcome.path}")
 
@@ -257,9 +137,3 @@ def _number(values: np.ndarray, meaningless: np.ndarray, at: np.ndarray | None =
     known = values[values == values]
     mark = f" {MEANINGLESS}" if meaningless.any() else ""
     return f"{known.min():.3f} to {known.max():.3f}{mark}" if known.size else "-"
-
-
-def _time(seconds: float) -> str:
-    if seconds < 1:
-        return f"{1000 * seconds:.0f} ms"
-    return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"

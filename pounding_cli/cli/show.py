@@ -11,13 +11,17 @@ import click
 from pounding_cli.cli.places import at_option, points_at
 from pounding_cli.texts import cells
 from pounding_cli.words import counted
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from pounding_cli.store import Results
 
-TABLES = ("storey", "floor", "link", "scene", "flagged", "accuracy", "summary", "records", "buildings")
+TABLES = (
+    *("storey", "floor", "link", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
+    *(table for workflow in WORKFLOWS.values() for table in workflow.shows),
+)
 _NOTHING = {"link": "no links", "flagged": "no flags"}
 """What a case without rows in a table has none of."""
 _SENTENCES = ("effects", "dropped", "flags")
@@ -31,7 +35,7 @@ _ASIDE = {
 
 @click.command("show", short_help="Print a table of a results file.")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.h5")
-@click.argument("table", type=click.Choice(TABLES), default="summary", metavar="[TABLE]")
+@click.argument("table", type=click.Choice(TABLES), required=False, metavar="[TABLE]")
 @click.option(
     "--format",
     "form",
@@ -51,7 +55,7 @@ _ASIDE = {
 @at_option
 def command(
     file: Path,
-    table: str,
+    table: str | None,
     form: str,
     wide: bool,
     case: tuple[str, ...],
@@ -63,7 +67,8 @@ def command(
     link: tuple[str, ...],
     at: tuple[str, ...],
 ) -> None:
-    """Print TABLE of a results file: storey, floor, link, scene, flagged, accuracy, summary, records or buildings.
+    """Print TABLE of a results file: storey, floor, link, scene, flagged, accuracy, summary, records or buildings, or
+    the answer of the command that wrote it, which is printed unless a table is named.
 
     summary holds means over the records, accuracy the error and the cost of every scene; all columns are
     described in docs/results.md.
@@ -78,6 +83,7 @@ def command(
     from pounding_cli.store import open_results
 
     results = open_results(file)
+    table = table or (results.answers[0] if results.answers else "summary")
     frame = results.table(table)
     named: dict[str, tuple[Any, ...]] = {
         "case": case, "analysis": analysis, "record": record, "building": building,
@@ -154,14 +160,13 @@ def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
     """Columns under their names with units, swept keys in those of the study, numbers to four digits."""
     import pandas as pd
 
-    from pounding_cli.store.columns import meaning
-
     if frame.empty:
         return "no rows"
-    for key, unit in results.units.items():
+    shown = results.units | (results.answer(table).units if table in results.answers else {})
+    for key, unit in shown.items():
         if key in frame.columns and pd.api.types.is_numeric_dtype(frame[key]):
             frame = frame.assign(**{key: [unit.number(value) for value in frame[key]]})
-    units = {str(name): meaning(table, str(name))[0] for name in frame}
-    units |= {key: unit.name for key, unit in results.units.items()}
+    units = {str(name): results.meaning(table, str(name))[0] for name in frame}
+    units |= {key: unit.name for key, unit in shown.items()}
     headings = {name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")}
     return frame.rename(columns=headings).to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
 
+APART = "apart"
+"""What tables call the kind of a link that is nothing but a place where the closing of two floors is found."""
+
 
 @dataclass(frozen=True)
 class Link:
@@ -44,8 +47,8 @@ class Link:
 
     @property
     def kind(self) -> str:
-        """The name of its law."""
-        return self.law.name
+        """The name of its law; APART where nothing stands between the floors."""
+        return APART if self.law.gap == math.inf else self.law.name
 
     @property
     def gap(self) -> float:

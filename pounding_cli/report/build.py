@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pounding_cli.outputs import check_folder
 from pounding_cli.report import page, sensitivity
+from pounding_cli.report.answer_page import answer_page
 from pounding_cli.report.claims import judge
 from pounding_cli.report.evidence import Evidence, Tables, points
 from pounding_cli.report.figures import draw_all, drawn_part
@@ -39,28 +40,33 @@ def write_report(
     shown = nominal(evidences)
     swept = len(evidences) > 1
     part = drawn_part(shown)
-    figures = sweep_figures(results, part, asked) if formats else {}  # first: it may refuse what is asked for
+    own = answer_page(results, shown, bool(formats))
+    figures = {} if own is None else {name: each.figure for name, each in own.figures.items()}
+    if formats and own is None:
+        figures = sweep_figures(results, part, asked)  # first: it may refuse what is asked for
     check_folder(folder)
-    if formats:
+    if formats and own is None:
         figures |= draw_all(part)
     match = results.spectrum_match
     if match is not None and formats:
         figures["target-spectrum"] = draw_spectra(match, results.title, shown.unit("acceleration"))
     files = save(figures, folder, formats)
-    judgements = judge(shown)
+    judgements = judge(shown) if own is None else []
     try:
         files += write_csv(results, folder / "tables")
-        columns = sensitivity.judge_points(evidences)
-        files.append(folder / "tables" / "claims.csv")
-        cells(sensitivity.frame(columns)).to_csv(files[-1], index=False)
+        columns = sensitivity.judge_points(evidences) if own is None else [(shown.label, judgements)]
+        if own is None:
+            files.append(folder / "tables" / "claims.csv")
+            cells(sensitivity.frame(columns)).to_csv(files[-1], index=False)
         if swept and judgements:
             title = f"Claims over the sweep: {results.title}"
             files.append(write_markdown(folder / "claims-sensitivity.md", sensitivity.page(title, columns)))
         drawn = [f"{file_name(name)}.png" for name in figures] if "png" in formats else []
-        lines = page.summary(part, judgements, drawn, results.scene(), swept, match.words if match else "")
+        scaled = match.words if match else ""
+        lines = page.summary(part, judgements, drawn, results.scene(), swept, scaled, own)
         files.append(write_markdown(folder / "summary.md", lines))
         if with_page:
-            files.append(write_page(results, folder, figures, evidences, shown, columns))
+            files.append(write_page(results, folder, figures, evidences, shown, columns, own))
     except OSError as error:
         raise unwritable(folder, error) from error
     return files

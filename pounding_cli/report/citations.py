@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +10,10 @@ from pounding_cli.laws import link_laws
 from pounding_cli.methods import METHODS
 from pounding_cli.records import Entry, catalogue
 from pounding_cli.report.references import REFERENCES, Reference, named_in
+from pounding_cli.workflows import WORKFLOWS
+
+Use = Callable[[str, str], None]
+"""use(key of REFERENCES, what it is used for)"""
 
 
 @dataclass(frozen=True)
@@ -36,10 +40,10 @@ def citations(
 
     Parameters
     ----------
-    kind : the command that runs it: "run", "connector" or "wall"
+    kind : the workflow, a key of WORKFLOWS
     resolved : the study with every default filled in
     sources : motion -> "real", "stand-in" or "user"
-    methods : of a "run", the keys in METHODS that solve its scenes, buildings alone included
+    methods : of a workflow over time histories, the keys in METHODS that solve its scenes, buildings alone included
     """
     uses: dict[str, dict[str, None]] = {}
 
@@ -47,11 +51,12 @@ def citations(
         uses.setdefault(key, {})[what] = None
 
     used("pounding_cli", "the computations")
-    if kind == "run":
+    workflow = WORKFLOWS[kind]
+    if not workflow.has_own_model:
         _groups(resolved, sources, used)
         _methods(methods, resolved["estimate"] != "none", used)
-    else:
-        {"connector": _oscillators, "wall": _wall}[kind](resolved, used)
+    if (cite := workflow.part("cite")) is not None:
+        cite(resolved, used)
     return [Citation(reference, tuple(uses[key])) for key, reference in REFERENCES.items() if key in uses]
 
 
@@ -117,14 +122,16 @@ def _methods(names: Collection[str], estimated: bool, used) -> None:
             used(reference.key, "the finer runs that error and sensitivity are estimated by")
 
 
-def _oscillators(resolved: Mapping[str, Any], used) -> None:
+def cite_connector(resolved: Mapping[str, Any], used: Use) -> None:
+    """The references of `pound connector`."""
     used("spiliopoulos1996", "two connected oscillators, Figs 4 and 5")
     used("westermo1989", "connecting buildings")
     if resolved["connector"]["damping_ratio"]:
         used("anagnostopoulos1988", "the connector's dashpot, eq. (7)")
 
 
-def _wall(resolved: Mapping[str, Any], used) -> None:
+def cite_wall(resolved: Mapping[str, Any], used: Use) -> None:
+    """The references of `pound wall`."""
     used("spiliopoulos1996", "the bumper wall, Fig. 8")
     used("anagnostopoulos1992", "bumper walls")
     used("gustafsson2020", "the plane-stress elements of the wall")

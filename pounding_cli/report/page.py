@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
+from pounding_cli.report.answer_page import AnswerPage
 from pounding_cli.report.evidence import Evidence, motion_sentence, names
 from pounding_cli.report.tables import markdown
 from pounding_cli.report.verdicts import Judgement
@@ -21,6 +22,7 @@ def summary(
     scene: pd.DataFrame,
     swept: bool,
     scaled: str = "",
+    own: AnswerPage | None = None,
 ) -> list[str]:
     """Markdown lines of the page.
 
@@ -28,6 +30,7 @@ def summary(
     figures : file names of the PNG figures, as they stand beside the page
     scene : the scenes of all points
     scaled : how the motions meet their target spectrum, in words; "" where there is none
+    own : what the workflow says in place of the key numbers
     """
     lines = [f"# {evidence.title}", ""]
     if swept:
@@ -39,10 +42,14 @@ def summary(
     cases = scene["case"].nunique()
     if len(evidence.cases) < cases:
         lines += [f"Figures and numbers on this page are those of {len(evidence.cases)} of the {cases} cases.", ""]
+    if own is not None:
+        lines += own.markdown(figures)
+        figures = ()
     lines += motions(evidence)
     if scaled:
         lines += [scaled, ""]
-    lines += key_numbers(evidence)
+    if own is None:
+        lines += key_numbers(evidence)
     lines += claims(judgements)
     lines += flagged(scene, evidence.units)
     if figures:

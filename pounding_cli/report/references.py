@@ -101,6 +101,27 @@ REFERENCES = {
             "A note on the Hertz contact model with nonlinear damping for pounding simulation", _EESD, "38",
             "1135--1142", "10.1002/eqe.883",
         ),
+        _article(
+            "jeng1992", "Jeng, V., Kasai, K. & Maison, B. F.", 1992,
+            "A spectral difference method to estimate building separations to avoid pounding", "Earthquake Spectra",
+            "8(2)", "201--223", "10.1193/1.1585679",
+        ),
+        _article(
+            "derkiureghian1981", "Der Kiureghian, A.", 1981,
+            "A response spectrum method for random vibration analysis of MDF systems", _EESD, "9(5)", "419--435",
+            "10.1002/eqe.4290090503",
+        ),
+        Reference(
+            "asce2010", "manual", "American Society of Civil Engineers", 2010,
+            "Minimum design loads for buildings and other structures, ASCE/SEI 7-10",
+            (("address", "Reston, Virginia"),),
+        ),
+        Reference(
+            "gb50011-2010", "manual",
+            "Ministry of Housing and Urban-Rural Development of the People's Republic of China", 2010,
+            "Code for seismic design of buildings, GB 50011-2010",
+            (("publisher", "China Architecture & Building Press"), ("address", "Beijing")),
+        ),
         _article(  # the paper cites author and year; title and volume found nowhere else, so pages and DOI left out
             "westermo1989", "Westermo, B. D.", 1989,
             "The dynamics of interstructural connection to prevent pounding", _EESD, "18(5)",

@@ -13,6 +13,7 @@ def write_csv(results: Tables, folder: Path) -> list[Path]:
     """Write every table, and the buildings, as `<table>.csv`; numbers with all their digits (SI)."""
     folder.mkdir(parents=True, exist_ok=True)
     frames = {name: getattr(results, name)() for name in TABLES} | {"buildings": results.buildings}
+    frames |= {name: results.answer(name).frame for name in results.answers}
     files = []
     for name, frame in frames.items():
         path = folder / f"{name}.csv"

@@ -9,6 +9,7 @@ run is as accurate as all others; a finer one follows only where the gap lies wi
 from __future__ import annotations
 
 import dataclasses
+import math
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
@@ -306,6 +307,8 @@ def _sentence(scene: Scene, closings: dict[Link, float]) -> str:
     if all(closing == 0 for closing in closings.values()):
         return f"links {names}: equal buildings move alike, so nothing closes"
     least = min(link.law.free_below - closing for link, closing in closings.items())
+    if least == math.inf:  # nothing was to stand there
+        return ""
     return f"links {names}: the gap never closes, {least * 1000:.3g} mm of it stay open"
 
 

@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+<<<<<<< HEAD
 from pounding_cli.model.links import LinkPlace
+=======
+from pounding_cli.model.links import APART
+>>>>>>> gap
 from pounding_cli.store.layout import BUILDINGS, LINKS, PLACE, RECORDS, Variable
 
 if TYPE_CHECKING:
@@ -81,7 +85,8 @@ def _links(plan: Plan, shape: Shape) -> Data:
         for link in row.links:
             column = places[link.place]
             arrays["kind"][(*at, column)] = link.kind
-            arrays["gap"][(*at, column)] = link.gap
+            if link.kind != APART:
+                arrays["gap"][(*at, column)] = link.gap
     return {v.name: ((*shape.axes, *v.dims), arrays[v.name]) for v in LINKS}
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
-from pounding_cli.store.columns import TABLES, meaning
+from pounding_cli.store.columns import TABLES
 from pounding_cli.store.files import opened_dataset
 from pounding_cli.store.results import Results
 from pounding_cli.store.seal import is_sealed
@@ -68,7 +68,7 @@ def export(
             raise InputError(Problem("netCDF takes the whole file, no single tables", "leave the tables out"))
         check_output(path, [results.path], _is_netcdf)
         return [_written(path, lambda hidden: _netcdf(results, hidden))]
-    chosen = tuple(dict.fromkeys(tables)) or TABLES
+    chosen = tuple(dict.fromkeys(tables)) or (*TABLES, *results.answers)
     frames = {name: results.table(name) for name in chosen}
     if form == "excel":
         check_output(path, [results.path])
@@ -84,7 +84,7 @@ def export(
         end = ".csv" if name == "columns" else FORMATS[form]
         check_output(path / f"{name}{end}", [results.path], partial(_is_table, end[1:], frames))
     files = [_written(path / f"{name}{FORMATS[form]}", partial(write, name=name)) for name in chosen]
-    listed = dictionary(frames)
+    listed = dictionary(results, frames)
     return [*files, _written(path / "columns.csv", lambda hidden: cells(listed).to_csv(hidden, index=False))]
 
 
@@ -101,11 +101,13 @@ def _is_table(form: str, frames: dict[str, pd.DataFrame], path: Path, head: byte
     return any(2 * len(there & columns) > len(columns) for columns in wanted)
 
 
-def dictionary(frames: dict[str, pd.DataFrame]) -> pd.DataFrame:
+def dictionary(results: Results, frames: dict[str, pd.DataFrame]) -> pd.DataFrame:
     """Table, column, unit, meaning: one row for every column of every table."""
     import pandas as pd
 
-    rows = [(table, column, *meaning(table, column)) for table, frame in frames.items() for column in frame.columns]
+    rows = [
+        (table, column, *results.meaning(table, column)) for table, frame in frames.items() for column in frame.columns
+    ]
     return pd.DataFrame(rows, columns=["table", "column", "unit", "meaning"])
 
 
@@ -158,7 +160,7 @@ def _parquet(results: Results, frames: dict[str, pd.DataFrame]) -> _Writer:
         table = pyarrow.Table.from_pandas(frames[name], preserve_index=False)
         fields = []
         for field in table.schema:
-            unit, text = meaning(name, field.name)
+            unit, text = results.meaning(name, field.name)
             fields.append(field.with_metadata({"units": unit, "long_name": text}))
         about = {"title": results.title, "study": results.study_text}
         schema = pyarrow.schema(fields, {**(table.schema.metadata or {}), **about})
@@ -177,7 +179,7 @@ def _excel(results: Results, frames: dict[str, pd.DataFrame], path: Path) -> Non
     study = pd.DataFrame({results.title: results.study_text.splitlines()})
     content = io.BytesIO()  # a zip file that cannot be written to its end is told again and again
     with pd.ExcelWriter(content, engine="openpyxl") as book:
-        for name, frame in {**frames, "columns": dictionary(frames), "study": study}.items():
+        for name, frame in {**frames, "columns": dictionary(results, frames), "study": study}.items():
             frame.to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
             for row in book.sheets[name].iter_rows():
                 for cell in row:

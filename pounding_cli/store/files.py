@@ -18,12 +18,13 @@ from pounding_cli.store.keys import FORMAT, FORMAT_VERSION
 from pounding_cli.store.seal import Sealed, Unsealed, is_sealed, open_regular
 from pounding_cli.store.structure import check_links, number
 from pounding_cli.store.values import check_study
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import xarray
 
-KINDS = ("connector", "wall")
-"""Root attribute `kind` of what these commands write; files of `pound run` have none."""
+KINDS = tuple(name for name, workflow in WORKFLOWS.items() if workflow.has_own_model)
+"""Root attribute `kind` of what workflows with a model of their own write; files of time histories have none."""
 
 _AGAIN = "run the study again: `pound run` keeps what is whole in the file and solves the rest"
 

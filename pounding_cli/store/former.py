@@ -48,7 +48,7 @@ def check_results(path: Path, study: Source, kind: str = "", replace: bool = Fal
     ----------
     path : the results file
     study : the study
-    kind : "connector" or "wall" for studies of those commands
+    kind : the workflow, "" for `pound run`
     replace : replace the results of another study too
 
     Raises
@@ -65,8 +65,10 @@ def check_results(path: Path, study: Source, kind: str = "", replace: bool = Fal
         raise InputError(Problem(said, "choose another name with -o FILE.h5, or move it away", name))
     if replace or (what.kind == kind and what.is_of(study, path)):
         return
+    same = not {what.kind, kind} & set(KINDS) and what.is_of(study, path)
+    held = f"results of `pound {what.kind or 'run'}`" if same else str(what)
     hint = f"name another file, e.g. -o {_free(path)}, or say --replace to give it up (in Python: replace=True)"
-    raise InputError(Problem(f"the output holds {what}", hint, name))
+    raise InputError(Problem(f"the output holds {held}", hint, name))
 
 
 def _is_data(study: Source) -> bool:
@@ -119,7 +121,8 @@ def _held(path: Path) -> _Held:
     try:
         with opened(path, any_version=True) as file:
             return _Held(
-                "", str(file.attrs["title"]), _place(file), float(file.attrs["format_version"]),
+                str(file.attrs.get("workflow", "")), str(file.attrs["title"]), _place(file),
+                float(file.attrs["format_version"]),
                 int(file.attrs["scenes"]), len(file["histories"]) if "histories" in file else 0,
             )  # fmt: skip
     except InputError:

@@ -13,6 +13,8 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.solve.histories import History
+from pounding_cli.store.answers import Answer, read_table, table_names
+from pounding_cli.store.columns import meaning
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
@@ -22,6 +24,7 @@ from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
 from pounding_cli.texts import plain, plain_tree
 from pounding_cli.words import Unit
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,6 +70,8 @@ class Results:
     ----------
     path : the file
     title, study_text : the study as written
+    workflow : the command that wrote it, a key of WORKFLOWS
+    answers : the tables that this command added
     resolved, resolved_text : the study with every default filled in (SI), as a mapping and as JSON
     axes : swept key -> its values (SI); keys of one axis (zipped) have the same length
     units : column -> the unit the study wrote it in, to show values to people: swept keys, gaps, accelerations
@@ -77,12 +82,18 @@ class Results:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._kept: tuple[object, list[dict[str, Any]]] | None = None
+        self._answers: dict[str, Answer] = {}
         with opened(path) as file:
             software = {f"software_{name}": _plain(value) for name, value in file["software"].attrs.items()}
             self.attrs: dict[str, Any] = {
                 name: _plain(value) for name, value in file.attrs.items() if name != "coordinates"
             } | software
             self.title = str(self.attrs["title"])
+            self.workflow = str(self.attrs.get("workflow", "run"))
+            if self.workflow not in WORKFLOWS:
+                what = f"holds the answer of another program's `pound {self.workflow}`"
+                raise InputError(Problem(what, f"this one has: {', '.join(WORKFLOWS)}"))
+            self.answers = table_names(file)
             self.study_text: str = strings(file["study/text"])
             self.resolved_text: str = strings(file["study/resolved"])
             warnings = strings(file["study/warnings"]) if "warnings" in file["study"] else "[]"
@@ -290,9 +301,31 @@ class Results:
         return frame[frame["mass"].notna()].reset_index(drop=True)
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table by its name: storey, floor, link, scene, flagged, accuracy, summary, records or buildings."""
+        """A table by its name: storey, floor, link, scene, flagged, accuracy, summary, records, buildings, or one of
+        `answers`."""
+        if name in self.answers or any(name in workflow.shows for workflow in WORKFLOWS.values()):
+            return self.answer(name).frame.copy()
         found = getattr(self, name)
         return found() if callable(found) else found
+
+    def answer(self, name: str) -> Answer:
+        """One of the tables of `answers`.
+
+        Raises
+        ------
+        InputError : the file has no such table
+        """
+        if name not in self._answers:
+            with opened(self.path) as file:
+                if name not in table_names(file):
+                    hint = f"write it with: pound {name} STUDY -o FILE.h5"
+                    raise InputError(Problem(f"has no table {name}", hint, str(self.path)))
+                self._answers[name] = read_table(file, name)
+        return self._answers[name]
+
+    def meaning(self, table: str, column: str) -> tuple[str, str]:
+        """Unit (SI; "1" for a pure number, "" for text and swept keys) and meaning of a column of a table."""
+        return self.answer(table).meanings[column] if table in self.answers else meaning(table, column)
 
     @property
     def _dims(self) -> tuple[str, ...]:

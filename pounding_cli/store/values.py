@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import h5py
 import numpy as np
 
+from pounding_cli.model.links import APART
 from pounding_cli.store.structure import check_structure, refused
 
 ANALYSES = ("elastic", "inelastic")
@@ -77,5 +78,6 @@ def _check_places_of_links(file: h5py.File) -> None:
         if not np.isin(file[name][()], file["floor"][()]).all():
             raise refused(name, "is no floor")
     kind, gap = file["kind"].asstr()[()], file["gap"][()]
-    if gap.shape == kind.shape and not np.isfinite(gap[kind != ""]).all():
+    has_gap = (kind != "") & (kind != APART)
+    if gap.shape == kind.shape and not np.isfinite(gap[has_gap]).all():
         raise refused("gap", "is not finite")

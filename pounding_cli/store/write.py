@@ -19,6 +19,7 @@ import numpy as np
 from pounding_cli.errors import InputError
 from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
+from pounding_cli.store import answers
 from pounding_cli.store.blocks import blocks
 from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import damage_of, opened
@@ -30,6 +31,7 @@ from pounding_cli.store.parts import PartStore
 from pounding_cli.store.sink import writing
 from pounding_cli.store.solutions import write_solutions
 from pounding_cli.store.swept import describe_unit
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -102,6 +104,8 @@ def content_digest(plan: Plan) -> str:
         repr(([(row.point, row.case, row.analysis, row.record) for row in plan.kept], plan.every)),
     ):
         sha.update(part.encode() + b"\0")
+    if plan.workflow != "run":
+        sha.update(plan.workflow.encode() + b"\0")
     for row in plan.rows:
         sha.update(f"{row.scene} {' '.join(row.baselines)}\0".encode())
     return sha.hexdigest()
@@ -115,6 +119,10 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
             _dataset(file, name, dims, array, VARIABLES[name].unit, VARIABLES[name].text, scales)
     check()
     _write_tables(file, plan, responses, shape, scales, check)
+    tables = WORKFLOWS[plan.workflow].part("tables")
+    if tables is not None:
+        answers.write_tables(file, tables(plan, lambda name: file[name][()]))
+        check()
     for name, quantity in WRITTEN.items():
         if name in file:  # where no case has a link, no gap is
             describe_unit(file[name], plan.study.unit(quantity))
@@ -208,6 +216,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
         {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
+            **({} if plan.workflow == "run" else {"workflow": plan.workflow}),
             "title": plan.study.title,
             "swept": json.dumps([list(axis.names) for axis in plan.axes]),
             "content": content_digest(plan),

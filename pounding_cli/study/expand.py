@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import product
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study.digits import cheap_accuracy
 from pounding_cli.study.keep import kept_rows
@@ -22,9 +23,17 @@ MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
 
 
-def expand(study: Study) -> Plan:
-    """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound."""
+Links = Callable[[Point, str], tuple[Link, ...] | None]
+"""links(point, case) -> what stands between the buildings of the group."""
+
+
+def expand(study: Study, links_of: Links | None = None) -> Plan:
+    """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound.
+
+    links_of : what stands between the buildings in place of what the study says
+    """
     model, resolver = study.model, study.resolver
+    links_of = links_of or resolver.links
     cases, analyses = tuple(model.cases), tuple(Analysis(word) for word in model.analyses)
     records = tuple(study.motions(resolver.base))
     frame = Frame(
@@ -33,7 +42,7 @@ def expand(study: Study) -> Plan:
         tuple(str(analysis) for analysis in analyses),
         records,
     )
-    builder = _Builder(resolver, cases, analyses, records)
+    builder = _Builder(resolver, links_of, cases, analyses, records)
     rows = Rows(frame)
     scenes = Scenes(frame, len(model.group), builder)
     problems: dict[Problem, None] = {}
@@ -53,7 +62,7 @@ def expand(study: Study) -> Plan:
             for record in records
         }
         for case in cases:
-            links = resolver.links(point, case)
+            links = links_of(point, case)
             assert links is not None
             shown, linked = seen(links), Digests(buildings, links)
             for (analysis, record), baselines in alone.items():
@@ -94,6 +103,7 @@ class _Builder:
     """Builds the scene at a place of the tables; the study was validated there."""
 
     resolver: Resolver
+    links_of: Links
     cases: tuple[str, ...]
     analyses: tuple[Analysis, ...]
     records: tuple[str, ...]
@@ -107,7 +117,7 @@ class _Builder:
 
     def __call__(self, point: Point, case: int, analysis: int, record: int) -> Scene:
         buildings, motions, tail = self.around(point)
-        links = self.resolver.links(point, self.cases[case])
+        links = self.links_of(point, self.cases[case])
         assert links is not None
         return Scene(buildings, links, motions[self.records[record]].motion, self.analyses[analysis], tail)
 

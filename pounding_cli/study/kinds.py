@@ -7,20 +7,13 @@ from pathlib import Path
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.source import Node
 from pounding_cli.study.yaml_file import read_source
-
-_OWN = ("records", "buildings", "group", "cases")
-_OTHERS = {
-    "wall": ("wall", "frame", "striker", "concrete", "mesh"),
-    "connector": ("first", "second", "connector", "frequencies"),
-}
+from pounding_cli.workflows import WORKFLOWS
 
 
 def kind_of(root: Node, unclear: str = "run") -> str:
-    """The command that takes a study: "run", "connector" or "wall"; `unclear` where the keys do not tell."""
+    """The command that takes a study, such as "run" or "wall"; `unclear` where the keys do not tell."""
     keys = set(root.value) if root.is_mapping else set()
-    if not keys.isdisjoint(_OWN):
-        return "run"
-    return next((command for command, marks in _OTHERS.items() if not keys.isdisjoint(marks)), unclear)
+    return next((name for name, workflow in WORKFLOWS.items() if not keys.isdisjoint(workflow.marks)), unclear)
 
 
 def kind_of_file(path: Path) -> str:

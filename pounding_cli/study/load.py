@@ -48,6 +48,7 @@ class Study:
     warnings : what is allowed but should be known
     model, resolver : the study as written, and what answers for every point of the sweep
     from_data : it is Python data; no file holds it
+    written : the study it was made from, whose units people read; itself unless given
     """
 
     path: Path
@@ -58,6 +59,7 @@ class Study:
     model: StudyModel
     resolver: Resolver
     from_data: bool = False
+    written: Study | None = None
 
     def building(self, point: tuple[int, ...], place: int) -> Building:
         """The building at a place of the group, from 0, at a point of the sweep (one index an axis)."""
@@ -80,7 +82,8 @@ class Study:
 
     def unit(self, quantity: str) -> Unit:
         """The unit the study writes a quantity in, to show it to people: one of `written.PLACES`, e.g. gap."""
-        return unit_in(self.resolver.root_at((0,) * len(self.axes)), quantity)
+        source = self.written or self
+        return unit_in(source.resolver.root_at((0,) * len(source.axes)), quantity)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
         """The motions against the target spectrum they are scaled to, at the first point of the sweep; None without."""

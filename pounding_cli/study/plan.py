@@ -92,6 +92,7 @@ class Plan:
     estimate : which scenes are solved twice more for error and sensitivity: none, sample or all
     all_effects : whether to simulate what cannot matter too
     kept : rows whose scenes are kept over time, every `every` seconds
+    workflow : what is asked of the scenes, a key of WORKFLOWS
     """
 
     study: Study
@@ -110,6 +111,7 @@ class Plan:
     kept: tuple[Row, ...] = ()
     every: float = 0.002
     time_step: float | None = None
+    workflow: str = "run"
 
     def shown(self, row: Row) -> dict[str, str]:
         """The swept values of a row, by key, in the units of the study."""

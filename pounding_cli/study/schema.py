@@ -15,6 +15,7 @@ from pounding_cli.study.law_keys import law_keys
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     Method = str
@@ -366,7 +367,7 @@ _BRACKET_FORM = {
 }
 
 
-class StudyModel(Model):
+class _StudyModel(Model):
     """A study of earthquake pounding between adjacent buildings."""
 
     model_config = ConfigDict(frozen=False, validate_assignment=True, title="pound study")
@@ -410,6 +411,21 @@ class StudyModel(Model):
         description="keys whose values nobody knows, with an odd number of them: the middle one leads in tables and "
         "figures; `impact.stiffness`: a quarter of, once and five times the study's own",
     )
+
+
+def _sections() -> dict[str, tuple[Any, Any]]:
+    """The sections that workflows add to a study, as `pydantic.create_model` takes them."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for name, workflow in WORKFLOWS.items():
+        if (section := workflow.part("schema")) is not None:
+            found[name] = section, optional(section(), description=f"what `pound {name}` is asked")
+    return found
+
+
+if TYPE_CHECKING:
+    StudyModel = _StudyModel
+else:
+    StudyModel = create_model("StudyModel", __base__=_StudyModel, __doc__=_StudyModel.__doc__, **_sections())
 
 
 def json_schema() -> dict[str, Any]:

@@ -8,6 +8,7 @@ from pounding_cli.study.problems import Faults, keys_at, nearest
 from pounding_cli.study.ranges import axis_values
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
+from pounding_cli.workflows import WORKFLOWS
 
 FIXED = (
     "title",
@@ -22,6 +23,7 @@ FIXED = (
     "keep",
     "sweep",
     "bracket",
+    *(name for name, workflow in WORKFLOWS.items() if workflow.schema),
 )
 """Keys that are one for the whole study."""
 

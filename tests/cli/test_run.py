@@ -184,7 +184,7 @@ def test_engines_offered_are_those_there_are():
     from pounding_cli.batch.engines import ENGINES
     from pounding_cli.cli.run import command
 
-    choice = next(option for option in command.params if option.name == "engine")
+    choice = next(option for option in command.params if "--engine" in option.opts)
     assert tuple(choice.type.choices) == ENGINES
 
 

@@ -13,6 +13,7 @@ from pounding_cli.report.columns import Shown, shown
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys
 from pounding_cli.store import flagged_scenes
 from pounding_cli.words import Unit
+from pounding_cli.workflows import WORKFLOWS
 
 MOST_ROWS = 6000
 """Rows of one table that the page carries; about 0.1 kB each."""
@@ -82,10 +83,23 @@ def tables(results: Tables, chosen: Sequence[Evidence]) -> dict[str, dict[str, A
         "records": results.records(),
         "buildings": results.buildings,
     }
-    return {
+    found = {
         name: packed(_TITLES[name], _at_points(frame, keys, chosen), len(frame), results.units)
         for name, frame in frames.items()
     }
+    return {name: _answer(results, name) for name in results.answers} | found
+
+
+def _answer(results: Tables, name: str) -> dict[str, Any]:
+    """A table that a workflow added."""
+    frame, units, meanings = results.answer(name)
+    looks = {
+        column: Shown(column, units[column].name, 1 / units[column].factor, text)
+        if column in units
+        else Shown(column, "" if unit == "1" else unit, 1.0, text)
+        for column, (unit, text) in meanings.items()
+    }
+    return packed(WORKFLOWS[results.workflow].title, frame.head(MOST_ROWS), len(frame), looks=looks)
 
 
 def _flagged(scene: pd.DataFrame) -> pd.DataFrame:

@@ -15,6 +15,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pounding_cli import __version__
+from pounding_cli.report.answer_page import AnswerPage
 from pounding_cli.report.evidence import Evidence, Tables, motion_label, motion_sentence
 from pounding_cli.report.figures import drawn_part
 from pounding_cli.report.sensitivity import Column
@@ -50,12 +51,14 @@ def write_page(
     evidences: Sequence[Evidence],
     shown: Evidence,
     columns: Sequence[Column],
+    own: AnswerPage | None = None,
 ) -> Path:
     """Write `report.html` of one study into an existing folder.
 
     figures : drawn already, by name; none leaves them out
     evidences, shown : every point of the sweep, and the one the figures are of
     columns : the judgements at every point, headed by it
+    own : what the workflow says in place of the ratios to the building alone
     """
     judgements = next((judged for where, judged in columns if where == shown.label), columns[0][1])
     scene = results.scene()
@@ -68,7 +71,7 @@ def write_page(
         "tables": tables(results, chosen),
         "points": [{"label": evidence.label, "point": point_of(evidence)} for evidence in chosen],
         "shown": shown.label,
-        "sweep": sweep_data(results, shown.cases),
+        "sweep": None if own else sweep_data(results, shown.cases),
         "players": players(results, evidences),
         "cases": shown.cases,
         "motions": len(shown.records),
@@ -76,7 +79,7 @@ def write_page(
         "building": _main(shown),
         "periods": shown.periods,
     }
-    images = pictures(figures, shown)
+    images = pictures(figures, shown, own.words if own else {})
     content = {
         "title": results.title,
         "data": as_json(data),
@@ -85,15 +88,16 @@ def write_page(
         "infinity": math.inf,
         "sentence": motion_sentence(shown.records),
         "motion_label": motion_label(shown.records),
-        "swept": len(evidences) > 1,
+        "swept": len(evidences) > 1 and not own,
         "points": len(evidences),
         "points_carried": len(chosen),
-        "answer": answer(shown),
+        "answer": None if own else answer(shown),
         "cases_left": len(everything.cases) - len(shown.cases),
         "motion_count": len(shown.records),
         "tiles": story.tiles(shown, judgements, scene),
         "judgements": judgements,
         "verdicts": _verdicts(columns) if len(columns) > 1 else None,
+        "own": own,
         "pictures": [image for image in images if image.name != SPECTRUM],
         "spectra": [image for image in images if image.name == SPECTRUM],
         "pictures_left": len(figures) - len(images) if len(figures) > MOST_FIGURES else 0,
@@ -112,7 +116,7 @@ def write_page(
         "study": results.study_text,
         "versions": story.versions(results),
         "created": str(results.attrs.get("created", "")).replace("T", " ").replace("+00:00", " UTC"),
-        "command": "pound run STUDY.yaml",
+        "command": f"pound {results.workflow} STUDY.yaml",
     }
     return render(folder / PAGE, "study.html.j2", content)
 

@@ -36,8 +36,10 @@ class Picture:
     height: int
 
 
-def pictures(figures: Mapping[str, Figure], evidence: Evidence) -> list[Picture]:
-    """The drawn figures as SVG; at most MOST_FIGURES."""
+def pictures(
+    figures: Mapping[str, Figure], evidence: Evidence, words: Mapping[str, tuple[str, str]] | None = None
+) -> list[Picture]:
+    """The drawn figures as SVG; at most MOST_FIGURES. `words` : heading and text of those that have their own."""
     found = []
     for name, figure in list(figures.items())[:MOST_FIGURES]:
         held = io.BytesIO()
@@ -45,7 +47,7 @@ def pictures(figures: Mapping[str, Figure], evidence: Evidence) -> list[Picture]
         with mpl.rc_context(RC):
             figure.savefig(held, format="svg", metadata={"Date": None})
         width, height = (round(96 * inches) for inches in figure.get_size_inches())
-        heading, text = _words(name, evidence)
+        heading, text = (words or {}).get(name) or _words(name, evidence)
         found.append(Picture(name, heading, address("svg+xml", held.getvalue()), text, width, height))
     return found
 

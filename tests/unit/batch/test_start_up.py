@@ -11,11 +11,11 @@ import pytest
 
 PROGRAM = """
 import sys
-from pounding_cli.cli.run import _numba_without_blas
+from pounding_cli.cli.solving import numba_without_blas
 if {before}:
     import numba.np.arraymath
 held = sys.modules.get("scipy.linalg.cython_blas")
-_numba_without_blas()
+numba_without_blas()
 print(sys.modules["numba.np.arraymath"]._HAVE_BLAS)
 print("scipy.linalg" in sys.modules)
 print(sys.modules.get("scipy.linalg.cython_blas") is held)

@@ -53,6 +53,8 @@ class FakeResults:
         self.resolved: dict[str, Any] = parts["resolved"]
         self.buildings: pd.DataFrame = parts["buildings"]
         self.spectrum_match = None
+        self.workflow = "run"
+        self.answers: tuple[str, ...] = ()
         self.units: Mapping[str, Unit] = dict.fromkeys(("gap", "max_closing"), Unit("mm", 1e-3, "m")) | dict.fromkeys(
             ("acceleration", "acceleration0", "pga"), Unit("g", 9.80665, "m/s2")
         )

@@ -1,0 +1,133 @@
+"""Tables that a workflow adds to a results file: columns of equal length, each with unit and meaning."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import h5py
+import numpy as np
+
+from pounding_cli.store.structure import refused, strings
+from pounding_cli.store.swept import describe_unit, written
+from pounding_cli.words import Unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pounding_cli.study import Plan
+
+GROUP = "answer"
+"""Group of the results file that holds them, one group for each table."""
+
+Read = Callable[[str], np.ndarray]
+"""read(variable of `store.layout`) -> its values over the study, shape (swept axes, dimensions of the variable)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column.
+
+    name : of the column
+    data : numbers in SI units, or texts; shape (rows,)
+    text : what it means
+    unit : SI unit, "1" for a pure number, "" for a text
+    shown : unit that people read it in; SI unless given
+    """
+
+    name: str
+    data: np.ndarray
+    text: str
+    unit: str = ""
+    shown: Unit | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table: its name and its columns, all of one length."""
+
+    name: str
+    columns: Sequence[Column]
+
+
+def place_columns(plan: Plan, places: Sequence[tuple[int, ...]]) -> list[Column]:
+    """The columns that say at which point of the sweep a row stands, one for each swept key.
+
+    places : of every row its index on every axis
+    """
+    columns = []
+    for number, axis in enumerate(plan.axes):
+        points = axis.values  # noqa: PD011
+        for key, name in enumerate(axis.names):
+            values = [points[place[number]][key] for place in places]
+            is_text = any(isinstance(value, str) for value in values)
+            found = np.array([str(v) for v in values], dtype=object) if is_text else np.array(values, float)
+            unit = axis.unit(key)
+            columns.append(Column(name, found, f"swept: {name}", "" if is_text else unit.si, unit))
+    return columns
+
+
+def write_tables(file: h5py.File, tables: Sequence[Table]) -> None:
+    """Write tables into a results file."""
+    for table in tables:
+        group = file.create_group(f"{GROUP}/{table.name}")
+        group.attrs["columns"] = json.dumps([column.name for column in table.columns])
+        for number, column in enumerate(table.columns):
+            is_text = column.data.dtype == object
+            kind: dict[str, Any] = {"dtype": h5py.string_dtype()} if is_text else {}
+            if column.data.size:
+                kind |= {"compression": "gzip", "shuffle": True} if not is_text else {}
+            dataset = group.create_dataset(str(number), data=column.data, **kind)
+            dataset.attrs["long_name"] = column.text
+            if column.unit and not is_text:
+                dataset.attrs["units"] = column.unit
+            if column.shown is not None:
+                describe_unit(dataset, column.shown)
+
+
+def table_names(file: h5py.File) -> tuple[str, ...]:
+    """The tables that a workflow added to a file."""
+    return tuple(file[GROUP]) if GROUP in file else ()
+
+
+class Answer(NamedTuple):
+    """A table read back.
+
+    frame : its columns, in SI units
+    units : of some columns, the unit that people read them in
+    meanings : of every column, unit (SI) and meaning
+    """
+
+    frame: pd.DataFrame
+    units: dict[str, Unit]
+    meanings: dict[str, tuple[str, str]]
+
+
+def read_table(file: h5py.File, name: str) -> Answer:
+    """A table of a results file.
+
+    Raises
+    ------
+    InputError : its columns do not fit together
+    """
+    import pandas as pd  # here, so that `pound run` on a finished study need not load it
+
+    group, place = file[f"{GROUP}/{name}"], f"{GROUP}/{name}"
+    names = json.loads(str(group.attrs.get("columns", "[]")))
+    sound = isinstance(names, list) and all(isinstance(each, str) for each in names) and len(set(names)) == len(names)
+    if not sound or set(group) != {str(number) for number in range(len(names))}:
+        raise refused(place, "does not hold the columns it names")
+    data: dict[str, np.ndarray] = {}
+    shown: dict[str, Unit] = {}
+    meanings: dict[str, tuple[str, str]] = {}
+    for number, column in enumerate(names):
+        dataset = group[str(number)]
+        if len(dataset.shape or (0, 0)) != 1 or dataset.shape != group["0"].shape:
+            raise refused(f"{place}/{number}", "is no column of its table")
+        data[column] = strings(dataset) if h5py.check_string_dtype(dataset.dtype) else dataset[()]
+        meanings[column] = str(dataset.attrs.get("units", "")), str(dataset.attrs.get("long_name", ""))
+        if "unit_factor" in dataset.attrs:
+            shown[column] = written(dataset)
+    return Answer(pd.DataFrame(data), shown, meanings)

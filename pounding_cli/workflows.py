@@ -1,0 +1,120 @@
+"""The workflows: every question that `pound` answers, what it adds to a study file, and where each part of it is made.
+
+They are stated here alone; commands, results files, reports and citations read this list. A part is named as
+"module:name" and imported when it is needed, so that reading the list costs nothing.
+
+A workflow over time histories proposes scenes (`expand`, then `refine` as often as it likes); the one batch solves them
+with every engine, resume and progress (`batch.run_plan`), the one store keeps them, and `tables` says what follows from
+them. A workflow with a model of its own (`load`, `compute`) does the work itself."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pounding_cli.errors import InputError, Problem
+
+
+@dataclass(frozen=True)
+class Workflow:
+    """One kind of question.
+
+    Parameters
+    ----------
+    name : its command, its section of a study file, and the root attribute `workflow` of its results files
+    title : its line in `pound --help`
+    marks : top-level keys that only its studies have; none where its studies are those of `pound run`
+    shows : tables that it adds to a results file
+    schema : pydantic model of its section of a study file
+    load : (path) -> study with `title`, `warnings`, `resolved`
+    expand : (Study) -> Plan, the scenes of the first round
+    refine : (Plan, responses by digest) -> Plan of the next round, which holds the scenes of all rounds before;
+        None when nothing is left to ask
+    tables : (Plan, read) -> list of `store.answers.Table`; `read(name)` gives a variable of `store.layout` over the
+        whole study, shape (swept axes, dimensions of the variable)
+    page : (Results, Evidence of the point shown, with_figures) -> `report.answer_page.AnswerPage`: what the report says
+        and draws in place of the ratios to the building alone
+    cite : (resolved study, used) -> None; calls `used(key of REFERENCES, what for)`
+    compute : (study, path) of a workflow with a model of its own: computes every point and writes the results file
+    report : (path, folder, formats, with_page) -> files, of a workflow with a model of its own
+    """
+
+    name: str
+    title: str
+    marks: tuple[str, ...] = ()
+    shows: tuple[str, ...] = ()
+    schema: str = ""
+    load: str = "pounding_cli.study.load:load_study"
+    expand: str = ""
+    refine: str = ""
+    tables: str = ""
+    page: str = ""
+    cite: str = ""
+    compute: str = ""
+    report: str = ""
+
+    @property
+    def has_own_model(self) -> bool:
+        """Whether it solves something else than time histories of a row of buildings."""
+        return bool(self.compute)
+
+    def part(self, name: str) -> Any:
+        """One of its parts, imported; None where it has none."""
+        place = getattr(self, name)
+        if not place:
+            return None
+        module, _, attribute = place.partition(":")
+        return getattr(importlib.import_module(module), attribute)
+
+
+_LIST = (
+    Workflow(
+        "run",
+        "Run a study and print its summary.",
+        ("records", "buildings", "group", "cases"),
+        expand="pounding_cli.study.expand:expand",
+    ),
+    Workflow(
+        "gap",
+        "How wide must the gap be?",
+        shows=("gap",),
+        schema="pounding_cli.study.gap_keys:GapSpec",
+        expand="pounding_cli.study.gap:expand_gap",
+        tables="pounding_cli.store.gap:gap_tables",
+        page="pounding_cli.report.gap:gap_page",
+        cite="pounding_cli.report.gap:cite_gap",
+    ),
+    Workflow(
+        "connector",
+        "Two connected oscillators in closed form (Figs 4 and 5).",
+        ("first", "second", "connector", "frequencies"),
+        load="pounding_cli.study.connector_study:load_connector_study",
+        cite="pounding_cli.report.citations:cite_connector",
+        compute="pounding_cli.store.connector_store:write_connector",
+        report="pounding_cli.report.systems:write_system_report",
+    ),
+    Workflow(
+        "wall",
+        "The bumper wall of Fig. 8.",
+        ("wall", "frame", "striker", "concrete", "mesh"),
+        load="pounding_cli.study.wall_study:load_wall_study",
+        cite="pounding_cli.report.citations:cite_wall",
+        compute="pounding_cli.store.wall_store:write_wall",
+        report="pounding_cli.report.systems:write_system_report",
+    ),
+)
+
+WORKFLOWS: Mapping[str, Workflow] = {workflow.name: workflow for workflow in _LIST}
+"""Every workflow by name."""
+
+
+def expansion(name: str) -> Callable[..., Any]:
+    """`expand` of a workflow over time histories.  Raises InputError: there is none of that name."""
+    known = [each.name for each in _LIST if each.expand]
+    if name not in known:
+        raise InputError(
+            Problem(f"there is no workflow {name} over time histories", f"write one of {', '.join(known)}")
+        )
+    return WORKFLOWS[name].part("expand")

@@ -1,0 +1,61 @@
+"""Rules for the separation of neighbours, against values worked out by hand or published."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pounding_cli.model.building import Building
+from pounding_cli.model.separation import (
+    absolute_sum,
+    asce7_displacement,
+    cross_correlation,
+    double_difference,
+    first_mode_damping,
+    gb50011_width,
+    root_of_squares,
+)
+
+
+@pytest.mark.parametrize(("left", "right", "rho"), [(0.36, 0.60, 0.0350), (0.9, 1.0, 0.4730), (0.5, 0.5, 1.0)])
+def test_correlation_of_two_oscillators(left, right, rho):
+    assert cross_correlation(left, right) == pytest.approx(rho, abs=5e-5)
+
+
+def test_correlation_does_not_depend_on_which_is_left():
+    assert cross_correlation(0.36, 0.6, 0.02, 0.05) == pytest.approx(cross_correlation(0.6, 0.36, 0.05, 0.02))
+
+
+def test_rules_of_peaks():
+    assert absolute_sum(-3.0, 4.0) == 7
+    assert root_of_squares(-3.0, 4.0) == 5
+    assert double_difference(3.0, 4.0, [0.0, 0.5, 1.0]) == pytest.approx([5.0, np.sqrt(13.0), 1.0])
+
+
+def test_asce7_takes_elastic_displacements_over_r_times_cd():
+    assert asce7_displacement(0.16, 5.5, 8.0) == pytest.approx(0.11)
+
+
+@pytest.mark.parametrize(
+    ("height", "intensity", "structure", "width"),
+    [
+        (15, 9, "frame", 0.1),
+        (20, 6, "frame", 0.12),
+        (23, 7, "frame", 0.14),
+        (30, 8, "frame", 0.20),
+        (30, 9, "frame", 0.26),
+        (16, 8, "frame", 0.12),
+        (45, 8, "frame-wall", 0.21),
+        (45, 8, "wall", 0.15),
+        (30, 8, "wall", 0.1),
+    ],
+)
+def test_joints_of_gb50011(height, intensity, structure, width):
+    assert gb50011_width(height, intensity, structure) == pytest.approx(width)
+
+
+def test_damping_of_the_first_mode():
+    one = np.ones(1)
+    building = Building("one", 1e5 * one, 3 * one, 4e6 * one, 1e9 * one, 0 * one, alpha=0.5, beta=0.01)
+    omega = np.sqrt(40.0)
+    assert first_mode_damping(building) == pytest.approx(0.5 * (0.5 / omega + 0.01 * omega))
