@@ -8,11 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-<<<<<<< HEAD
-from pounding_cli.model.links import LinkPlace
-=======
-from pounding_cli.model.links import APART
->>>>>>> gap
+from pounding_cli.model.links import APART, LinkPlace
 from pounding_cli.store.layout import BUILDINGS, LINKS, PLACE, RECORDS, Variable
 
 if TYPE_CHECKING:

@@ -178,11 +178,7 @@ def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: No
         given, most = len(given) if given else context["actual_length"], context["max_length"]
         return f"{_owner(path, root) or f'{name}: '}{given} entries", f"write at most {most}", False
     if kind == "too_short":
-<<<<<<< HEAD
         owner = _owner(path, root).removesuffix(": ") or name  # the path may end in the tag of a union
-=======
-        owner = _owner(path, root).removesuffix(": ") or name
->>>>>>> gap
         return f"'{owner}' is empty", _example(model, path) or "write at least one value", False
     if kind == "string_pattern_mismatch":
         return f"{shown} cannot be a name", "use letters, digits, blanks, _, - and +", True
