@@ -2,21 +2,41 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.assess import assess
+from pounding_cli.solve.assess import assess, judging
 from pounding_cli.solve.groups import GroupSolver
 from pounding_cli.solve.response import Response
+from pounding_cli.solve.run import Prepared, prepare, solve
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
 """solve(scene, accuracy=..., method=..., all_effects=..., watch=...) -> Response; with time_step=... where the
 study has one."""
+
+
+@dataclass
+class _Begun:
+    """A scene whose runs are laid out: its own and those that it is judged by; `beside` as in
+    `GroupSolver.without_a_run`."""
+
+    scene: Scene
+    first: Prepared
+    judges: list[Prepared]
+    beside: float
+
+    def integrate(self) -> None:
+        """Run them; a run that did not end is not judged."""
+        self.first.integrate()
+        for judge in self.judges if self.first.is_done else ():
+            judge.integrate()
 
 
 @dataclass(frozen=True)
@@ -36,14 +56,68 @@ class Task:
 
     def __call__(self, scene: Scene) -> Response:
         """The response; an exception becomes a failed response that names it."""
+        return self._caught(scene, self._respond_or_prove, scene)
+
+    def each(
+        self, scenes: Sequence[Scene], begins: Callable[[int], None], halted: Callable[[], bool]
+    ) -> list[Response]:
+        """The responses of scenes in their order; only the first of them, at least one, where it is `halted`.
+
+        All are laid out before the first is run, and all are run before the first is unpacked. Between two runs of the
+        solver Python finds its caches cold: the same work takes twice to three times as long there.
+
+        begins : told the place of every scene before something of it is run
+        """
+        answers = []
+        for place, scene in enumerate(scenes):
+            begins(place)
+            answers.append(self._caught(scene, self._begun, scene))
+            if halted():
+                break
+        for place, answer in enumerate(answers):
+            if isinstance(answer, _Begun):
+                begins(place)
+                failure = self._caught(answer.scene, answer.integrate)
+                answers[place] = failure or answer
+                if halted():
+                    del answers[place + 1 :]
+        return [
+            self._caught(answer.scene, self._ended, answer) if isinstance(answer, _Begun) else answer
+            for answer in answers
+        ]
+
+    def _caught(self, scene: Scene, work: Callable[..., Any], *arguments: Any) -> Any:
+        """What `work` gives; an exception becomes a failed response that names it."""
         try:
-            return _group_solver(self)(scene) if self.falls_apart() else self.respond(scene, False)
+            return work(*arguments)
         except InputError as refused:  # the method does not run this scene
             problem = refused.problems[0]
             return self.without(scene, f"refused: {problem.message}", problem.hint)
         except Exception as error:  # one scene must not take the others with it
             advice = "this is a fault of the program: please report it with the study file"
             return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
+
+    def _respond_or_prove(self, scene: Scene) -> Response:
+        return _group_solver(self)(scene) if self.falls_apart() else self.respond(scene, False)
+
+    def _begun(self, scene: Scene) -> Response | _Begun:
+        """The response of a scene that need not be run as a whole, or its runs laid out."""
+        if self.solve is not solve:
+            return self._respond_or_prove(scene)
+        response, beside = _group_solver(self).without_a_run(scene) if self.falls_apart() else (None, 0.0)
+        if response is not None:
+            return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
+        first = prepare(scene, self.accuracy, self.method, time_step=self.time_step, all_effects=self.all_effects)
+        asked = judging(scene, first.method.name, self.accuracy, self.all_effects) if self.is_assessed(scene) else ()
+        return _Begun(scene, first, [prepare(each, **settings) for each, settings in asked], beside)
+
+    def _ended(self, begun: _Begun) -> Response:
+        """The response of runs that are done."""
+        response = begun.first.response()
+        if begun.judges and response.status == "done":
+            judges = [judge.response() for judge in begun.judges]
+            response = assess(begun.scene, response, self.accuracy, self.solve, self.all_effects, judges)
+        return dataclasses.replace(response, seconds=response.seconds + begun.beside) if begun.beside else response
 
     def respond(self, scene: Scene, watch: bool) -> Response:
         """The response of the scene as a whole, assessed where the study asks for that."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.model.scene import Scene
@@ -16,6 +17,9 @@ CHUNK_SECONDS = 0.5
 
 MOST = 1000
 """Scenes in one bundle at most."""
+
+TOGETHER = 32
+"""Scenes that are taken step by step together (`Task.each`)."""
 
 _LATE = 2.0
 """A worker that has been at a bundle for so many times the work wanted gives the rest of it back."""
@@ -71,9 +75,18 @@ def solve_bundle(
     """
     found: dict[str, Response] = {}
     begin = time.perf_counter()
-    for place, digest in enumerate(bundle):
-        begins(place)
-        found[digest] = task(scene_of(digest))
-        if stopped() or time.perf_counter() - begin > _LATE * work:
+
+    def halted() -> bool:
+        return stopped() or time.perf_counter() - begin > _LATE * work
+
+    for first in range(0, len(bundle), TOGETHER):
+        some = bundle[first : first + TOGETHER]
+        scenes = [scene_of(digest) for digest in some]
+        found |= zip(some, task.each(scenes, partial(_later, begins, first), halted), strict=False)
+        if halted():
             break
     return Chunk.of(found), time.perf_counter() - begin
+
+
+def _later(begins: Callable[[int], None], first: int, place: int) -> None:
+    begins(first + place)

@@ -24,7 +24,7 @@ class Effects:
     dropped: tuple[str, ...]
 
 
-@functools.lru_cache(maxsize=8)  # a run asks five times about one scene
+@functools.lru_cache(maxsize=256)  # a run asks five times about one scene, and many scenes are laid out together
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""
     kept, dropped = [], []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -40,7 +41,7 @@ class Arrays:
 def aligned(count: int) -> np.ndarray:
     """Zeros that begin at a cache line, so that no vector lies across two."""
     memory = np.zeros(count + LANES)
-    skip = (-memory.ctypes.data // 8) % LANES
+    skip = (-memory.__array_interface__["data"][0] // 8) % LANES
     return memory[skip : skip + count]
 
 
@@ -52,13 +53,19 @@ def rows(names: Iterable[str], count: int) -> dict[str, np.ndarray]:
 
 
 def pack(scene: Scene) -> Arrays:
-    """Lay a scene out in slots (see `kernels.layout`). Scenes that differ in their motion alone share the arrays, which
-    nothing writes to."""
+    """Lay a scene out in slots (see `kernels.layout`). Scenes share what they have in common: the buildings, the links
+    or all of it; nothing writes to these arrays."""
     return _packed(scene.buildings, scene.links, scene.analysis)
 
 
 @functools.lru_cache(maxsize=8)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
+    alone = _without_links(buildings, analysis)
+    return dataclasses.replace(alone, links=link_tables.pack_links(buildings, links, alone.floors))
+
+
+@functools.lru_cache(maxsize=64)
+def _without_links(buildings: tuple[Building, ...], analysis: Analysis) -> Arrays:
     floors, bases, foundation_of = [], [], []
     place = 0
     founded = 0
@@ -73,8 +80,8 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
         founded += int(foundation is not None)
     slots = _slots(buildings, analysis, floors, bases, place)
     foundations = _foundations(buildings, floors, bases)
-    packed_links = link_tables.pack_links(buildings, links, floors)
-    return Arrays(slots, foundations, packed_links, tuple(floors), tuple(bases), tuple(foundation_of))
+    none = link_tables.pack_links(buildings, (), floors)
+    return Arrays(slots, foundations, none, tuple(floors), tuple(bases), tuple(foundation_of))
 
 
 def _slots(

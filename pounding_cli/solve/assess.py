@@ -7,8 +7,10 @@ record."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -53,6 +55,7 @@ def finer(accuracy: float) -> float:
     return max(accuracy * TIGHTER, FINEST)
 
 
+@functools.lru_cache(maxsize=16)
 def nudged_motion(motion: Motion) -> Motion:
     """The motion, stronger by NUDGE at its end and by less before."""
     growth = 1 + NUDGE * np.linspace(0.0, 1.0, motion.acceleration.size)
@@ -107,12 +110,28 @@ def _largest(triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
     return float(np.max(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))
 
 
+def judging(
+    scene: Scene, method: str, accuracy: float, all_effects: bool = False
+) -> tuple[tuple[Scene, dict[str, Any]], ...]:
+    """The two runs by which a response by a method is judged, each as a scene and settings of `solve`: a finer one,
+    and the same with the motion nudged."""
+    fixed_steps = METHODS[method].takes_step
+    settings: dict[str, Any] = {"accuracy": BESIDE_FIXED_STEPS if fixed_steps else finer(accuracy)}
+    settings["method"] = "taylor" if fixed_steps else method
+    if all_effects:
+        settings["all_effects"] = True
+    elif not fixed_steps:
+        scene, _ = condensed(scene, accuracy)  # fault: held-in-finer-runs
+    return (scene, settings), (dataclasses.replace(scene, motion=nudged_motion(scene.motion)), settings)
+
+
 def assess(
     scene: Scene,
     response: Response,
     accuracy: float,
     run: Callable[..., Response] = solve,
     all_effects: bool = False,
+    judges: Sequence[Response] = (),
 ) -> Response:
     """The response with its estimated error [-], its sensitivity [-] and flags that say so where either is too large.
 
@@ -127,20 +146,19 @@ def assess(
     Foundation motions that the accuracy asked lets be held fixed are held in the finer runs too, unless the response is
     of `all_effects`: what that may cost is bounded beforehand (`model.condense`), and resolving them costs most where
     they matter least. The sway and rocking of such a base are 0, and the response says so.
+
+    judges : the responses of the runs of `judging`, where they are at hand
     """
     if response.status != "done":
         return response
     fixed_steps = METHODS[response.method].takes_step
-    tight = BESIDE_FIXED_STEPS if fixed_steps else finer(accuracy)
-    method = "taylor" if fixed_steps else response.method
-    if all_effects:
-        run = partial(run, all_effects=True)
-    elif not fixed_steps:
-        scene, _ = condensed(scene, accuracy)  # fault: held-in-finer-runs
+    asked = judging(scene, response.method, accuracy, all_effects)
     if response.samples:
         run = partial(run, watch=True)
-    second = run(scene, accuracy=tight, method=method)
-    nudged = run(dataclasses.replace(scene, motion=nudged_motion(scene.motion)), accuracy=tight, method=method)
+    second, nudged = judges or (run(each, **settings) for each, settings in asked)
+    (scene, settings), _ = asked
+    tight = settings.pop("accuracy")
+    run = partial(run, **settings)
     error, sensitivity = difference(response, second), change(second, nudged) / NUDGE  # fault: estimated-error
     seconds = response.seconds
     while not fixed_steps and error > accuracy and second.status == "done":
@@ -150,10 +168,10 @@ def assess(
         if tight <= FINEST:
             break
         tight = finer(tight)
-        second = run(scene, accuracy=tight, method=method)
+        second = run(scene, accuracy=tight)
         error = difference(response, second) if second.status == "done" else error
     if not fixed_steps and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
-        others = (run(scene, accuracy=tight * times, method=method) for times in SCATTER)
+        others = (run(scene, accuracy=tight * times) for times in SCATTER)
         error = np.nanmax([error, *(difference(response, other) for other in others)])  # fault: scatter-of-rounding
     flags = response.flags
     if sensitivity > ILL_CONDITIONED:

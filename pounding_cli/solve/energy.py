@@ -30,11 +30,9 @@ def held(scene: Scene, arrays: Arrays, state: State) -> dict[str, float]:
 
 def _in_links(scene: Scene, arrays: Arrays, state: State) -> float:
     """Energy in the springs of all links [J]."""
-    total = 0.0
-    for e, link in enumerate(scene.links):
-        closing = float(state.u[arrays.links.left[e]] - state.u[arrays.links.right[e]])
-        total += link.law.stored(closing)
-    return total
+    count = arrays.links.number
+    closings = state.u[arrays.links.left[:count]] - state.u[arrays.links.right[:count]]
+    return float(sum(link.law.stored(v) for link, v in zip(scene.links, closings.tolist(), strict=True)))
 
 
 def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State, ledger: Ledger) -> dict[str, float]:

@@ -12,7 +12,7 @@ import dataclasses
 import math
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
@@ -33,6 +33,12 @@ never closed."""
 
 MEMORY = 64 * 2**20
 """Responses kept for the scenes that follow [bytes]."""
+
+MOST_PAIRS = 1000
+"""Pairs of neighbours whose largest closings at the samples are kept for the scenes that follow."""
+
+Key = tuple[Hashable, ...]
+"""What tells the scenes of groups apart."""
 
 
 class GroupSolver:
@@ -59,7 +65,8 @@ class GroupSolver:
         self._solve = solve
         self._accuracy = accuracy
         self._is_assessed = is_assessed
-        self._kept: OrderedDict[str, Response] = OrderedDict()
+        self._kept: OrderedDict[Key, Response] = OrderedDict()
+        self._closings: dict[tuple[Key, Key], dict[tuple[int, int], float]] = {}
         self._bytes = 0
         self._unbooked = 0.0
         self._lock = threading.Lock()
@@ -67,22 +74,31 @@ class GroupSolver:
     def __call__(self, scene: Scene) -> Response:
         """The response of a scene. Its seconds include groups of several buildings that were solved on the way: those
         are no scenes of their own, as buildings alone are."""
+        response, beside = self.without_a_run(scene)
+        if response is None:
+            response = self._respond(scene, False)
+        return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
+
+    def without_a_run(self, scene: Scene) -> tuple[Response | None, float]:
+        """The response of a scene that need not be run as a whole, or None; and the time that groups of several
+        buildings took, which are no scenes of their own [s]."""
         if not scene.links and len(scene.buildings) == 1:
-            return dataclasses.replace(self._watched(scene), samples=())
-        response = self.by_proof(scene) or self._respond(scene, False)
+            response: Response | None = dataclasses.replace(self._watched(scene, range(1)), samples=())
+        else:
+            response = self.by_proof(scene)
         with self._lock:
             beside, self._unbooked = self._unbooked, 0.0
-        return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
+        return response, beside
 
     def by_proof(self, scene: Scene) -> Response | None:
         """The response of a row that falls apart, from the groups it falls into; None if all of it may meet."""
         groups = _first_groups(scene)
         while len(groups) > 1:
-            parts = [self._watched(_cut_out(scene, group)) for group in groups]
+            parts = [self._watched(scene, group) for group in groups]
             if any(part.status != "done" or not part.samples for part in parts):  # without samples nothing is proven
                 return None
             sides = zip(pairwise(groups), pairwise(parts), strict=True)
-            meeting = [n for n, (two, (a, b)) in enumerate(sides) if _seen_to_meet(scene, *two, a, b)]
+            meeting = [n for n, (two, (a, b)) in enumerate(sides) if self._seen_to_meet(scene, *two, a, b)]
             if not meeting:
                 free = self._kept_apart(scene, groups)
                 meeting = [n for n, closings in enumerate(free) if closings is None]
@@ -117,28 +133,48 @@ class GroupSolver:
 
     def _free(self, row: Scene, accuracy: float) -> Response:
         """The response of a row whose groups have nothing between them."""
-        return self._kept_or_solved(row, partial(self._solve, row, accuracy), f" {accuracy}")
+        group = range(len(row.buildings))
+        return self._kept_or_solved(
+            (*_key(row, group), accuracy), row, group, lambda scene: self._solve(scene, accuracy)
+        )
 
-    def _watched(self, scene: Scene) -> Response:
-        """The response with its samples."""
-        return self._kept_or_solved(scene, partial(self._respond, scene, True))
+    def _watched(self, scene: Scene, group: range) -> Response:
+        """The response of a group by itself, with its samples."""
+        return self._kept_or_solved(_key(scene, group), scene, group, lambda scene: self._respond(scene, True))
 
-    def _kept_or_solved(self, scene: Scene, solve: Callable[[], Response], how: str = "") -> Response:
-        """The response from memory if it is there; `how` tells runs of one scene apart."""
-        key = scene.digest + how
+    def _kept_or_solved(self, key: Key, scene: Scene, group: range, solve: Callable[[Scene], Response]) -> Response:
+        """The response of a group from memory if it is there."""
         with self._lock:
             if key in self._kept:
                 self._kept.move_to_end(key)
                 return self._kept[key]
-        response = solve()
+        response = solve(_cut_out(scene, group))
         with self._lock:
-            self._unbooked += response.seconds if len(scene.buildings) > 1 else 0.0
+            self._unbooked += response.seconds if len(group) > 1 else 0.0
             if key not in self._kept:
                 self._kept[key] = response
                 self._bytes += _size(response)
             while self._bytes > MEMORY and len(self._kept) > 1:
                 self._bytes -= _size(self._kept.popitem(last=False)[1])
         return response
+
+    def _seen_to_meet(self, scene: Scene, left: range, right: range, a: Response, b: Response) -> bool:
+        """Whether the groups' own displacements at the samples of the motion close a link between them, or one of a law
+        that any movement closes."""
+        key = _key(scene, left), _key(scene, right)
+        closings = self._closings.setdefault(key, {})
+        if len(self._closings) > MOST_PAIRS:
+            self._closings = {key: closings}
+        for link in _between(scene, left[-1]):
+            if _rests(scene, left, right, link):
+                continue
+            floors = link.left_floor - 1, link.right_floor - 1
+            if floors not in closings:
+                closing = a.samples[-1][:, floors[0]] - b.samples[0][:, floors[1]]
+                closings[floors] = float(closing.max(initial=0.0))
+            if closings[floors] >= link.law.free_below:
+                return True
+        return False
 
 
 def sure_parts(scene: Scene) -> list[Scene]:
@@ -198,24 +234,27 @@ def _merged(groups: list[range], meeting: Sequence[int]) -> list[range]:
     return joined
 
 
-def _cut_out(scene: Scene, group: range) -> Scene:
-    """The group by itself."""
-    links = tuple(
+def _key(scene: Scene, group: range) -> Key:
+    """The same for all scenes in which the group by itself is the same scene, as their digests would be."""
+    buildings = tuple([building.digest for building in scene.buildings[group.start : group.stop]])
+    return buildings, _inside(scene, group), scene.motion.digest, scene.analysis, scene.tail
+
+
+def _inside(scene: Scene, group: range) -> tuple[Link, ...]:
+    """The links of the group by itself."""
+    if len(group) == 1:
+        return ()
+    return tuple(
         dataclasses.replace(link, left=link.left - group.start) for link in scene.links if link.left in group[:-1]
     )
-    return Scene(scene.buildings[group.start : group.stop], links, scene.motion, scene.analysis, scene.tail)
 
 
-def _seen_to_meet(scene: Scene, left: range, right: range, a: Response, b: Response) -> bool:
-    """Whether the groups' own displacements at the samples of the motion close a link between them, or one of a law
-    that any movement closes."""
-    for link in _between(scene, left[-1]):
-        if _rests(scene, left, right, link):
-            continue
-        closing = a.samples[-1][:, link.left_floor - 1] - b.samples[0][:, link.right_floor - 1]
-        if closing.max(initial=0.0) >= link.law.free_below:
-            return True
-    return False
+def _cut_out(scene: Scene, group: range) -> Scene:
+    """The group by itself; the scene where that is all of it."""
+    if len(group) == len(scene.buildings):
+        return scene
+    buildings = scene.buildings[group.start : group.stop]
+    return Scene(buildings, _inside(scene, group), scene.motion, scene.analysis, scene.tail)
 
 
 def _stretches(scene: Scene, groups: list[range]) -> list[list[int]]:

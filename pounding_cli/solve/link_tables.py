@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,39 +19,50 @@ FAR = 1e100
 """What stands for a gap without end [m]: kernels take differences of it, and inf - inf is none."""
 
 
-def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: list[slice]) -> Links:
+def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: Sequence[slice]) -> Links:
     """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`. Links of one law between floors of
     the same masses share their rows."""
-    padded = -(-len(given) // LANES) * LANES
+    masses = [building.mass.tolist() for building in buildings]
+    laws, ends = [], []
+    for link in given:
+        one, other = link.left_floor - 1, link.right_floor - 1
+        laws.append((link.law, masses[link.left][one], masses[link.left + 1][other]))
+        ends.append((floors[link.left].start + one, floors[link.left + 1].start + other))
+    return _packed(tuple(laws), tuple(ends))
+
+
+Between = tuple[LinkLaw, float, float]
+"""A law and the masses of the floors that it stands between [kg]."""
+
+
+@functools.lru_cache(maxsize=4096)
+def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> Links:
+    """Links of these laws between these slots."""
+    padded = -(-len(laws) // LANES) * LANES
     left, right, first, last = np.zeros((4, padded), np.int64)
     offset = np.zeros(padded)
-    begins: dict[tuple[LinkLaw, float, float], tuple[int, int]] = {}
+    begins: dict[Between, tuple[int, int]] = {}
     branches, guards, steps = [_NOWHERE], [np.zeros((1, t.GUARD_ROW))], [np.zeros((1, t.OPERATION_ROW))]
     count, asked, done = 1, 1, 1
-    key = None
-    written = any(link.law.general for link in given)
-    for e, link in enumerate(given):
-        one, other = link.left_floor - 1, link.right_floor - 1
-        masses = buildings[link.left].mass[one], buildings[link.left + 1].mass[other]
-        if key is None or link.law is not key[0] or masses != key[1:]:
-            key = (link.law, *masses)
+    written = any(law.general for law, *_ in laws)
+    for e, key in enumerate(laws):
         if key not in begins:
-            own, ends, forces = _rows(*key, written)
+            own, ends_of_branches, forces = _rows(*key, written)
             begins[key] = count, count + len(own)
             branches.append(own + asked * _GUARD_PLACES + done * _STEP_PLACES)
-            guards.append(ends + count * _BRANCH_PLACE)
+            guards.append(ends_of_branches + count * _BRANCH_PLACE)
             steps.append(forces)
-            count, asked, done = count + len(own), asked + len(ends), done + len(forces)
-        left[e], right[e] = floors[link.left].start + one, floors[link.left + 1].start + other
+            count, asked, done = count + len(own), asked + len(ends_of_branches), done + len(forces)
+        left[e], right[e] = ends[e]
         first[e], last[e] = begins[key]
-        offset[e] = min(link.law.offset, FAR)
+        offset[e] = min(key[0].offset, FAR)
     table = np.concatenate(branches)
     registers = GIVEN + int(np.max(table[:, [t.LAST_STEP, t.LAST_REGULAR]] - table[:, [t.FIRST_STEP, t.FIRST_REGULAR]]))
     tables = table.ravel(), np.concatenate(guards).ravel(), np.concatenate(steps).ravel()
-    return Links(len(given), padded, registers, left, right, offset, first, last, *tables)
+    return Links(len(laws), padded, registers, left, right, offset, first, last, *tables)
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=4096)
 def _rows(
     law: LinkLaw, left_mass: float, right_mass: float, written: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -110,8 +122,8 @@ def at_rest(links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Branch, what is known exactly, and the closing it then has [m], of every link before the motion: floors
     that touch are exactly where their first branch ends."""
     begin = 0.0 - links.offset
-    rows = _branches(links)[links.first]
-    known = np.where((rows[:, t.TO] == begin) | (rows[:, t.FROM] == begin), t.CLOSING, t.NOTHING)
+    low, high = _branches(links)[links.first[:, None], [t.FROM, t.TO]].T
+    known = np.where((high == begin) | (low == begin), t.CLOSING, t.NOTHING)
     return links.first.copy(), known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
 
 

@@ -6,12 +6,15 @@ import dataclasses
 import gc
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import nan
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import kept, layout
+from pounding_cli.kernels.layout import Peaks, State
+from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.methods import AUTO, METHODS, Method
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
@@ -97,6 +100,100 @@ def solve(
     InputError : unknown method, a setting that it does not take or that is not above zero, or a scene that it does not
         run
     """
+    prepared = prepare(
+        scene, accuracy, method, initial, bounds, time_step=time_step, all_effects=all_effects, watch=watch
+    )
+    prepared.integrate()
+    return prepared.response()
+
+
+@dataclass(eq=False)
+class Prepared:
+    """A scene laid out for its run; `integrate` and then `response` once each.
+
+    scene, arrays : without what cannot matter
+    state, peaks, ledger : what the run fills
+    before : energy held at the start [J]
+    limit : the longest stable time step [s]
+    condensing : what is left out, in words
+    found : (status, steps, events, orders, seconds) of the run
+    """
+
+    scene: Scene
+    arrays: Arrays
+    method: Method
+    code: Integrator
+    setting: float
+    accuracy: float
+    bounds: tuple[int, int]
+    watch: bool
+    state: State
+    peaks: Peaks
+    ledger: Ledger
+    before: dict[str, float]
+    limit: float
+    condensing: tuple[str, ...]
+    found: tuple[int, int, int, int, float] = (UNSTABLE, 0, 0, 0, 0.0)
+
+    def integrate(self) -> None:
+        """Run it, unless the time step is too long to be stable."""
+        scene, takes_step = self.scene, self.method.takes_step
+        if takes_step and step_taken(scene, self.setting) > self.limit:
+            return
+        _compile(self.code, scene, scene.motion.dt if takes_step else self.setting)
+        begin = time.perf_counter()
+        status, steps, events, orders, _ = self.code.integrate(
+            scene, self.arrays, self.state, self.peaks, self.ledger, self.setting, self.bounds
+        )
+        self.found = status, steps, events, orders, time.perf_counter() - begin
+
+    @property
+    def is_done(self) -> bool:
+        """Whether its run went to the end of the motion."""
+        return self.found[0] == layout.DONE
+
+    def response(self) -> Response:
+        """What came of it."""
+        scene, arrays, state, peaks, chosen = self.scene, self.arrays, self.state, self.peaks, self.method
+        status, steps, events, orders, seconds = self.found
+        if status == layout.DONE and not np.isfinite(np.concatenate([peak.ravel() for peak in peaks[1:]])).all():
+            status = layout.NOT_FINITE
+        energy = balance(scene, arrays, self.before, state, self.ledger) if chosen.keeps_ledger else {}
+        outcome, advice = OUTCOMES[status]
+        if status == layout.DONE and abs(energy.get("residual", 0.0)) > max(self.accuracy, LEDGER_BOUND):
+            outcome, advice = OPEN_LEDGER
+        if status == UNSTABLE:
+            advice = (
+                f"the motion would grow without bound: take a time step below {self.limit:.2g} s, or method: taylor"
+            )
+        if outcome != "done":  # no number of a run that failed is ever shown
+            for numbers in (*peaks[1:-1], state.u, state.v, state.phi):
+                numbers.fill(np.nan)
+        buildings, links = unpack(scene, arrays, state, peaks)
+        note = self.code.note(steps, events)
+        effects = effects_of(scene)
+        return Response(
+            buildings, links, outcome, advice, chosen.name, nan if chosen.takes_step else self.accuracy, steps, events,
+            seconds, orders=orders, time_step=self.setting if chosen.takes_step else nan, energy=energy,
+            flags=flags_of(scene, links) + ((note,) if note else ()),
+            effects=effects.kept, dropped=effects.dropped + self.condensing,
+            final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
+            samples=tuple(peaks.samples[:, span].copy() for span in arrays.floors if self.watch),
+        )  # fmt: skip
+
+
+def prepare(
+    scene: Scene,
+    accuracy: float = 1e-6,
+    method: str = AUTO,
+    initial: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] | None = None,
+    bounds: tuple[int, int] = (MAX_STEPS, MAX_EVENTS),
+    *,
+    time_step: float | None = None,
+    all_effects: bool = False,
+    watch: bool = False,
+) -> Prepared:
+    """A scene laid out for its run; parameters and errors as of `solve`."""
     chosen, setting = chosen_method(method, accuracy, time_step)
     scene, arrays, chosen, code, condensing = _what_runs(scene, chosen, accuracy, method == AUTO, all_effects)
     state, peaks = at_rest(arrays), no_peaks(arrays, segments_of(scene) if watch else 0)
@@ -106,34 +203,9 @@ def solve(
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
     ledger, before = empty_ledger(arrays), AT_REST if initial is None else held(scene, arrays, state)
     limit = code.largest_step(arrays)
-    status, steps, events, orders, seconds = UNSTABLE, 0, 0, 0, 0.0
-    if not chosen.takes_step or step_taken(scene, setting) <= limit:
-        _compile(code, scene, scene.motion.dt if chosen.takes_step else setting)
-        begin = time.perf_counter()
-        status, steps, events, orders, _ = code.integrate(scene, arrays, state, peaks, ledger, setting, bounds)
-        seconds = time.perf_counter() - begin
-    if status == layout.DONE and not np.isfinite(np.concatenate([peak.ravel() for peak in peaks[1:]])).all():
-        status = layout.NOT_FINITE
-    energy = balance(scene, arrays, before, state, ledger) if chosen.keeps_ledger else {}
-    outcome, advice = OUTCOMES[status]
-    if status == layout.DONE and abs(energy.get("residual", 0.0)) > max(accuracy, LEDGER_BOUND):
-        outcome, advice = OPEN_LEDGER
-    if status == UNSTABLE:
-        advice = f"the motion would grow without bound: take a time step below {limit:.2g} s, or method: taylor"
-    if outcome != "done":  # no number of a run that failed is ever shown
-        for numbers in (*peaks[1:-1], state.u, state.v, state.phi):
-            numbers.fill(np.nan)
-    buildings, links = unpack(scene, arrays, state, peaks)
-    note = code.note(steps, events)
-    effects = effects_of(scene)
-    return Response(
-        buildings, links, outcome, advice, chosen.name, nan if chosen.takes_step else accuracy, steps, events, seconds,
-        orders=orders, time_step=setting if chosen.takes_step else nan, energy=energy,
-        flags=flags_of(scene, links) + ((note,) if note else ()),
-        effects=effects.kept, dropped=effects.dropped + condensing,
-        final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
-        samples=tuple(peaks.samples[:, span].copy() for span in arrays.floors if watch),
-    )  # fmt: skip
+    return Prepared(
+        scene, arrays, chosen, code, setting, accuracy, bounds, watch, state, peaks, ledger, before, limit, condensing
+    )
 
 
 def _what_runs(

@@ -111,7 +111,7 @@ def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Foundations]:
 
 def solved_in_islands(scene: Scene, arrays: Arrays) -> bool:
     """Whether buildings that do not touch take steps of their own."""
-    return _allows_islands(*places_of(scene, arrays))
+    return len(scene.buildings) > ALWAYS_ONE_ISLAND and _allows_islands(*places_of(scene, arrays))
 
 
 def _allows_islands(row: Row, foundations: Foundations) -> bool:

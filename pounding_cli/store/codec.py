@@ -5,6 +5,7 @@ The words (status, sentences, which numbers follow) are the same for most scenes
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import Any
@@ -46,18 +47,35 @@ class Words:
 
 def encode(response: Response) -> tuple[str, np.ndarray]:
     """A line of words (JSON) and the numbers, shape (k,); the end state and the samples are not kept."""
-    words: dict[str, Any] = {name: str(getattr(response, name)) for name in _WORDS}
-    words |= {name: list(map(str, getattr(response, name))) for name in _SENTENCES}
-    words["energy"] = list(response.energy)
-    words["storeys"] = [int(b.shear.size) for b in response.buildings]
-    words["links"] = int(response.links.impacts.size)
-    scalars = [getattr(response, name) for name in _SCALARS] + list(response.energy.values())
-    columns = [np.array(scalars, float)]
+    line = _line(
+        tuple([getattr(response, name) for name in _WORDS]),
+        tuple([getattr(response, name) for name in _SENTENCES]),
+        tuple(response.energy),
+        tuple([b.shear.size for b in response.buildings]),
+        response.links.impacts.size,
+    )
+    columns: list[Sequence[float] | np.ndarray] = [
+        [getattr(response, name) for name in _SCALARS] + list(response.energy.values())
+    ]
     for b in response.buildings:
-        columns += [np.atleast_1d(getattr(b, name)) for name in _BUILDING_ARRAYS]
-        columns.append(np.array([b.sway, b.rocking], float))
-    columns += [np.atleast_1d(getattr(response.links, name)) for name in _LINK_ARRAYS]
-    return json.dumps(words), np.concatenate(columns, dtype=float)
+        columns += [getattr(b, name) for name in _BUILDING_ARRAYS]
+        columns.append([b.sway, b.rocking])
+    columns += [getattr(response.links, name) for name in _LINK_ARRAYS]
+    return line, np.concatenate(columns, dtype=float)
+
+
+@lru_cache(maxsize=4096)
+def _line(
+    words: tuple[str, ...],
+    sentences: tuple[tuple[str, ...], ...],
+    energy: tuple[str, ...],
+    storeys: tuple[int, ...],
+    links: int,
+) -> str:
+    """The line of words of a response: the same object for all that say the same."""
+    said: dict[str, Any] = {name: str(text) for name, text in zip(_WORDS, words, strict=True)}
+    said |= {name: list(map(str, some)) for name, some in zip(_SENTENCES, sentences, strict=True)}
+    return json.dumps(said | {"energy": list(energy), "storeys": list(storeys), "links": links})
 
 
 @lru_cache(maxsize=4096)

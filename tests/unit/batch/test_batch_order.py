@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import time
 
+import numpy as np
 import pytest
 from study_plans import Axis, known, small_plan
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import MOST, Queue, solve_bundle
 from pounding_cli.batch.families import order_of
+from pounding_cli.solve import solve
+from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.codec import parse
 
 
 def test_families_stand_together_baselines_first():
@@ -82,3 +86,43 @@ def test_a_bundle_that_takes_too_long_comes_back_in_part():
     assert seconds > 0.06
     stopped, _ = solve_bundle(names, plan.scenes.__getitem__, Task(known, 1e-6, "taylor"), stopped=lambda: True)
     assert len(stopped) == 1
+
+
+def without_times(chunk):
+    return [
+        (chunk.words[n], np.delete(chunk.row(n), parse(chunk.words[n]).columns["seconds"])) for n in range(len(chunk))
+    ]
+
+
+@pytest.mark.parametrize("estimate", ["none", "all"])
+def test_scenes_taken_together_give_what_each_gives_alone(estimate):
+    plan = small_plan()
+    task, names = Task(solve, 1e-6, "auto", estimate), list(plan.scenes)
+    begun: list[int] = []
+    together, _ = solve_bundle(names, plan.scenes.__getitem__, task, begun.append, work=60.0)
+    alone = Chunk.of({name: task(plan.scenes[name]) for name in names})
+    assert list(together.digests) == names
+    assert set(begun) == set(range(len(names)))
+    for (line, numbers), (other, others) in zip(without_times(together), without_times(alone), strict=True):
+        assert line == other
+        assert np.array_equal(numbers, others, equal_nan=True)
+
+
+def test_scenes_taken_together_end_early_with_those_that_ran():
+    plan = small_plan()
+    linked = list(dict.fromkeys(row.scene for row in plan.rows))
+    task = Task(solve, 1e-6, "taylor", all_effects=True)
+    calls = iter([False] * len(linked) + [False, True, True])
+    found = task.each([plan.scenes[name] for name in linked], lambda place: None, lambda: next(calls))
+    assert [response.status for response in found] == ["done", "done"]
+
+
+def test_a_scene_that_is_refused_leaves_the_others_taken_with_it():
+    plan = small_plan()
+    names = list(plan.scenes)
+    task = Task(solve, 1e-6, "exponential")
+    chunk, _ = solve_bundle(names, plan.scenes.__getitem__, task)
+    refused = [not done for done in chunk.is_done]
+    assert any(refused)
+    assert not all(refused)
+    assert all("does not run this scene" in parse(line).facts["status"] for line in np.array(chunk.words)[refused])
