@@ -94,6 +94,8 @@ _LIST = (
         expand="pounding_cli.study.fragility:expand_fragility",
         refine="pounding_cli.study.fragility_rounds:refine_fragility",
         tables="pounding_cli.store.fragility:fragility_tables",
+        page="pounding_cli.report.fragility:fragility_page",
+        cite="pounding_cli.report.fragility:cite_fragility",
     ),
     Workflow(
         "connector",

@@ -28,6 +28,8 @@ from pounding_cli.study.fragility_rounds import Layout, by_level, over_gap, over
 from pounding_cli.study.limits import CONTACT, Target
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pounding_cli.study import Plan
     from pounding_cli.study.fragility import Question
     from pounding_cli.words import Unit
@@ -333,3 +335,28 @@ def _si(unit: Unit) -> str:
 
 def _text(values: list[str]) -> np.ndarray:
     return np.array(values, dtype=object)
+
+
+def fits_of(rows: pd.DataFrame, suffix: str, method: str, times: np.ndarray) -> Fits:
+    """The fits of the bootstrap of one curve, from its rows in the table of motions.
+
+    suffix : ALONE or ""; times : `resamples` of as many motions
+    """
+    motion, _ = motion_numbers(rows)
+    if method == "ida":
+        held, passed = rows["held" + suffix].to_numpy(), rows["passed" + suffix].to_numpy()
+        return draw(Brackets.of(motion, held, passed, times.shape[1]), times)
+    demand, x = rows["demand" + suffix].to_numpy(), rows["intensity"].to_numpy()
+    if method == "stripes":
+        known = ~np.isnan(demand)
+        above = demand[known] > 1
+        low, high = np.where(above, 0.0, x[known]), np.where(above, x[known], np.inf)
+        return draw(Brackets.of(motion[known], low, high, times.shape[1]), times)
+    some = np.isfinite(demand) & (demand > 0)
+    return cloud_draw(x[some], demand[some], 1.0, motion[some], times)
+
+
+def motion_numbers(rows: pd.DataFrame) -> tuple[np.ndarray, int]:
+    """The number of the motion of every row of one curve, and how many motions there are."""
+    names = list(dict.fromkeys(rows["record"]))
+    return rows["record"].map({name: number for number, name in enumerate(names)}).to_numpy(), len(names)

@@ -164,7 +164,8 @@ def refine_fragility(plan: Plan, responses: Responses) -> Plan | None:
         return None
     demands = asked.demands | _demands(plan, asked, responses)
     fill = plan.study.model.fragility.fill  # type: ignore[attr-defined]  # a section that the registry adds
-    going, waiting = [], {}
+    going: list[Series] = []
+    waiting: dict[str, Series] = {}
     for series in asked.going:
         told = {level: demands[digest] for level, digest in enumerate(series.scenes) if digest in demands}
         wanted: set[int] = set()
