@@ -13,7 +13,7 @@ import numpy as np
 
 import pounding_cli as pound
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels import clock, link_table
+from pounding_cli.kernels import clock, law_table
 from pounding_cli.kernels.ledger import MAX_POINTS, MIN_POINTS
 from pounding_cli.solve import taylor
 from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack
@@ -110,8 +110,8 @@ class Steps:
         closing[1:] = h / k * (velocities[:-1, left] - velocities[:-1, right])
         allowed = np.array([slot(i, c.TERM_TOLERANCE) for i in row.slot_places])
         terms = np.abs(velocities[1:, row.slot_places]) * k[:, None] / h / allowed
-        branches = self.arrays.links.branches.reshape(-1, link_table.BRANCH_ROW)
-        closed = branches[before.link_branch[self.link], link_table.CLOSED] != 0
+        branches = self.arrays.links.branches.reshape(-1, law_table.BRANCH_ROW)
+        closed = branches[before.link_branch[self.link], law_table.CLOSED] != 0
         size = integers[frame + c.RUN.places["padded_links"]] * c._TERM_FIELDS
         first = place // 8 * 8 * c._TERM_FIELDS + c.FORCE_TERM + place % 8
         force = series[: order * size].reshape(order, size)[:, first]

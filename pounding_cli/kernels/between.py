@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels import law_table as t
+from pounding_cli.kernels.branches import held_shear
 from pounding_cli.kernels.hermite import cubic, quintic
+from pounding_cli.kernels.law_table import branch
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import branch_at, closing_of, held_force_rate
-from pounding_cli.kernels.link_table import branch
 from pounding_cli.kernels.polynomial import highest
-from pounding_cli.kernels.storey_law import fused_coefficients, return_mapping
+from pounding_cli.kernels.simd import short_array
+from pounding_cli.kernels.storey_law import follow, shear_on
+from pounding_cli.laws.program import MEMORIES
 
 SHORTEST = 1e-7
 """Steps shorter than this [s], between events that coincide, have no mean acceleration: it is a difference of
@@ -18,13 +21,19 @@ velocities over nothing. Their ends say it all."""
 
 
 @njit(**INLINE)
-def restoring(slots, i, drift, line, plastic, located):
-    """Shear of storey i [N] at `drift`: on its branch where branches are located, else by return mapping."""
-    k, a = slots.stiffness[i], slots.hardening[i]
-    if not located:
-        return return_mapping(k, a, slots.yield_drift[i], plastic, drift)[0]
-    tangent, offset = fused_coefficients(k, a, slots.plateau[i], line, plastic)
-    return tangent * drift + offset
+def restoring(slots, state, storeys, i, drift, located):
+    """Shear of storey i [N] at `drift`: on its branch where branches are located, else on the branches that the sample
+    had and as far as the drift leaves them."""
+    if located:
+        return held_shear(slots, state, i, drift)
+    b = int(storeys.branch[i])
+    if b == t.NO_BRANCH:
+        return slots.stiffness[i] * drift
+    memory = short_array()
+    for m in range(MEMORIES):
+        memory[m] = storeys.memory[m * slots.size + i]
+    b = follow(slots, b, storeys.before[i], drift, memory, MEMORIES, 0, 1)
+    return shear_on(slots, b, drift, memory, 0, 1)
 
 
 @njit(**INLINE)
@@ -59,7 +68,7 @@ def raise_accelerations(slots, peaks, h, ground0, ground1, v0, a0, v1, a1):
 
 
 @njit(**INLINE)
-def raise_drift(slots, peaks, i, h, d0, r0, q0, d1, r1, q1, line, plastic, located, scratch):
+def raise_drift(slots, peaks, i, h, d0, r0, q0, d1, r1, q1, state, storeys, located, scratch):
     """Drift and shear of storey i that turn inside the step."""
     if r0 * r1 >= 0.0:
         return
@@ -69,7 +78,7 @@ def raise_drift(slots, peaks, i, h, d0, r0, q0, d1, r1, q1, line, plastic, locat
         scratch[k] *= side
     top = side * highest(scratch, 5, 1.0, max(side * d0, side * d1), False)
     peaks.drift[i] = max(peaks.drift[i], abs(top))
-    peaks.shear[i] = max(peaks.shear[i], abs(restoring(slots, i, top, line, plastic, located)))
+    peaks.shear[i] = max(peaks.shear[i], abs(restoring(slots, state, storeys, i, top, located)))
 
 
 @njit(**INLINE)

@@ -8,23 +8,24 @@ from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.forces import accelerations
 from pounding_cli.kernels.hermite import cubic, quintic
+from pounding_cli.kernels.law_table import branch, guard
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import closing_of, held_force, held_force_rate, link_force
-from pounding_cli.kernels.link_table import branch, guard
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-from pounding_cli.kernels.storey_law import fused_coefficients, fused_transition
+from pounding_cli.kernels.storey_law import Storeys, guarded_drift, remember, shear_on, turning_guard
+from pounding_cli.laws.program import MEMORIES
 
 
 @njit(**INLINE)
 def held_shear(slots, state, i, drift):
     """Restoring force of storey i [N] on its branch."""
-    tangent, offset = fused_coefficients(
-        slots.stiffness[i], slots.hardening[i], slots.plateau[i], state.line[i], state.plastic[i]
-    )
-    return tangent * drift + offset
+    b = state.storey_branch[i]
+    if b == t.NO_BRANCH:
+        return slots.stiffness[i] * drift
+    return shear_on(slots, b, drift, state.storey_memory, i, slots.size)
 
 
 @njit(**INLINE)
@@ -32,13 +33,14 @@ def held_accelerations(
     slots, foundations, links, state, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
 ):  # fmt: skip
     """`forces.accelerations` with every storey and link on the branch that `state` gives it."""
+    elastic = Storeys(state.storey_branch, state.storey_memory, drift)
     accelerations(
-        slots, foundations, links, state.plastic, u, v, phi, phi_v, ground, False, out, out_phi, drift, shear, force
+        slots, foundations, links, elastic, u, v, phi, phi_v, ground, False, out, out_phi, drift, shear, force
     )
     size = slots.size
     if inelastic:
         for i in range(size):
-            if state.line[i] == 0.0 and state.plastic[i] == 0.0:
+            if slots.branch[i] == t.NO_BRANCH:
                 continue
             held = held_shear(slots, state, i, drift[i])
             excess = held - shear[i]
@@ -65,29 +67,34 @@ def held_accelerations(
 
 @njit(**INLINE)
 def storey_branch_end(slots, state, i, h, d0, r0, q0, d1, r1, q1, scratch):
-    """First s in [0, 1] of a step h where storey i leaves its branch; drift, its rate and acceleration at both ends."""
-    line = state.line[i]
-    if line != 0.0:
-        if line * r0 > 0.0 and line * r1 > 0.0 and abs(h * q0) + abs(h * q1) < abs(r0) + abs(r1):
-            return NEVER
-        quintic(scratch, h, d0, r0, q0, d1, r1, q1)
-        for k in range(5):  # the drift turns back
-            scratch[k] = line * (k + 1) * scratch[k + 1]
-        return first_crossing(scratch, 4, 1.0)
-    earliest = NEVER
-    limit = slots.yield_drift[i]
+    """(s, guard) of the first guard that storey i meets in a step h; drift, its rate and acceleration at both ends."""
+    b = state.storey_branch[i]
     swing = 0.5 * h * (abs(r0) + abs(r1))
-    for side in (1.0, -1.0):
-        distance0 = limit - side * (d0 - state.plastic[i])
-        distance1 = limit - side * (d1 - state.plastic[i])
-        if min(distance0, distance1) > swing:
-            continue
-        quintic(scratch, h, distance0, -side * r0, -side * q0, distance1, -side * r1, -side * q1)
-        if state.pinned_storey[i] == side:  # just unloaded: on the line and at rest
-            scratch[0] = 0.0
-            scratch[1] = 0.0
-        earliest = min(earliest, first_crossing(scratch, 5, 1.0))
-    return earliest
+    earliest = NEVER
+    first = 0
+    for g in range(int(branch(slots, b, t.FIRST_GUARD)), int(branch(slots, b, t.LAST_GUARD))):
+        side, shift, at = guarded_drift(slots, b, g, state.storey_memory, i, slots.size)
+        if guard(slots, g, t.QUANTITY) == t.RATE:
+            if side * r0 > 0.0 and side * r1 > 0.0 and abs(h * q0) + abs(h * q1) < abs(r0) + abs(r1):
+                continue
+            quintic(scratch, h, d0, r0, q0, d1, r1, q1)
+            for k in range(5):
+                scratch[k] = side * (k + 1) * scratch[k + 1]
+            s = first_crossing(scratch, 4, 1.0)
+        else:
+            distance0 = side * ((d0 - shift) - at)
+            distance1 = side * ((d1 - shift) - at)
+            if min(distance0, distance1) > swing:
+                continue
+            quintic(scratch, h, distance0, side * r0, side * q0, distance1, side * r1, side * q1)
+            if state.pinned_storey[i] == g:  # it has just turned back: at rest
+                scratch[0] = 0.0
+                scratch[1] = 0.0
+            s = first_crossing(scratch, 5, 1.0)
+        if s < earliest:
+            earliest = s
+            first = g
+    return earliest, first
 
 
 @njit(**INLINE)
@@ -136,11 +143,13 @@ def link_branch_end(links, state, e, h, v0, r0, q0, v1, r1, q1, scratch):
 
 
 @njit(**INLINE)
-def switch_storey(slots, state, i, drift):
-    """Storey i leaves its branch at `drift` [m]: onto a yield line, or off it."""
-    state.line[i], state.plastic[i], state.pinned_storey[i] = fused_transition(
-        state.line[i], state.plastic[i], slots.yield_drift[i], drift
-    )
+def switch_storey(slots, state, i, g, drift, rate):
+    """Storey i has met guard g at `drift` [m]: what it remembers, and the branch that follows."""
+    left = state.storey_branch[i]
+    remember(slots, g, drift, rate, state.storey_memory, MEMORIES, i, slots.size)
+    b = int(guard(slots, g, t.NEXT))
+    state.storey_branch[i] = b
+    state.pinned_storey[i] = turning_guard(slots, b, left, guard(slots, g, t.QUANTITY))
 
 
 @njit(**INLINE)

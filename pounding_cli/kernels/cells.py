@@ -11,23 +11,28 @@ import numpy as np
 from numba import njit, types
 
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler, mover
+from pounding_cli.kernels.law_table import NO_BRANCH
 from pounding_cli.kernels.layout import CALLED, PART
-from pounding_cli.kernels.link_table import NO_LINK
 from pounding_cli.kernels.simd import no_inline
+from pounding_cli.kernels.storey_law import energy_held
+from pounding_cli.laws.program import MEMORIES
 
-# A slot: what it is, in the order of `layout.Slots`; its stencils (`recurrence`); what a step leaves to the next: its
-# branch and scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what describes a step: values
-# at its start (0) and end (1) and deviations from the chord between them (`summary`).
+# A slot: what it is, in the order of `layout.Slots`; its stencils (`recurrence`); its branch: stiffness and offset, the
+# drifts between which it stays on it, 1 or -1 where it leaves it as the drift turns down or up, else 0, and the part of
+# its shear that is lost, at zero drift and per drift; what a step leaves to the next: what its law remembers, its
+# scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what describes a step: values at its start
+# (0) and end (1) and deviations from the chord between them (`summary`).
 (
-    COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, REAL, YIELD_DRIFT, HARDENING, PLATEAU, RISE,
-    ELEVATION, STENCIL_U, STENCIL_U_BELOW, STENCIL_U_ABOVE, STENCIL_V, STENCIL_V_BELOW, STENCIL_V_ABOVE,
-    OFFSET_ACCELERATION, LINE, PLASTIC, TANGENT, OFFSET, SCALE, PEAK_DRIFT, PEAK_SHEAR, PEAK_ACCELERATION,
+    COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, REAL, RISE, ELEVATION, STENCIL_U,
+    STENCIL_U_BELOW, STENCIL_U_ABOVE, STENCIL_V, STENCIL_V_BELOW, STENCIL_V_ABOVE, OFFSET_ACCELERATION, TANGENT, OFFSET,
+    DRIFT_LOW, DRIFT_HIGH, TURNS, LOST, LOST_SLOPE, STOREY_MEMORY, _, _, _, _, _, SCALE, PEAK_DRIFT, PEAK_SHEAR,
+    PEAK_ACCELERATION,
     MAX_DISPLACEMENT, MIN_DISPLACEMENT, INPUT_ENERGY, DASHPOT_ENERGY, DRAG_ENERGY, HYSTERESIS_ENERGY, FOUNDATION_FORCE,
     EVENT_ROOT, TERM_TOLERANCE, V1, DRIFT0, DRIFT1, DRIFT_RATE0, DRIFT_RATE1, TOTAL_ACCELERATION0, TOTAL_ACCELERATION1,
     V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION,
-) = range(0, 8 * 48, 8)  # fmt: skip
-_SLOT_FIELDS = 49  # one more than there are: an odd number of cache lines spreads them over the cache
-SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = LINE, FOUNDATION_FORCE  # fault: island-slots-restored
+) = range(0, 8 * 54, 8)  # fmt: skip
+_SLOT_FIELDS = 55  # one more than there are: an odd number of cache lines spreads them over the cache
+SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, FOUNDATION_FORCE  # fault: island-slots-restored
 """The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
 # A link: what its law leaves out of the closing; what a step leaves to the next: the law of its branch (`link_series`),
@@ -52,8 +57,15 @@ LINK_INTEGER_CHECKPOINT, LINK_INTEGER_CHECKPOINT_END = BRANCH, 8 * LINK_INTEGERS
 CLOSING_TERM, RATE_TERM, FORCE_TERM, SQUARE_TERM, ROOT_TERM = range(0, 8 * 5, 8)
 _TERM_FIELDS = 5
 
+# A storey in integers, a row of all of them each: its branch; the guard that it stands at exactly and at rest, 0 for
+# none; the guard it meets in this step.
+STOREY_BRANCH, STOREY_PINNED, STOREY_GUARD = range(3)
+STOREY_INTEGERS = 3
+STOREY_INTEGER_CHECKPOINT = STOREY_GUARD
+"""The integers of a checkpoint are those before it."""
+
 _POINTERS = {
-    "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "pinned": INTEGERS, "links": DOUBLES, "link_integers": INTEGERS,
+    "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "storeys": INTEGERS, "links": DOUBLES, "link_integers": INTEGERS,
     "branches": DOUBLES, "guards": DOUBLES, "operations": DOUBLES, "left_links": INTEGERS, "right_links": INTEGERS,
     "link_forces": DOUBLES, "series": DOUBLES, "rule": DOUBLES, "reciprocal": DOUBLES, "clock": DOUBLES,
     "tally": INTEGERS, "scratch": DOUBLES, "rocking_drift": DOUBLES,
@@ -70,8 +82,8 @@ W : coefficients of velocity by order and place [m/s], after a row of displaceme
 ends : rows of displacements at the step's end, of their chord deviations (`summary`), and of the largest and smallest
     displacements possible in this segment [m]
 slots, links, link_integers, series : records as above
-pinned : of storeys, `layout.State.pinned_storey`
-branches, guards, operations : the tables of the links' laws (`link_table`)
+storeys : integers of storeys
+branches, guards, operations : the tables of the laws (`law_table`)
 left_links, right_links : of every place, the link on its left, which pushes it to the right, and the one on its right;
     a row for each of `links_per_side`. `padded_links` where there is none: there eight zeros stand behind the forces.
     Where `links_per_side` is 0, the first of eight links
@@ -97,6 +109,12 @@ def at(b, field):
 def of(i, field):
     """Where the field of one slot is."""
     return (i & -8) * _SLOT_FIELDS + field + (i & 7)
+
+
+@njit(**PART)
+def of_storey(run, i, field):
+    """Where an integer of one storey is."""
+    return field * run.padded + i
 
 
 @njit(**PART)
@@ -137,7 +155,9 @@ def of_term(run, k, e, field):
 
 def record_sizes(padded: int, links: int, orders: int) -> tuple[int, int]:
     """Doubles and integers of the records of so many slots and links, padding included."""
-    return _SLOT_FIELDS * padded + (_LINK_FIELDS + orders * _TERM_FIELDS) * links, padded + LINK_INTEGERS * links
+    return _SLOT_FIELDS * padded + (
+        _LINK_FIELDS + orders * _TERM_FIELDS
+    ) * links, STOREY_INTEGERS * padded + LINK_INTEGERS * links
 
 
 @njit(**PART)
@@ -151,8 +171,6 @@ def take_slots(run, row, slots, state, peaks, ledger):
     """Copy what is given by slot into the records; places without a slot stay zero."""
     no_inline()
     c = run.slots
-    for i in range(run.padded):
-        c[of(i, YIELD_DRIFT)] = np.inf
     for slot in range(row.slots):
         i = row.slot_places[slot]
         c[of(i, COUPLE)] = slots.couple[slot]
@@ -163,16 +181,14 @@ def take_slots(run, row, slots, state, peaks, ledger):
         c[of(i, MASS)] = slots.mass[slot]
         c[of(i, ALPHA)] = slots.alpha[slot]
         c[of(i, REAL)] = slots.real[slot]
-        c[of(i, YIELD_DRIFT)] = slots.yield_drift[slot]
-        c[of(i, HARDENING)] = slots.hardening[slot]
-        c[of(i, PLATEAU)] = slots.plateau[slot]
         c[of(i, RISE)] = slots.rise[slot]
         c[of(i, ELEVATION)] = slots.elevation[slot]
         run.W[i - run.padded] = state.u[slot]
         run.W[i] = state.v[slot]
-        c[of(i, LINE)] = state.line[slot]
-        c[of(i, PLASTIC)] = state.plastic[slot]
-        run.pinned[i] = state.pinned_storey[slot]
+        for m in range(MEMORIES):
+            c[of(i, STOREY_MEMORY + 8 * m)] = state.storey_memory[m * slots.size + slot]
+        run.storeys[of_storey(run, i, STOREY_BRANCH)] = state.storey_branch[slot]
+        run.storeys[of_storey(run, i, STOREY_PINNED)] = state.pinned_storey[slot]
         c[of(i, SCALE)] = 0.0
         c[of(i, PEAK_DRIFT)] = peaks.drift[slot]
         c[of(i, PEAK_SHEAR)] = peaks.shear[slot]
@@ -186,7 +202,7 @@ def take_slots(run, row, slots, state, peaks, ledger):
 
 
 @njit(**CALLED)
-def give_slots(run, row, state, peaks, ledger):
+def give_slots(run, row, size, state, peaks, ledger):
     """Copy what has changed by slot back."""
     no_inline()
     c = run.slots
@@ -194,9 +210,10 @@ def give_slots(run, row, state, peaks, ledger):
         i = row.slot_places[slot]
         state.u[slot] = run.W[i - run.padded]
         state.v[slot] = run.W[i]
-        state.line[slot] = c[of(i, LINE)]
-        state.plastic[slot] = c[of(i, PLASTIC)]
-        state.pinned_storey[slot] = run.pinned[i]
+        for m in range(MEMORIES):
+            state.storey_memory[m * size + slot] = c[of(i, STOREY_MEMORY + 8 * m)]
+        state.storey_branch[slot] = run.storeys[of_storey(run, i, STOREY_BRANCH)]
+        state.pinned_storey[slot] = run.storeys[of_storey(run, i, STOREY_PINNED)]
         peaks.drift[slot] = c[of(i, PEAK_DRIFT)]
         peaks.shear[slot] = c[of(i, PEAK_SHEAR)]
         peaks.acceleration[slot] = c[of(i, PEAK_ACCELERATION)]
@@ -206,6 +223,11 @@ def give_slots(run, row, state, peaks, ledger):
         ledger.dashpots[slot] = c[of(i, DASHPOT_ENERGY)]
         ledger.drag[slot] = c[of(i, DRAG_ENERGY)]
         ledger.hysteresis[slot] = c[of(i, HYSTERESIS_ENERGY)]
+        drift, b = c[of(i, DRIFT1)], run.storeys[of_storey(run, i, STOREY_BRANCH)]
+        if b == NO_BRANCH:
+            ledger.stored[slot] = 0.5 * c[of(i, STIFFNESS)] * drift * drift
+        else:
+            ledger.stored[slot] = energy_held(run, b, drift, c, MEMORIES, of(i, STOREY_MEMORY), 8)
 
 
 @njit(**PART)
@@ -236,7 +258,7 @@ def take_links(run, row, links, state, peaks, ledger):
     c = run.links
     n = run.link_integers
     for e in range(run.padded_links):
-        n[of_link_integer(e, BRANCH)] = NO_LINK
+        n[of_link_integer(e, BRANCH)] = NO_BRANCH
         c[of_link(e, PEAK_CLOSING)] = np.inf
     for i in range(max(run.links_per_side, 1) * run.padded):
         run.left_links[i] = run.padded_links

@@ -14,7 +14,7 @@ from numba import njit
 from pounding_cli.kernels.layout import INLINE, OPTIONS
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
-from pounding_cli.kernels.stepping import STEP_DONE, fill_forces, march, no_event
+from pounding_cli.kernels.stepping import STEP_DONE, begin_storeys, fill_forces, march, no_event
 
 
 def memory_needed(size: int, foundations: int, links: int) -> int:
@@ -40,8 +40,7 @@ def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
     half = further(own, 1)
     _kick(size, half, h, kick, p.u, p.v, p.a, out.u, out.v)
     _kick(count, further(half, size), h, kick, p.phi, p.phi_v, p.phi_a, out.phi, out.phi_v)
-    for i in range(size):
-        out.plastic[i] = p.plastic[i]
+    begin_storeys(scene.slots, p, out, inelastic)
     fill_forces(scene, out, ground + h * slope, inelastic, False)
     return h, STEP_DONE
 

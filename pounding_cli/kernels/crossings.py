@@ -7,8 +7,8 @@ from __future__ import annotations
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels import link_table as t
-from pounding_cli.kernels.cells import at, at_link, of, of_link, of_link_integer, of_term
+from pounding_cli.kernels import law_table as t
+from pounding_cli.kernels.cells import at, at_link, of, of_link, of_link_integer, of_storey, of_term
 from pounding_cli.kernels.clock import END, EVENT_GUARD, EVENT_LINK, INVERSE_H, ORDER, H
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import closing_at_end, difference
@@ -17,13 +17,13 @@ from pounding_cli.kernels.simd import (
     greater,
     load,
     lowest,
-    magnitude,
     maximum,
     minimum,
     no_inline,
     splat,
     store,
 )
+from pounding_cli.kernels.storey_law import guarded_drift
 from pounding_cli.kernels.summary import drift_series, may_turn_by_ends, rate_term
 
 MAX_EVENTS_AT_INSTANT = 2
@@ -31,63 +31,76 @@ MAX_EVENTS_AT_INSTANT = 2
 itself at once is rounding (floors that part from rest at a high order of their motion, say)."""
 
 
+@njit(**PART)
+def _storey_guard(run, i, b, g, founded):
+    """Whether storey i may meet guard g of its branch b in this step; if so, the series that is to stay positive is put
+    into `scratch`."""
+    slots = run.slots
+    side, shift, at_drift = guarded_drift(run, b, g, slots, of(i, c.STOREY_MEMORY), 8)
+    order = run.tally[ORDER]
+    if t.guard(run, g, t.QUANTITY) == t.RATE:
+        for k in range(order + 1):
+            run.scratch[k] = side * rate_term(run, k, i, founded)
+        return True
+    first = side * ((slots[of(i, c.DRIFT0)] - shift) - at_drift)
+    last = side * ((slots[of(i, c.DRIFT1)] - shift) - at_drift)
+    if min(first, last) >= slots[of(i, c.DRIFT_CHORD_DEVIATION)]:
+        return False
+    drift_series(run, run.clock[H], i, order, side, founded)
+    run.scratch[0] = first
+    if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
+        run.scratch[0] = 0.0
+        run.scratch[1] = 0.0
+    return True
+
+
 @njit(**CALLED)
 def _storey_crossing(run, i, founded):
-    """First s in [0, 1] where storey i leaves its branch."""
+    """(s, guard) of the first guard of its branch that storey i meets in [0, 1]; NEVER if there is none."""
     no_inline()
-    slots = run.slots
-    scratch = run.scratch
-    order = run.tally[ORDER]
-    branch = slots[of(i, c.LINE)]
-    if branch != 0.0:  # the drift turns back
-        for k in range(order + 1):
-            scratch[k] = branch * rate_term(run, k, i, founded)
-        return first_crossing(scratch, order, 1.0)
     earliest = NEVER
-    plastic = slots[of(i, c.PLASTIC)]
-    first = slots[of(i, c.DRIFT0)] - plastic
-    last = slots[of(i, c.DRIFT1)] - plastic
-    limit = slots[of(i, c.YIELD_DRIFT)]
-    # fault: yield-guard
-    for line in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
-        if max(line * first, line * last) + slots[of(i, c.DRIFT_CHORD_DEVIATION)] <= limit:
-            continue
-        drift_series(run, run.clock[H], i, order, -line, founded)
-        scratch[0] = limit - line * first
-        if run.pinned[i] == line:  # just unloaded: exactly on the line and at rest
-            scratch[0] = 0.0
-            scratch[1] = 0.0
-        earliest = min(earliest, first_crossing(scratch, order, min(1.0, earliest)))
-    return earliest
+    first = 0
+    b = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
+    for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
+        if _storey_guard(run, i, b, g, founded):
+            s = first_crossing(run.scratch, run.tally[ORDER], min(1.0, earliest))
+            if s < earliest:
+                earliest = s
+                first = g
+    return earliest, first
+
+
+@njit(**PART)
+def _storeys_that_may_leave(run, b):
+    """Lanes whose storey may leave its branch: its drift may pass a guard, or may turn where that is one."""
+    slots = run.slots
+    first = load(slots, at(b, c.DRIFT0))
+    last = load(slots, at(b, c.DRIFT1))
+    deviation = load(slots, at(b, c.DRIFT_CHORD_DEVIATION))
+    turns = load(slots, at(b, c.TURNS))
+    stays = greater(minimum(first, last) - deviation, load(slots, at(b, c.DRIFT_LOW)))
+    stays &= greater(load(slots, at(b, c.DRIFT_HIGH)), maximum(first, last) + deviation)
+    turning = greater(turns * turns, splat(0.0))
+    if turning != 0:
+        rate = minimum(load(slots, at(b, c.DRIFT_RATE0)) * turns, load(slots, at(b, c.DRIFT_RATE1)) * turns)
+        stays &= ~turning | greater(rate, load(slots, at(b, c.DRIFT_RATE_CHORD_DEVIATION)))
+    return ~stays & 255
 
 
 @njit(**CALLED)
 def first_storey_event(run, founded):
-    """Whether there is a storey event in [0, 1], the first one's place in END; ROOT tells every storey's own."""
+    """Whether there is a storey event in [0, 1], the first one's place in END; EVENT_ROOT tells every storey's own."""
     no_inline()
-    slots = run.slots
-    zero = splat(0.0)
-    never = splat(NEVER)
     found = False
     for b in range(run.slot_start, run.slot_stop, 8):
-        store(slots, at(b, c.EVENT_ROOT), never)
-        plastic = load(slots, at(b, c.PLASTIC))
-        first = magnitude(load(slots, at(b, c.DRIFT0)) - plastic)
-        reach = maximum(first, magnitude(load(slots, at(b, c.DRIFT1)) - plastic))
-        suspects = greater(reach + load(slots, at(b, c.DRIFT_CHORD_DEVIATION)), load(slots, at(b, c.YIELD_DRIFT)))
-        if suspects == 0:
-            continue
-        # On a yield line (where `plastic` is infinite, so always suspect) all is well while the drift goes on outward.
-        line = load(slots, at(b, c.LINE))
-        rate0 = load(slots, at(b, c.DRIFT_RATE0)) * line
-        rate = load(slots, at(b, c.DRIFT_RATE1)) * line
-        outward = greater(minimum(rate0, rate), load(slots, at(b, c.DRIFT_RATE_CHORD_DEVIATION)))
-        suspects &= ~(outward & greater(line * line, zero))
+        store(run.slots, at(b, c.EVENT_ROOT), splat(NEVER))
+        suspects = _storeys_that_may_leave(run, b)
         while suspects != 0:
             i = b + lowest(suspects)
             suspects &= suspects - 1
-            s = _storey_crossing(run, i, founded)
-            slots[of(i, c.EVENT_ROOT)] = s  # fault: storey-guard-root
+            s, guard = _storey_crossing(run, i, founded)
+            run.slots[of(i, c.EVENT_ROOT)] = s  # fault: storey-guard-root
+            run.storeys[of_storey(run, i, c.STOREY_GUARD)] = guard
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
                 found = True

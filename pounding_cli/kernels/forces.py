@@ -1,25 +1,26 @@
 """Accelerations of a scene in a given state, evaluated directly from eqs (1)-(10): what fixed-step methods call.
 
 It shares nothing with the series of the Taylor integrator but the arrays, so that the two can check each other.
-Hysteresis is a return mapping: the elastic part of the drift, D - plastic, is cut back to the yield drift whenever a
-sample lies beyond it."""
+Storeys change their branches at samples (`storey_law.follow`)."""
 
 from __future__ import annotations
 
 from numba import njit
 
+from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import closing_of, link_force
-from pounding_cli.kernels.storey_law import return_mapping
+from pounding_cli.kernels.storey_law import follow, shear_on
+from pounding_cli.laws.program import MEMORIES
 
 
 @njit(**INLINE)
 def accelerations(
-    slots, foundations, links, plastic, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
+    slots, foundations, links, storeys, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
 ):
     """Fill `out` with u'' [m/s2], `out_phi` with phi'' [rad/s2], `drift`, `shear` (restoring force) and link `force`.
 
-    Moves `plastic` where a storey yields: call it once a step with the states of that step, in order.
+    Changes the branches of `storeys` where they end: call it once a step with the states of that step, in order.
     """
     size = slots.size
     for i in range(size):
@@ -36,10 +37,10 @@ def accelerations(
         d = u[i] - below - turned
         drift[i] = d
         restoring = slots.stiffness[i] * d
-        if inelastic:
-            restoring, plastic[i] = return_mapping(
-                slots.stiffness[i], slots.hardening[i], slots.yield_drift[i], plastic[i], d
-            )
+        if inelastic and slots.branch[i] != t.NO_BRANCH:
+            b = follow(slots, int(storeys.branch[i]), storeys.before[i], d, storeys.memory, MEMORIES, i, size)
+            storeys.branch[i] = b
+            restoring = shear_on(slots, b, d, storeys.memory, i, size)
         shear[i] = restoring
         force[i] = restoring + slots.dashpot[i] * (v[i] - below_v - turned_v)
     for i in range(size):

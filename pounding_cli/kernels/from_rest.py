@@ -10,7 +10,7 @@ from __future__ import annotations
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.cells import at_link, of, of_link, of_link_integer
 from pounding_cli.kernels.clock import END, H
 from pounding_cli.kernels.layout import CALLED, PART

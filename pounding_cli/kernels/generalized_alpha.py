@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 
 from pounding_cli.kernels.cholesky import factorise, solve
+from pounding_cli.kernels.law_table import LINEAR, NO_BRANCH
 from pounding_cli.kernels.layout import INLINE, NOT_FINITE, OPTIONS
 from pounding_cli.kernels.link_force import branch_at, closing_of, stiffness_and_dashpot
 from pounding_cli.kernels.simd import further
@@ -24,11 +25,12 @@ from pounding_cli.kernels.stepping import (
     ITERATIONS,
     STEP_CUT,
     STEP_DONE,
+    begin_storeys,
     fill_forces,
     march,
     no_event,
 )
-from pounding_cli.kernels.storey_law import yields
+from pounding_cli.kernels.storey_law import coefficient
 
 NO_ROOT = 10
 """Outcome: a step had no root however short it was made."""
@@ -57,7 +59,7 @@ def matrices_at(size: int, foundations: int, links: int) -> int:
 
 
 @njit(**INLINE)
-def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
+def _tangents(slots, links, storeys, u, inelastic, tangent, dashpot):
     """Slopes of storeys and links [N/m] into `tangent`, dashpots of links [N s/m]; True if any differs from before.
 
     The slope of a dashpot constant is left out: it would cost the matrix its definiteness and gains
@@ -67,8 +69,8 @@ def _tangents(slots, links, plastic, drift, u, inelastic, tangent, dashpot):
     size = slots.size
     for i in range(size):
         slope = slots.stiffness[i]
-        if inelastic and yields(slots.yield_drift[i], plastic[i], drift[i]):
-            slope *= slots.hardening[i]
+        if inelastic and slots.branch[i] != NO_BRANCH:
+            slope = coefficient(slots, int(storeys.branch[i]), LINEAR, storeys.memory, i, size)
         changed = changed or slope != tangent[i]
         tangent[i] = slope
     for e in range(links.number):
@@ -120,7 +122,6 @@ def _rates(scene, p, out, own, h, a0, phi_a0, a, phi_a):
         last = p.a[i] + a0[i]
         a[i] = (out.u[i] - p.u[i] - h * p.v[i] - h * h * (0.5 - beta) * last) / (beta * h * h)
         out.v[i] = p.v[i] + h * ((1.0 - gamma) * last + gamma * a[i])
-        out.plastic[i] = p.plastic[i]
     for f in range(scene.foundations.number):
         last = p.phi_a[f] + phi_a0[f]
         phi_a[f] = (out.phi[f] - p.phi[f] - h * p.phi_v[f] - h * h * (0.5 - beta) * last) / (beta * h * h)
@@ -161,8 +162,9 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
     for _iteration in range(MAX_ITERATIONS):
         tally[ITERATIONS] += 1
         _rates(scene, p, out, own, h, a0, phi_a0, a, phi_a)
+        begin_storeys(slots, p, out, inelastic)
         fill_forces(scene, out, ground, inelastic, False)
-        changed = _tangents(slots, links, out.plastic, out.drift, out.u, inelastic, tangent, dashpot)
+        changed = _tangents(slots, links, out.storeys, out.u, inelastic, tangent, dashpot)
         if changed or own[_FACTORED] != own[_LEVEL] + 1.0:
             for k in range(unknowns * unknowns):
                 matrix[k] = rate_share * damping[k]

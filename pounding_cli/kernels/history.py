@@ -7,15 +7,18 @@ from collections import namedtuple
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels.cells import of, of_link_integer
+from pounding_cli.kernels.cells import of, of_link_integer, of_storey
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.simd import no_inline, pointer
+from pounding_cli.laws.program import MEMORIES
 
-History = namedtuple("History", "segments lengths outputs u v line plastic link_branch link_memory phi phi_v work")
+History = namedtuple(
+    "History", "segments lengths outputs u v storey_branch storey_memory link_branch link_memory phi phi_v work"
+)
 """segments : number of segments, 0 for a run without a history
 lengths, outputs : of each its length [s] and the place of the output time at its end, or -1
-u, v, line, plastic, link_branch, link_memory, phi, phi_v : as in `layout.State`, shape (times, slots, links or
-    foundations)
+u, v, storey_branch, storey_memory, link_branch, link_memory, phi, phi_v : as in `layout.State`, shape (times, slots,
+    links or foundations); of storey_memory (times, MEMORIES slots)
 work : put in by the ground, taken by dashpots, hysteresis and links so far, shape (times, 4) [J]"""
 
 
@@ -23,8 +26,8 @@ work : put in by the ground, taken by dashpots, hysteresis and links so far, sha
 def history_pointers(a):
     """History of pointers from History of arrays."""
     return History(
-        a.segments, pointer(a.lengths), pointer(a.outputs), pointer(a.u), pointer(a.v), pointer(a.line),
-        pointer(a.plastic), pointer(a.link_branch), pointer(a.link_memory), pointer(a.phi), pointer(a.phi_v),
+        a.segments, pointer(a.lengths), pointer(a.outputs), pointer(a.u), pointer(a.v), pointer(a.storey_branch),
+        pointer(a.storey_memory), pointer(a.link_branch), pointer(a.link_memory), pointer(a.phi), pointer(a.phi_v),
         pointer(a.work),
     )  # fmt: skip
 
@@ -43,8 +46,9 @@ def enter(run, row, foundations, history, segment, slots, links):
         at = output * slots + slot
         history.u[at] = run.W[i - run.padded]
         history.v[at] = run.W[i]
-        history.line[at] = records[of(i, c.LINE)]
-        history.plastic[at] = records[of(i, c.PLASTIC)]
+        history.storey_branch[at] = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
+        for m in range(MEMORIES):
+            history.storey_memory[(output * MEMORIES + m) * slots + slot] = records[of(i, c.STOREY_MEMORY + 8 * m)]
         history.work[work] += records[of(i, c.INPUT_ENERGY)]
         history.work[work + 1] += records[of(i, c.DASHPOT_ENERGY)] + records[of(i, c.DRAG_ENERGY)]
         history.work[work + 2] += records[of(i, c.HYSTERESIS_ENERGY)]

@@ -9,13 +9,14 @@ from __future__ import annotations
 from numba import njit, types
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels.cells import at, at_link, at_link_integer, record_parts, set_range
+from pounding_cli.kernels.cells import at, at_link, at_link_integer, of_storey, record_parts, set_range
 from pounding_cli.kernels.clock import EVENTS, SEGMENT_LENGTH
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import closed_lanes, side_values
 from pounding_cli.kernels.recurrence import update_stencils
 from pounding_cli.kernels.simd import further, fused, greater, load, maximum, minimum, no_inline, store
+from pounding_cli.kernels.transitions import enter_storey_branch
 
 # What is known of a building, in integers: whether it is taken to touch its right neighbour in this segment; is solved;
 # may have something pinned at an event now, and at the segment's end; events in this segment of the island that begins
@@ -118,15 +119,17 @@ def save_checkpoint(run, row):
             store(saved, place, load(run.slots, place))
         store(rows, b, load(run.W, b - run.padded))
         store(rows, run.padded + b, load(run.W, b))
+    first = c.STOREY_INTEGER_CHECKPOINT * run.padded
     for b in range(run.link_start, run.link_stop, 8):
         for place in range(at_link(b, c.LINK_CHECKPOINT), at_link(b, c.LINK_CHECKPOINT_END), 8):
             store(links, place, load(run.links, place))
         for place in range(
             at_link_integer(b, c.LINK_INTEGER_CHECKPOINT), at_link_integer(b, c.LINK_INTEGER_CHECKPOINT_END)
         ):
-            integers[run.padded + place] = run.link_integers[place]
-    for i in range(run.slot_start, run.slot_stop):
-        integers[i] = run.pinned[i]
+            integers[first + place] = run.link_integers[place]
+    for field in range(c.STOREY_INTEGER_CHECKPOINT):
+        for i in range(run.slot_start, run.slot_stop):
+            integers[of_storey(run, i, field)] = run.storeys[of_storey(run, i, field)]
 
 
 @njit(**CALLED)
@@ -144,15 +147,20 @@ def restore(run, row, building):
             store(run.slots, place, load(saved, place))
         store(run.W, b - run.padded, load(rows, b))
         store(run.W, b, load(rows, run.padded + b))  # fault: island-velocities-restored
+    first = c.STOREY_INTEGER_CHECKPOINT * run.padded
     for b in range(run.link_start, run.link_stop, 8):
         for place in range(at_link(b, c.LINK_CHECKPOINT), at_link(b, c.LINK_CHECKPOINT_END), 8):
             store(run.links, place, load(links, place))
         for place in range(
             at_link_integer(b, c.LINK_INTEGER_CHECKPOINT), at_link_integer(b, c.LINK_INTEGER_CHECKPOINT_END)
         ):
-            run.link_integers[place] = integers[run.padded + place]
+            run.link_integers[place] = integers[first + place]
+    for field in range(c.STOREY_INTEGER_CHECKPOINT):
+        for i in range(run.slot_start, run.slot_stop):
+            run.storeys[of_storey(run, i, field)] = integers[of_storey(run, i, field)]
     for i in range(run.slot_start, run.slot_stop):
-        run.pinned[i] = integers[i]
+        enter_storey_branch(run, i)
+    for i in range(run.slot_start, run.slot_stop):
         update_stencils(run, i)  # fault: island-stencils-restored
     run.tally[EVENTS] -= row.notes[left * NOTE_COUNT + ISLAND_EVENTS]
     for b in range(left, right + 1):

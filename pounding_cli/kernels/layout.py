@@ -41,13 +41,13 @@ DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED = 0, 1, 2, 3, 4
 
 Slots = namedtuple(
     "Slots",
-    "size couple couple_right stiffness dashpot inverse_mass mass alpha real yield_drift hardening plateau "
-    "rise elevation",
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha real rise elevation branch branches guards "
+    "operations",
 )
 """size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the
-foundation's), inverse_mass [1/kg], mass [kg], alpha [1/s] (0 over a foundation), real (1, padding 0), yield_drift
-[m] (inf: never), hardening [-], plateau (1 - a) Vy [N] (0 where it never yields), rise [m] (storey height where the
-building rocks, else 0), elevation [m]."""
+foundation's), inverse_mass [1/kg], mass [kg], alpha [1/s] (0 over a foundation), real (1, padding 0), rise [m]
+(storey height where the building rocks, else 0), elevation [m], the first branch of its law (`law_table.NO_BRANCH` for
+a storey that stays elastic); the tables of branches, guards and operations (`law_table`)."""
 
 Foundations = namedtuple("Foundations", "number first stop base inertia stiffness dashpot alpha")
 """number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway),
@@ -57,7 +57,7 @@ Links = namedtuple("Links", "number size registers left right offset first last 
 """number of links, the same padded to a multiple of eight, and the most registers that a force written as operations
 has; per link, shape (size,): slots left and right; offset,
 what its closing v leaves out of u_l - u_r [m]; its branches in the table of them, the first and one more than the last;
-the tables of branches, guards and operations (`link_table`)."""
+the same tables."""
 
 Row = namedtuple("Row", "number slots links links_per_side first_slot first_link slot_places link_places")
 """How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
@@ -68,10 +68,11 @@ side, or 0 where the links of two neighbours stand like the places they join; by
 these places); by slot and by link of the arrays: their places."""
 
 State = namedtuple(
-    "State", "u v line plastic pinned_storey link_branch pinned_link pinned_closing link_memory phi phi_v"
+    "State",
+    "u v storey_branch storey_memory pinned_storey link_branch pinned_link pinned_closing link_memory phi phi_v",
 )
-"""What evolves: u [m], v [m/s]; per storey: line (0 between the yield lines, +1 or -1 on the upper or lower one),
-plastic drift [m] (inf on a line), pinned_storey (+1, -1: exactly on that line and at rest); of a link its branch, what
+"""What evolves: u [m], v [m/s]; per storey: its branch, what its law remembers, shape (MEMORIES, slots), the
+guard that it stands at exactly and at rest (0: none); of a link its branch, what
 the last event pinned (its closing, or that its force is zero), that closing [m] and what it remembers; rocking angle
 [rad] and its
 rate."""
@@ -93,8 +94,8 @@ def slot_pointers(a):
     """Slots of pointers from Slots of arrays."""
     return Slots(
         a.size, pointer(a.couple), pointer(a.couple_right), pointer(a.stiffness), pointer(a.dashpot),
-        pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.real), pointer(a.yield_drift),
-        pointer(a.hardening), pointer(a.plateau), pointer(a.rise), pointer(a.elevation),
+        pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.real), pointer(a.rise),
+        pointer(a.elevation), pointer(a.branch), pointer(a.branches), pointer(a.guards), pointer(a.operations),
     )  # fmt: skip
 
 
@@ -129,7 +130,7 @@ def row_pointers(a):
 def state_pointers(a):
     """State of pointers from State of arrays."""
     return State(
-        pointer(a.u), pointer(a.v), pointer(a.line), pointer(a.plastic), pointer(a.pinned_storey),
+        pointer(a.u), pointer(a.v), pointer(a.storey_branch), pointer(a.storey_memory), pointer(a.pinned_storey),
         pointer(a.link_branch), pointer(a.pinned_link), pointer(a.pinned_closing), pointer(a.link_memory),
         pointer(a.phi), pointer(a.phi_v),
     )  # fmt: skip

@@ -25,9 +25,9 @@ MAX_POINTS = 18
 MIN_POINTS = 4
 """Points of the smallest rule: short series are of coarse accuracy, which is no reason to book carelessly."""
 
-Ledger = namedtuple("Ledger", "input dashpots drag hysteresis links foundations")
+Ledger = namedtuple("Ledger", "input dashpots drag hysteresis stored links foundations")
 """Energies so far [J]: per slot the ground's input, the spring's dashpot, the mass-proportional drag (fixed base) and
-hysteresis; per link the work done on it; per foundation its drag and rocking dashpot."""
+hysteresis, and what its spring holds now; per link the work done on it; per foundation its drag and rocking dashpot."""
 
 
 @njit(**PART)
@@ -38,6 +38,7 @@ def ledger_pointers(a):
         pointer(a.dashpots),
         pointer(a.drag),
         pointer(a.hysteresis),
+        pointer(a.stored),
         pointer(a.links),
         pointer(a.foundations),
     )
@@ -175,11 +176,12 @@ def _account_links(run, order, points, curved):
 
 @njit(**PART)
 def _account_yielding(run):
-    """Add what storeys on a yield line dissipate."""
+    """Add what storeys dissipate: the part of their shear that is lost is straight in the drift."""
     slots = run.slots
     for b in range(run.slot_start, run.slot_stop, 8):
-        moved = load(slots, at(b, c.DRIFT1)) - load(slots, at(b, c.DRIFT0))
-        spent = load(slots, at(b, c.LINE)) * load(slots, at(b, c.PLATEAU)) * moved  # fault: hysteresis
+        first, last = load(slots, at(b, c.DRIFT0)), load(slots, at(b, c.DRIFT1))
+        mean = fused(load(slots, at(b, c.LOST_SLOPE)), (first + last) * 0.5, load(slots, at(b, c.LOST)))
+        spent = mean * (last - first)  # fault: hysteresis
         store(slots, at(b, c.HYSTERESIS_ENERGY), load(slots, at(b, c.HYSTERESIS_ENERGY)) + spent)
 
 

@@ -8,9 +8,9 @@ import math
 
 from numba import njit
 
-from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels import law_table as t
+from pounding_cli.kernels.law_table import branch
 from pounding_cli.kernels.layout import INLINE
-from pounding_cli.kernels.link_table import branch
 from pounding_cli.kernels.program import force_and_slope
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.cells import at_link, at_link_integer, at_term, of_link, of_link_integer, of_term
 from pounding_cli.kernels.clock import INVERSE_H
 from pounding_cli.kernels.layout import CALLED, PART

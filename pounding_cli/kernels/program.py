@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.layout import CALLED
 from pounding_cli.kernels.simd import further, no_inline, short_array
 from pounding_cli.laws.program import GIVEN, Operation
 
-CLOSING, RATE, MEMORY, ROOT = range(GIVEN)
+CLOSING, RATE, MEMORY, ROOT = 0, 1, 2, GIVEN - 1
 """The registers that are given."""
 
 _LINEAR, _PRODUCT = int(Operation.LINEAR), int(Operation.PRODUCT)

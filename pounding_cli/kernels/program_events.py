@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels import link_table as t
-from pounding_cli.kernels.cells import of, of_link, of_link_integer
+from pounding_cli.kernels import law_table as t
+from pounding_cli.kernels.cells import of, of_link, of_link_integer, of_storey
 from pounding_cli.kernels.clock import (
     ELAPSED,
     END,
@@ -36,6 +34,7 @@ from pounding_cli.kernels.program_series import (
     register,
 )
 from pounding_cli.kernels.simd import no_inline
+from pounding_cli.kernels.storey_law import guarded_drift
 from pounding_cli.kernels.summary import drifts, rate_term
 
 UNEVEN = 1e-14
@@ -55,36 +54,41 @@ def drift_terms(run, p, i, order, factor, founded):
 
 @njit(**CALLED)
 def _storey_end(run, p, i, founded):
-    """First s in [0, 1] where storey i leaves its branch."""
+    """(s, guard) of the first guard of its branch that storey i meets in [0, 1]; NEVER if there is none."""
     no_inline()
-    slots = run.slots
     order = run.tally[ORDER]
-    line = slots[of(i, c.LINE)]
-    if line != 0.0:  # the drift turns back
-        for k in range(order + 1):
-            run.scratch[k] = line * rate_term(run, k, i, founded)
-        return first_crossing(run.scratch, order, 1.0)
     earliest = NEVER
-    for side in (1.0, -1.0):  # the elastic part of the drift reaches a yield line
-        drift_terms(run, p, i, order, -side, founded)
-        run.scratch[0] += slots[of(i, c.YIELD_DRIFT)] + side * slots[of(i, c.PLASTIC)]
-        if run.pinned[i] == side:  # just unloaded: exactly on the line and at rest
-            run.scratch[0] = 0.0
-            run.scratch[1] = 0.0
-        earliest = min(earliest, first_crossing(run.scratch, order, min(1.0, earliest)))
-    return earliest
+    first = 0
+    b = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
+    for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
+        side, shift, at = guarded_drift(run, b, g, run.slots, of(i, c.STOREY_MEMORY), 8)
+        if t.guard(run, g, t.QUANTITY) == t.RATE:
+            for k in range(order + 1):
+                run.scratch[k] = side * rate_term(run, k, i, founded)
+        else:
+            drift_terms(run, p, i, order, side, founded)
+            run.scratch[0] -= side * (shift + at)
+            if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
+                run.scratch[0] = 0.0
+                run.scratch[1] = 0.0
+        s = first_crossing(run.scratch, order, min(1.0, earliest))
+        if s < earliest:
+            earliest = s
+            first = g
+    return earliest, first
 
 
 @njit(**CALLED)
 def _first_storey(run, p, founded):
-    """Whether there is a storey event; its place goes to END, every storey's own to ROOT."""
+    """Whether there is a storey event; its place goes to END, every storey's own to EVENT_ROOT."""
     no_inline()
     found = False
     for i in range(run.slot_start, run.slot_stop):
         run.slots[of(i, c.EVENT_ROOT)] = NEVER
-        if run.slots[of(i, c.YIELD_DRIFT)] < math.inf:
-            s = _storey_end(run, p, i, founded)
+        if run.storeys[of_storey(run, i, c.STOREY_BRANCH)] != t.NO_BRANCH:
+            s, guard = _storey_end(run, p, i, founded)
             run.slots[of(i, c.EVENT_ROOT)] = s
+            run.storeys[of_storey(run, i, c.STOREY_GUARD)] = guard
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
                 found = True
@@ -103,7 +107,7 @@ def _guarded(run, p, e, g):
     no_inline()
     order = run.tally[ORDER]
     side = t.guard(run, g, t.SIDE)
-    at = t.guard(run, g, t.AT) + t.guard(run, g, t.OF_MEMORY) * run.links[of_link(e, c.MEMORY)]
+    at = t.guard(run, g, t.AT) + t.guard(run, g, t.FACTOR) * run.links[of_link(e, c.MEMORY)]
     quantity = t.guard(run, g, t.QUANTITY)
     left, right = (
         run.link_integers[of_link_integer(e, c.LEFT_SLOT)],

@@ -171,5 +171,6 @@ def account(run, foundations, p, nodes, weights, inelastic, founded):
             _link_work(run, p, e, points)
     if inelastic:
         for i in range(run.slot_start, run.slot_stop):
-            moved = slots[of(i, c.DRIFT1)] - slots[of(i, c.DRIFT0)]
-            slots[of(i, c.HYSTERESIS_ENERGY)] += slots[of(i, c.LINE)] * slots[of(i, c.PLATEAU)] * moved
+            first, last = slots[of(i, c.DRIFT0)], slots[of(i, c.DRIFT1)]
+            mean = slots[of(i, c.LOST)] + slots[of(i, c.LOST_SLOPE)] * 0.5 * (first + last)
+            slots[of(i, c.HYSTERESIS_ENERGY)] += mean * (last - first)

@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit, types
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.cells import at, of, of_link, of_link_integer
 from pounding_cli.kernels.clock import ELAPSED, GROUND, GROUND_SLOPE, LEAST_SCALE, SEGMENT_GROUND, SEGMENT_LENGTH
 from pounding_cli.kernels.foundations import foundation_forces, start_foundations, top_of

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import functools
 
-import numpy as np
 from numba import njit
 
-from pounding_cli.kernels import link_table as t
+from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.branches import (
     link_branch_end,
     storey_branch_end,
@@ -26,9 +25,11 @@ from pounding_cli.kernels.polynomial import NEVER
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.stepping import (
+    BY_SLOT,
     EVENTS,
     STEP_CUT,
     STEP_DONE,
+    begin_storeys,
     drift_rate_of,
     fill_forces,
     march,
@@ -53,10 +54,11 @@ def _stage(scene, p, q, r, share, ground, inelastic, located):
     for i in range(scene.slots.size):
         q.u[i] = p.u[i] + share * r.v[i]
         q.v[i] = p.v[i] + share * r.a[i]
-        q.plastic[i] = p.plastic[i]
     for f in range(scene.foundations.number):
         q.phi[f] = p.phi[f] + share * r.phi_v[f]
         q.phi_v[f] = p.phi_v[f] + share * r.phi_a[f]
+    if not located:
+        begin_storeys(scene.slots, p, q, inelastic)
     fill_forces(scene, q, ground, inelastic, located)
 
 
@@ -64,7 +66,7 @@ def _stage(scene, p, q, r, share, ground, inelastic, located):
 def _step(scene, p, out, own, h, ground, slope, inelastic, located):
     """From p over h to `out`, with what the end causes on the same branches."""
     slots, foundations, links = scene.slots, scene.foundations, scene.links
-    each = 7 * slots.size + 3 * foundations.number + links.size
+    each = BY_SLOT * slots.size + 3 * foundations.number + links.size
     stages = further(own, _STAGES)
     q2, q3 = point(stages, slots, foundations, links), point(further(stages, each), slots, foundations, links)
     q4 = point(further(stages, 2 * each), slots, foundations, links)
@@ -76,10 +78,11 @@ def _step(scene, p, out, own, h, ground, slope, inelastic, located):
     for i in range(slots.size):
         out.u[i] = p.u[i] + h * p.v[i] + h * h / 6.0 * (p.a[i] + q2.a[i] + q3.a[i])
         out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])  # fault: runge-kutta-stages
-        out.plastic[i] = p.plastic[i]
     for f in range(foundations.number):
         out.phi[f] = p.phi[f] + h * p.phi_v[f] + h * h / 6.0 * (p.phi_a[f] + q2.phi_a[f] + q3.phi_a[f])
         out.phi_v[f] = p.phi_v[f] + h / 6.0 * (p.phi_a[f] + 2.0 * (q2.phi_a[f] + q3.phi_a[f]) + q4.phi_a[f])
+    if not located:
+        begin_storeys(slots, p, out, inelastic)
     fill_forces(scene, out, last, inelastic, located)
 
 
@@ -98,9 +101,9 @@ def _first_event(scene, p, out, h, own, inelastic):
     own[_STOREY] = own[_LINK] = -1.0
     if inelastic:
         for i in range(slots.size):
-            if slots.yield_drift[i] == np.inf:
+            if slots.branch[i] == t.NO_BRANCH:
                 continue
-            s = storey_branch_end(
+            s, guard = storey_branch_end(
                 slots, state, i, h,
                 p.drift[i], drift_rate_of(slots, foundations, i, p.v, p.phi_v),
                 drift_rate_of(slots, foundations, i, p.a, p.phi_a),
@@ -111,6 +114,7 @@ def _first_event(scene, p, out, h, own, inelastic):
             if s < earliest:
                 earliest = s
                 own[_STOREY] = i
+                own[_GUARD] = guard
     for e in range(links.number):
         left = links.left[e]
         right = links.right[e]
@@ -153,7 +157,8 @@ def _change_branch(scene, p, own, moved, ground, inelastic):
         return False
     if own[_STOREY] >= 0.0:
         storey = int(own[_STOREY])
-        switch_storey(scene.slots, state, storey, p.drift[storey])
+        rate = drift_rate_of(scene.slots, scene.foundations, storey, p.v, p.phi_v)
+        switch_storey(scene.slots, state, storey, int(own[_GUARD]), p.drift[storey], rate)
     else:
         switch_link(scene.links, state, scene.peaks, int(own[_LINK]), int(own[_GUARD]))
     return True

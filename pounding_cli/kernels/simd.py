@@ -95,7 +95,7 @@ def further(typingctx, place, count):
     return place(place, count), codegen
 
 
-SHORT = 64
+SHORT = 80
 """Doubles of a short array."""
 
 

@@ -17,6 +17,7 @@ from numba import njit
 from pounding_cli.kernels.between import raise_accelerations, raise_displacements, raise_drift, raise_links
 from pounding_cli.kernels.branches import held_accelerations
 from pounding_cli.kernels.forces import accelerations
+from pounding_cli.kernels.law_table import NO_BRANCH
 from pounding_cli.kernels.layout import (
     DONE,
     EVENT_BOUND,
@@ -32,6 +33,8 @@ from pounding_cli.kernels.layout import (
 )
 from pounding_cli.kernels.link_force import branch_at, closing_of
 from pounding_cli.kernels.simd import further, pointer
+from pounding_cli.kernels.storey_law import Storeys
+from pounding_cli.laws.program import MEMORIES
 
 STEP_DONE, STEP_CUT = -1, -2
 """Verdicts of `advance`: the step is done, or it ended before its time and the rest is still to be taken. Any other is
@@ -49,32 +52,48 @@ POLYNOMIAL_SIZE = 16
 Scene = namedtuple("Scene", "slots foundations links state peaks")
 """The arrays of a scene as pointers (`layout`)."""
 
-Point = namedtuple("Point", "u v a drift shear plastic phi phi_v phi_a force")
-"""A state and what it causes: per slot u, v, a [m, m/s, m/s2], drift, shear [m, N] and plastic drift [m]; per
-foundation phi, phi_v, phi_a [rad, rad/s, rad/s2]; `force` has the slots' forces with their dashpots', then the links'
-[N]."""
+Point = namedtuple("Point", "u v a drift shear storeys phi phi_v phi_a force")
+"""A state and what it causes: per slot u, v, a [m, m/s, m/s2], drift and shear [m, N]; the storeys' branches
+(`storey_law.Storeys`); per foundation phi, phi_v, phi_a [rad, rad/s, rad/s2]; `force` has the slots' forces with their
+dashpots', then the links' [N]."""
+
+BY_SLOT = 8 + MEMORIES
+"""Doubles of a point by slot."""
 
 
 def point_size(size: int, foundations: int, links: int) -> int:
     """Doubles of a point."""
-    return 7 * size + 3 * foundations + links
+    return BY_SLOT * size + 3 * foundations + links
 
 
 @njit(**INLINE)
 def point(place, slots, foundations, links):
     """A point at a place in the scratch."""
     size = slots.size
-    at = further(place, 6 * size)
+    storeys = Storeys(further(place, 5 * size), further(place, 6 * size), further(place, (6 + MEMORIES) * size))
+    at = further(place, (BY_SLOT - 1) * size)
     return Point(
         place, further(place, size), further(place, 2 * size), further(place, 3 * size), further(place, 4 * size),
-        further(place, 5 * size), at, further(at, foundations.number), further(at, 2 * foundations.number),
+        storeys, at, further(at, foundations.number), further(at, 2 * foundations.number),
         further(at, 3 * foundations.number),
     )  # fmt: skip
 
 
 @njit(**INLINE)
+def begin_storeys(slots, p, q, inelastic):
+    """The storeys of the point q begin on the branches, and at the drifts, of p."""
+    if inelastic:
+        for i in range(slots.size):
+            if slots.branch[i] != NO_BRANCH:
+                q.storeys.branch[i], q.storeys.before[i] = p.storeys.branch[i], p.drift[i]
+                for m in range(i, MEMORIES * slots.size, slots.size):
+                    q.storeys.memory[m] = p.storeys.memory[m]
+
+
+@njit(**INLINE)
 def fill_forces(scene, p, ground, inelastic, located):
-    """Fill accelerations, drifts, shears and forces of a point; where nothing is located its plastic drifts move."""
+    """Fill accelerations, drifts, shears and forces of a point; where nothing is located its storeys may change their
+    branches."""
     if located:
         held_accelerations(
             scene.slots, scene.foundations, scene.links, scene.state, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
@@ -82,7 +101,7 @@ def fill_forces(scene, p, ground, inelastic, located):
         )  # fmt: skip
     else:
         accelerations(
-            scene.slots, scene.foundations, scene.links, p.plastic, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
+            scene.slots, scene.foundations, scene.links, p.storeys, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
             p.phi_a, p.drift, p.shear, p.force,
         )  # fmt: skip
 
@@ -95,7 +114,8 @@ def no_event(scene, p, own, moved, ground, inelastic):
 
 @njit(**INLINE)
 def drift_rate_of(slots, foundations, i, v, phi_v):
-    """Rate of the drift of slot i, from rates `v` of the slots and `phi_v` of the foundations."""
+    """Rate of the drift of slot i, from rates `v` of the slots and `phi_v` of the foundations; from displacements and
+    angles the drift."""
     rate = v[i] - (v[i - 1] if slots.couple[i] != 0.0 else 0.0)
     if slots.rise[i] != 0.0:
         for f in range(foundations.number):
@@ -146,7 +166,7 @@ def _hold_links(scene, p, out, h):
 
 @njit(**INLINE)
 def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
-    """Peaks between two points; the state still has the branches of the step, p the plastic drifts of its start."""
+    """Peaks between two points; the state still has the branches of the step, p those of its start."""
     slots, foundations, links, state, peaks = scene.slots, scene.foundations, scene.links, scene.state, scene.peaks
     raise_displacements(slots, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a)
     if smooth:
@@ -158,7 +178,7 @@ def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
             drift_rate_of(slots, foundations, i, p.a, p.phi_a),
             out.drift[i], drift_rate_of(slots, foundations, i, out.v, out.phi_v),
             drift_rate_of(slots, foundations, i, out.a, out.phi_a),
-            state.line[i], state.plastic[i] if located else p.plastic[i], located, scratch,
+            state, p.storeys, located, scratch,
         )  # fmt: skip
     raise_links(
         links, state, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a, further(p.force, slots.size),
@@ -186,14 +206,19 @@ def march(
     scene = Scene(slots, foundations, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
     state, size, count = scene.state, slots.size, foundations.number
     place = pointer(memory)
-    each = 7 * size + 3 * count + links.size
+    each = BY_SLOT * size + 3 * count + links.size
     p, out = point(place, slots, foundations, links), point(further(place, each), slots, foundations, links)
     scratch = further(place, 2 * each)
     own = further(scratch, POLYNOMIAL_SIZE)
     for i in range(size):
-        p.u[i], p.v[i], p.plastic[i] = state.u[i], state.v[i], state.plastic[i]
+        p.u[i], p.v[i] = state.u[i], state.v[i]
+        p.storeys.branch[i] = state.storey_branch[i]
+    for m in range(MEMORIES * size):
+        p.storeys.memory[m] = state.storey_memory[m]
     for f in range(count):
         p.phi[f], p.phi_v[f] = state.phi[f], state.phi_v[f]
+    for i in range(size):
+        p.drift[i] = drift_rate_of(slots, foundations, i, p.u, p.phi)
     whole = dt / parts
     steps = 0
     events_at_instant = 0
@@ -203,6 +228,7 @@ def march(
         jumps = segment == 0 or starts[segment] != reached  # the ground jumps where a tail begins
         reached = starts[segment] + dt * slope
         if jumps:
+            begin_storeys(slots, p, p, inelastic)
             fill_forces(scene, p, starts[segment], inelastic, located)
             _raise_ends(scene, p, starts[segment])
         for part in range(parts):
@@ -239,7 +265,9 @@ def march(
     for i in range(size):
         state.u[i], state.v[i] = p.u[i], p.v[i]
         if not located:
-            state.plastic[i] = p.plastic[i]
+            state.storey_branch[i] = int(p.storeys.branch[i])
+            for m in range(i, MEMORIES * size, size):
+                state.storey_memory[m] = p.storeys.memory[m]
     for f in range(count):
         state.phi[f], state.phi_v[f] = p.phi[f], p.phi_v[f]
     return DONE, steps, tally[EVENTS], tally[ITERATIONS], starts.size * dt

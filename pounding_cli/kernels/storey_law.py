@@ -1,16 +1,122 @@
-"""The law of the storeys (`pounding_cli.laws.bilinear`), compiled for kernels."""
+"""Storeys on the branches of their laws: coefficients, guards and what is remembered, from the tables (`law_table`).
+
+The memories of a storey stand `stride` apart from `place` on, so that the Taylor integrator and one-step methods can
+each keep them where they keep the rest."""
 
 from __future__ import annotations
 
+from collections import namedtuple
+
 from numba import njit
 
-from pounding_cli.kernels.layout import INLINE, PART
-from pounding_cli.laws import bilinear
+from pounding_cli.kernels import law_table as t
+from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT, carry_out
+from pounding_cli.kernels.simd import no_inline, short_array
 
-coefficients, transition = (njit(**PART)(piece) for piece in (bilinear.coefficients, bilinear.transition))
+Storeys = namedtuple("Storeys", "branch memory before")
+"""The storeys of a sample, by slot: branch, memories (MEMORIES rows), drift at the sample before [m]."""
 
-# The same for one-step methods, whose arithmetic may be fused.
-fused_coefficients, fused_transition, return_mapping, yields = (
-    njit(**INLINE)(piece)
-    for piece in (bilinear.coefficients, bilinear.transition, bilinear.return_mapping, bilinear.yields)
-)
+MOST_EVENTS = 4
+"""Branches that a storey may leave between two samples, where events are not located."""
+
+
+@njit(**PART)
+def coefficient(laws, b, field, memory, place, stride):
+    """LINEAR [N/m] or OFFSET [N] of branch b: a number and a multiple of a memory."""
+    row = b * t.BRANCH_ROW + field
+    return laws.branches[row] + laws.branches[row + 1] * memory[place + stride * int(laws.branches[row + 2])]
+
+
+@njit(**PART)
+def shear_on(laws, b, drift, memory, place, stride):
+    """Shear of a storey on branch b [N], wherever its drift [m] is."""
+    stiffness = coefficient(laws, b, t.LINEAR, memory, place, stride)
+    return stiffness * drift + coefficient(laws, b, t.OFFSET, memory, place, stride)
+
+
+@njit(**PART)
+def guarded_drift(laws, b, g, memory, place, stride):
+    """(side, shift, at): guard g of branch b asks side ((D - shift) - at) to stay positive, D being the drift [m]. A
+    guard of the shear becomes one of the drift. Of a guard of the rate, side alone is given."""
+    side = t.guard(laws, g, t.SIDE)
+    if t.guard(laws, g, t.QUANTITY) == t.FORCE:
+        tangent = coefficient(laws, b, t.LINEAR, memory, place, stride)
+        if tangent == 0.0:
+            return 0.0, 0.0, 0.0
+        at = -coefficient(laws, b, t.OFFSET, memory, place, stride) / tangent
+        return (side if tangent > 0.0 else -side), 0.0, at
+    shift = t.guard(laws, g, t.FACTOR) * memory[place + stride * int(t.guard(laws, g, t.MEMORY))]
+    return side, shift, t.guard(laws, g, t.AT)
+
+
+@njit(**CALLED)
+def remember(laws, g, v, rate, memory, count, place, stride):
+    """What guard g keeps of its event, where the drift, or closing, is v [m]."""
+    no_inline()
+    first = int(t.guard(laws, g, t.FIRST_SET))
+    kept = int(t.guard(laws, g, t.FIRST_KEPT))
+    last = int(t.guard(laws, g, t.LAST_SET))
+    if last == first:
+        return
+    registers = short_array()
+    registers[CLOSING], registers[RATE], registers[ROOT] = v, rate, 0.0
+    for m in range(count):
+        registers[MEMORY + m] = memory[place + stride * m]
+    carry_out(laws.operations, first, kept, registers, 1, 0)
+    for n in range(kept, last):
+        row = n * t.OPERATION_ROW
+        memory[place + stride * int(laws.operations[row + t.Y])] = registers[int(laws.operations[row + t.X])]
+
+
+@njit(**CALLED)
+def energy_held(laws, b, drift, memory, count, place, stride):
+    """Energy that a storey on branch b holds at its drift [J]."""
+    no_inline()
+    stiffness = t.branch(laws, b, t.GIVES_BACK)
+    if stiffness > 0.0:
+        return 0.5 * shear_on(laws, b, drift, memory, place, stride) ** 2 / stiffness
+    registers = short_array()
+    registers[CLOSING], registers[RATE], registers[ROOT] = drift, 0.0, 0.0
+    for m in range(count):
+        registers[MEMORY + m] = memory[place + stride * m]
+    first, last = int(t.branch(laws, b, t.FIRST_STORED)), int(t.branch(laws, b, t.LAST_STORED))
+    return carry_out(laws.operations, first, last, registers, 1, 0)
+
+
+@njit(**CALLED)
+def turning_guard(laws, b, left, quantity):
+    """The guard of branch b at which a storey that has turned back on branch `left` would take that up again; it stands
+    there at rest. 0 if there is none."""
+    no_inline()
+    if quantity == t.RATE:
+        for g in range(int(t.branch(laws, b, t.FIRST_GUARD)), int(t.branch(laws, b, t.LAST_GUARD))):
+            if t.guard(laws, g, t.QUANTITY) == t.CLOSING and int(t.guard(laws, g, t.NEXT)) == left:
+                return g  # fault: storey-turns-at-rest
+    return 0
+
+
+@njit(**CALLED)
+def follow(laws, b, before, drift, memory, count, place, stride):
+    """The branch on which a storey is at `drift` that was on branch b at the drift `before` [m], where events are seen
+    at samples alone; what it passes on its way is remembered as if it had stopped there."""
+    no_inline()
+    for _ in range(MOST_EVENTS):
+        met = 0
+        for g in range(int(t.branch(laws, b, t.FIRST_GUARD)), int(t.branch(laws, b, t.LAST_GUARD))):
+            if t.guard(laws, g, t.QUANTITY) == t.RATE:
+                if t.guard(laws, g, t.SIDE) * (drift - before) < 0.0:  # it turned back where it was
+                    met = g
+                    break
+                continue
+            side, shift, at = guarded_drift(laws, b, g, memory, place, stride)
+            if side * ((drift - shift) - at) < 0.0 and side != 0.0:
+                met = g
+        if met == 0:
+            break
+        if t.guard(laws, met, t.QUANTITY) != t.RATE:
+            _, shift, at = guarded_drift(laws, b, met, memory, place, stride)
+            before = at + shift
+        remember(laws, met, before, drift - before, memory, count, place, stride)
+        b = int(t.guard(laws, met, t.NEXT))
+    return b

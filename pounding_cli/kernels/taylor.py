@@ -21,6 +21,7 @@ from pounding_cli.kernels.cells import EVENTS_AT_INSTANT as LINK_EVENTS
 from pounding_cli.kernels.cells import (
     LINK_INTEGERS,
     SCALE,
+    STOREY_INTEGERS,
     V1,
     at,
     give_links,
@@ -171,17 +172,17 @@ def _lay_out_scratch(foundations, links, row, memory, integers):
     scratch = further(reciprocal, _ROWS)
     rocking_drift = further(scratch, _ROWS)
     link_integers = further(integers, TALLY_SIZE)
-    pinned = further(link_integers, LINK_INTEGERS * padded_links)
-    left_links = further(pinned, padded)
+    storeys = further(link_integers, LINK_INTEGERS * padded_links)
+    left_links = further(storeys, STOREY_INTEGERS * padded)
     right_links = further(left_links, max(row.links_per_side, 1) * padded)
     checkpoint_integers = further(right_links, max(row.links_per_side, 1) * padded)
-    notes = further(checkpoint_integers, padded + LINK_INTEGERS * padded_links)
+    notes = further(checkpoint_integers, STOREY_INTEGERS * padded + LINK_INTEGERS * padded_links)
     reciprocal[0] = 0.0
     for k in range(1, _ROWS):
         reciprocal[k] = 1.0 / k
     run = run_frame(further(notes, NOTE_COUNT * row.number), (
         0, padded, 0, padded_links, padded, padded_links, row.links_per_side, foundations.number,
-        further(memory, padded), ends, records, pinned, link_records, link_integers, links.branches, links.guards,
+        further(memory, padded), ends, records, storeys, link_records, link_integers, links.branches, links.guards,
         links.operations, left_links, right_links, link_forces, series, rule, reciprocal, clock, integers, scratch,
         rocking_drift,
     ))  # fmt: skip
@@ -496,7 +497,7 @@ def _integrate(
         if history.segments > 0:
             enter(run, row, foundations, history, segment, slots.size, links.size)
         segment += 1
-    give_slots(run, row, state, peaks, ledger)
+    give_slots(run, row, slots.size, state, peaks, ledger)
     give_links(run, row, state, peaks, ledger)
     time = segment * length + (max(run.clock[ELAPSED], 0.0) if segment < starts.size else 0.0)
     return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time

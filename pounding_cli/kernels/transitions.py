@@ -2,27 +2,56 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
-from pounding_cli.kernels import link_table as t
-from pounding_cli.kernels.cells import of, of_link, of_link_integer
+from pounding_cli.kernels import law_table as t
+from pounding_cli.kernels.cells import of, of_link, of_link_integer, of_storey
 from pounding_cli.kernels.clock import END, EVENT_GUARD, EVENT_LINK
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, set_law
 from pounding_cli.kernels.recurrence import update_stencils
 from pounding_cli.kernels.simd import no_inline
-from pounding_cli.kernels.storey_law import coefficients, transition
+from pounding_cli.kernels.storey_law import coefficient, guarded_drift, remember, turning_guard
+from pounding_cli.laws.program import MEMORIES
 
 
 @njit(**PART)
-def _storey_branch(run, i):
-    """Stiffness and offset of the branch storey i is on."""
+def _storey_guards(run, i, b, place):
+    """The drifts between which storey i stays on its branch b, and whether it leaves it as its drift turns."""
     slots = run.slots
-    slots[of(i, c.TANGENT)], slots[of(i, c.OFFSET)] = coefficients(
-        slots[of(i, c.STIFFNESS)], slots[of(i, c.HARDENING)], slots[of(i, c.PLATEAU)], slots[of(i, c.LINE)],
-        slots[of(i, c.PLASTIC)],
-    )  # fmt: skip
+    low, high, turns = -np.inf, np.inf, 0.0
+    for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
+        side, shift, drift = guarded_drift(run, b, g, slots, place, 8)
+        if t.guard(run, g, t.QUANTITY) == t.RATE:
+            turns = side
+        elif side > 0.0:
+            low = max(low, drift + shift)
+        elif side < 0.0:
+            high = min(high, drift + shift)
+    slots[of(i, c.DRIFT_LOW)], slots[of(i, c.DRIFT_HIGH)], slots[of(i, c.TURNS)] = low, high, turns
+
+
+@njit(**CALLED)
+def enter_storey_branch(run, i):
+    """Everything that follows from the branch storey i is on and from what it remembers."""
+    no_inline()
+    slots = run.slots
+    b = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
+    place = of(i, c.STOREY_MEMORY)
+    tangent, offset = slots[of(i, c.STIFFNESS)], 0.0
+    if b != t.NO_BRANCH:
+        tangent = coefficient(run, b, t.LINEAR, slots, place, 8)
+        offset = coefficient(run, b, t.OFFSET, slots, place, 8)
+    lost, slope = t.branch(run, b, t.LOST), 0.0
+    stiffness = t.branch(run, b, t.GIVES_BACK)
+    if stiffness > 0.0:  # what an unloading gives back is shear^2 / (2 stiffness)
+        part = 1.0 - tangent / stiffness
+        lost, slope = part * offset, part * tangent
+    slots[of(i, c.TANGENT)], slots[of(i, c.OFFSET)] = tangent, offset
+    slots[of(i, c.LOST)], slots[of(i, c.LOST_SLOPE)] = lost, slope
+    _storey_guards(run, i, b, place)
 
 
 @njit(**CALLED)
@@ -30,7 +59,7 @@ def initialise_branches(run):
     """Laws and stencils of the branches the state is on."""
     no_inline()
     for i in range(run.padded):
-        _storey_branch(run, i)  # fault: run-goes-on
+        enter_storey_branch(run, i)  # fault: run-goes-on
     for i in range(run.padded):
         update_stencils(run, i)
     for e in range(run.padded_links):
@@ -38,13 +67,17 @@ def initialise_branches(run):
 
 
 @njit(**PART)
-def _storey_event(run, i, drift):
-    """Change the branch of storey i, which leaves its own at `drift` [m]."""
+def _storey_event(run, i):
+    """Change the branch of storey i, which leaves its own at the end of the step."""
     slots = run.slots
-    slots[of(i, c.LINE)], slots[of(i, c.PLASTIC)], run.pinned[i] = transition(
-        slots[of(i, c.LINE)], slots[of(i, c.PLASTIC)], slots[of(i, c.YIELD_DRIFT)], drift
-    )
-    _storey_branch(run, i)  # fault: storey-unloads
+    left = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
+    g = run.storeys[of_storey(run, i, c.STOREY_GUARD)]
+    drift, rate = slots[of(i, c.DRIFT1)], slots[of(i, c.DRIFT_RATE1)]
+    remember(run, g, drift, rate, slots, MEMORIES, of(i, c.STOREY_MEMORY), 8)
+    b = int(t.guard(run, g, t.NEXT))
+    run.storeys[of_storey(run, i, c.STOREY_BRANCH)] = b
+    run.storeys[of_storey(run, i, c.STOREY_PINNED)] = turning_guard(run, b, left, t.guard(run, g, t.QUANTITY))
+    enter_storey_branch(run, i)  # fault: storey-unloads
     update_stencils(run, i)
     if i >= 1:
         update_stencils(run, i - 1)
@@ -57,19 +90,18 @@ def storey_events(run):
     end = run.clock[END]
     for i in range(run.slot_start, run.slot_stop):
         if run.slots[of(i, c.EVENT_ROOT)] == end:
-            _storey_event(run, i, run.slots[of(i, c.DRIFT1)])
+            _storey_event(run, i)
 
 
 @njit(**PART)
-def _event_value(run, e, quantity):
-    """Closing [m] or rate [m/s] of link e at the step's end."""
+def _closing_and_rate(run, e):
+    """Closing [m] and rate [m/s] of link e at the step's end."""
     left, right = (
         run.link_integers[of_link_integer(e, c.LEFT_SLOT)],
         run.link_integers[of_link_integer(e, c.RIGHT_SLOT)],
     )
-    if quantity == t.CLOSING:
-        return run.ends[left] - run.ends[right] - run.links[of_link(e, c.LINK_OFFSET)]
-    return difference(run.slots[of(left, c.V1)], run.slots[of(right, c.V1)], 0.0)
+    closing = run.ends[left] - run.ends[right] - run.links[of_link(e, c.LINK_OFFSET)]
+    return closing, difference(run.slots[of(left, c.V1)], run.slots[of(right, c.V1)], 0.0)
 
 
 @njit(**CALLED)
@@ -81,9 +113,9 @@ def link_event(run):
     run.link_integers[of_link_integer(e, c.BRANCH)] = int(t.guard(run, g, t.NEXT))
     run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] = int(t.guard(run, g, t.QUANTITY))
     memory = run.links[of_link(e, c.MEMORY)]
-    run.links[of_link(e, c.PINNED_CLOSING)] = t.guard(run, g, t.AT) + t.guard(run, g, t.OF_MEMORY) * memory
-    if t.guard(run, g, t.REMEMBERS) != t.NOTHING:
-        run.links[of_link(e, c.MEMORY)] = _event_value(run, e, t.guard(run, g, t.REMEMBERS))
+    run.links[of_link(e, c.PINNED_CLOSING)] = t.guard(run, g, t.AT) + t.guard(run, g, t.FACTOR) * memory
+    closing, rate = _closing_and_rate(run, e)
+    remember(run, g, closing, rate, run.links, 1, of_link(e, c.MEMORY), 8)
     run.link_integers[of_link_integer(e, c.IMPACTS)] += int(t.guard(run, g, t.IMPACT))
     run.links[of_link(e, c.EVENTS_AT_INSTANT)] += 1.0
     set_law(run, e)
@@ -97,4 +129,4 @@ def unpin(run):
         run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] = t.NOTHING
         run.links[of_link(e, c.EVENTS_AT_INSTANT)] = 0.0
     for i in range(run.slot_start, run.slot_stop):
-        run.pinned[i] = 0
+        run.storeys[of_storey(run, i, c.STOREY_PINNED)] = 0

@@ -1,4 +1,4 @@
-"""The laws of links and storeys, one file each. A new law of a link is a file here and a line in `BUILT_IN`.
+"""The laws of links and storeys, one file each. A new law is a file here and a line in `BUILT_IN`.
 
 Other packages add laws of theirs by an entry point of the group `pounding_cli.laws` that names the law's class."""
 
@@ -7,26 +7,41 @@ from __future__ import annotations
 import functools
 from importlib import metadata
 
+from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
-from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.law import Law, LinkLaw
+from pounding_cli.laws.peak_oriented import PeakOriented
 from pounding_cli.laws.pounding import Pounding
+from pounding_cli.laws.storey import StoreyLaw
 
-BUILT_IN: tuple[type[LinkLaw], ...] = (Pounding, Infill, Connector, Hertz, HertzDamp)
+BUILT_IN: tuple[type[Law], ...] = (Pounding, Infill, Connector, Hertz, HertzDamp, Bilinear, PeakOriented)
 """In the order in which reference pages list them."""
 
 
 @functools.cache
-def link_laws() -> dict[str, type[LinkLaw]]:
-    """The laws a link can have, by the name that a study file calls them; those of other packages come last."""
+def _laws() -> dict[str, type[Law]]:
+    """All laws by name; those of other packages come last."""
     found = {law.name: law for law in BUILT_IN}
     for entry in metadata.entry_points(group="pounding_cli.laws"):
         law = entry.load()
         if law.name in (*found, "none"):
-            raise ValueError(f"two link laws are called '{law.name}': one of them is {entry.value}")
+            raise ValueError(f"two laws are called '{law.name}': one of them is {entry.value}")
         found[law.name] = law
     return found
+
+
+@functools.cache
+def link_laws() -> dict[str, type[LinkLaw]]:
+    """The laws a link can have, by the name that a study file calls them."""
+    return {name: law for name, law in _laws().items() if issubclass(law, LinkLaw)}
+
+
+@functools.cache
+def storey_laws() -> dict[str, type[StoreyLaw]]:
+    """The laws that storeys can have, likewise."""
+    return {name: law for name, law in _laws().items() if issubclass(law, StoreyLaw)}
 
 
 def drawn(name: str) -> str:

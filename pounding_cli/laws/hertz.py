@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import ClassVar
 
-from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity, falls_below, opening, parameter
+from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity, falls_below, opening, parameter, remembering
 from pounding_cli.laws.program import CLOSING, MEMORY, RATE, Expression
 
 EXPONENT = 1.5
@@ -128,7 +128,7 @@ class HertzDamp(_HertzLaw):
         zeta = self.damping_factor
         if zeta == 0.0:
             return opening(Branch("damped", force=self.spring, regular=2, guards=(falls_below(0.0, "open"),)))
-        slows = Guard(Quantity.ACCELERATION, 0.0, 1.0, "damped", once=True, remembers=Quantity.RATE)
+        slows = Guard(Quantity.ACCELERATION, 0.0, 1.0, "damped", once=True, sets=remembering(RATE))
         gains = Guard(Quantity.RATE, 0.0, -1.0, "gaining", once=True, of_memory=1.0)
         pulls = Guard(Quantity.RATE, 0.0, 1.0, "cut", once=True, of_memory=-1.0 / zeta)
         pushes = Guard(Quantity.RATE, 0.0, -1.0, "damped", once=True, of_memory=-1.0 / zeta)
@@ -138,5 +138,5 @@ class HertzDamp(_HertzLaw):
             Branch("gaining", force=(1.0 + zeta) * self.spring, regular=2, guards=(opens, slows)),
             Branch("damped", force=damped, regular=2, guards=(opens, gains, pulls)),
             Branch("cut", guards=(opens, pushes), acts=False),
-            remembers=Quantity.RATE,
+            remembers=RATE,
         )

@@ -1,4 +1,4 @@
-"""What a link law declares: its parameters, its branches, where each ends and what follows.
+"""What a law declares: its parameters, its branches, where each ends and what follows; what a law of links adds.
 
 A link acts on the closing v of its two floors, less the gap where the law says so. On one branch its force is
     F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v',
@@ -37,15 +37,18 @@ class Guard:
 
     Parameters
     ----------
-    quantity : the closing v, its rate v', the acceleration v'' between the floors, or the force F
+    quantity : the closing v of a link or the drift of a storey, its rate, the acceleration v'' between the floors of a
+        link, or the force F
     at : value that it passes [m, m/s]; an acceleration and a force pass zero
     side : 1 where it falls below that value, -1 where it rises above
     to : name of the branch that follows
     impact : counted as a blow
     once : an event that undoes itself at the same instant is numerical error (floors that part from rest, for
         example): after two of them the link stays as it is until time goes on
-    of_memory : times what the link remembers, is added to `at` [-]
-    remembers : the closing or the rate at the event is what the link remembers from then on
+    of_memory : times a memory, is added to `at` [-]
+    memory : the number of that memory
+    sets : what is remembered from the event on: (number of a memory, what goes there), ... of the closing (or drift)
+        and rate at the event and of the memories before it. Links have memory 0 alone
     """
 
     quantity: Quantity
@@ -55,7 +58,8 @@ class Guard:
     impact: bool = False
     once: bool = False
     of_memory: float = 0.0
-    remembers: Quantity = Quantity.NOTHING
+    memory: int = 0
+    sets: tuple[tuple[int, Expression], ...] = ()
 
 
 def falls_below(at: float, to: str) -> Guard:
@@ -213,11 +217,51 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class LinkLaw:
-    """What stands between two floors. A law is a frozen dataclass of its parameters, each by `parameter`.
+class Law:
+    """A frozen dataclass of its parameters, each by `parameter`.
 
     name : what a study file calls it
     citation : (key of `report/references.py`, what it is cited for), ...
+
+    Raises
+    ------
+    ValueError : a parameter is outside its range
+    """
+
+    name: ClassVar[str]
+    citation: ClassVar[tuple[tuple[str, str], ...]] = ()
+    acts_on: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            declared, value = each.metadata.get("parameter"), getattr(self, each.name)
+            if declared is None or isinstance(value, str | bool):
+                continue
+            wrong = "" if value == math.inf and self.may_be_endless(each.name) else declared.refusal(value)
+            if wrong:
+                unit = "" if declared.unit == "-" else f" {declared.unit}"
+                raise ValueError(f"{self.acts_on}: {each.name} is {value:g}{unit}; {wrong}")
+
+    def may_be_endless(self, name: str) -> bool:
+        """Whether a parameter may be infinite."""
+        return False
+
+    @property
+    def words(self) -> str:
+        """Name and every parameter in a line: two laws with one line act alike."""
+        values = (getattr(self, each.name) for each in fields(self))
+        return " ".join((self.name, *(repr(v) if isinstance(v, float) else str(v) for v in values)))
+
+    @classmethod
+    def parameters(cls) -> dict[str, Field]:
+        """Fields that are parameters, by name."""
+        return {each.name: each for each in fields(cls) if "parameter" in each.metadata}
+
+
+@dataclass(frozen=True)
+class LinkLaw(Law):
+    """What stands between two floors.
+
     drawn : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
@@ -229,8 +273,7 @@ class LinkLaw:
     ValueError : a parameter is outside its range
     """
 
-    name: ClassVar[str]
-    citation: ClassVar[tuple[tuple[str, str], ...]] = ()
+    acts_on: ClassVar[str] = "link"
     drawn: ClassVar[str] = "gap"
     subtracts_gap: ClassVar[bool] = False
     stiffness_default: ClassVar[str] = ""
@@ -238,20 +281,6 @@ class LinkLaw:
     meaningless: ClassVar[bool] = False
 
     gap: float = parameter("initial distance d between the floors", "m")
-
-    def __post_init__(self) -> None:
-        for each in fields(self):
-            declared, value = each.metadata.get("parameter"), getattr(self, each.name)
-            if declared is None or isinstance(value, str | bool):
-                continue
-            wrong = "" if value == math.inf and self.may_be_endless(each.name) else declared.refusal(value)
-            if wrong:
-                unit = "" if declared.unit == "-" else f" {declared.unit}"
-                raise ValueError(f"link: {each.name} is {value:g}{unit}; {wrong}")
-
-    def may_be_endless(self, name: str) -> bool:
-        """Whether a parameter may be infinite."""
-        return False
 
     def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
         """The branches between floors of these masses [kg]; the first is the one at rest, with the floors at v = 0 or
@@ -302,7 +331,7 @@ class LinkLaw:
     @cached_property
     def remembers(self) -> bool:
         """Whether its force depends on what happened before, so that only a method that locates events knows it."""
-        return any(guard.remembers for branch in self._sample for guard in branch.guards)
+        return any(guard.sets for branch in self._sample for guard in branch.guards)
 
     @cached_property
     def is_linear(self) -> bool:
@@ -335,20 +364,14 @@ class LinkLaw:
                 energy += branch.stored(end) - branch.stored(begin)
         return energy
 
-    @property
-    def words(self) -> str:
-        """Name and every parameter in a line: two laws with one line act alike."""
-        values = (getattr(self, each.name) for each in fields(self))
-        return " ".join((self.name, *(repr(v) if isinstance(v, float) else str(v) for v in values)))
 
-    @classmethod
-    def parameters(cls) -> dict[str, Field]:
-        """Fields that are parameters, by name."""
-        return {each.name: each for each in fields(cls) if "parameter" in each.metadata}
+def remembering(what: Expression) -> tuple[tuple[int, Expression], ...]:
+    """`Guard.sets` of what `MEMORY` is from then on."""
+    return ((0, what),)
 
 
 def opening(
-    *closed: Branch, at: float = 0.0, tension_cut: bool = False, remembers: Quantity = Quantity.NOTHING
+    *closed: Branch, at: float = 0.0, tension_cut: bool = False, remembers: Expression | None = None
 ) -> tuple[Branch, ...]:
     """All branches of a law that is open below a closing, from its closed ones in the order of their closings.
 
@@ -356,7 +379,8 @@ def opening(
     tension_cut : each branch ends where its force would pull, and goes on without force until it would push again
     remembers : what the link remembers of the instant at which it closes
     """
-    first = replace(rises_above(at, closed[0].name, impact=True, once=True), remembers=remembers)
+    sets = () if remembers is None else remembering(remembers)
+    first = replace(rises_above(at, closed[0].name, impact=True, once=True), sets=sets)
     opened = Branch("open", guards=(first,), closed=False, acts=False)
     if not tension_cut:
         return opened, *closed

@@ -23,16 +23,20 @@ class Operation(IntEnum):
     LINEAR = 0  # a x + b y + c
     PRODUCT = 1  # a x y
     POWER = 2  # a x^b, where x stays above zero
+    KEEP = 3  # x goes to the memory of number y
 
 
-GIVEN = 4
-"""Registers that are given: closing, rate, memory, and q where the closing is written so. Operation n fills register
+MEMORIES = 6
+"""Numbers that a law may remember of events."""
+
+GIVEN = 3 + MEMORIES
+"""Registers that are given: closing, rate, memories, and q where the closing is written so. Operation n fills register
 GIVEN + n; the last one is the force."""
 
-MOST_REGISTERS = 32
+MOST_REGISTERS = 40
 """Registers that a force may need."""
 
-_CLOSING, _RATE, _MEMORY, _ROOT = range(GIVEN)
+_CLOSING, _RATE, _MEMORY, _ROOT = 0, 1, 2, GIVEN - 1
 
 Step = tuple[Operation, int, int, float, float, float]
 """An operation: code, registers x and y, numbers a, b, c."""
@@ -95,17 +99,18 @@ class Expression:
         """Whether another expression is a part of it."""
         return self == part or any(one.holds(part) for one in self.parts)
 
-    def at(self, closing: Any, rate: Any, memory: Any = 0.0) -> Any:
-        """Its value at closings v [m], rates [m/s] and what the link remembers; numbers or arrays of one shape. What is
-        multiplied by zero is zero, also where the other factor is infinite: v' / v0 of floors at rest."""
+    def at(self, closing: Any, rate: Any, *memory: Any) -> Any:
+        """Its value at closings v [m], rates [m/s] and memories; numbers or arrays of one shape, memories not given are
+        zero. What is multiplied by zero is zero, also where the other factor is infinite: v' / v0 of floors at rest."""
         if self.operation is None:
-            return (closing, rate, memory)[self.register]
-        x = self.parts[0].at(closing, rate, memory)
+            given = (closing, rate, *memory)
+            return given[self.register] if self.register < len(given) else 0.0
+        x = self.parts[0].at(closing, rate, *memory)
         a, b, c = self.numbers
         if self.operation is Operation.POWER:
             with np.errstate(divide="ignore"):
                 return a * np.maximum(x, 0.0) ** b
-        y = self.parts[-1].at(closing, rate, memory)
+        y = self.parts[-1].at(closing, rate, *memory)
         if self.operation is Operation.LINEAR:
             return a * x + b * y + c
         with np.errstate(invalid="ignore"):
@@ -118,8 +123,19 @@ CLOSING = Expression(register=_CLOSING)
 RATE = Expression(register=_RATE)
 """v' [m/s]."""
 
-MEMORY = Expression(register=_MEMORY)
-"""What the link remembers of an event (`law.Guard.remembers`): a closing [m] or a rate [m/s]."""
+
+def memory(number: int) -> Expression:
+    """What is remembered of events under a number from 0 to before `MEMORIES` (`law.Guard.sets`)."""
+    if not 0 <= number < MEMORIES:
+        raise ValueError(f"memory {number}: there are {MEMORIES}, from 0")
+    return Expression(register=_MEMORY + number)
+
+
+MEMORY = memory(0)
+"""What a link remembers of an event: a closing [m], say, or a rate [m/s]."""
+
+DRIFT = CLOSING
+"""The drift of a storey [m], which its law acts on."""
 
 _Q = Expression(register=_ROOT)
 
@@ -140,25 +156,81 @@ def operations(force: Expression, root: int = 1) -> tuple[Step, ...]:
     ------
     ValueError : a power of the closing is no whole power of q, or the force is too long
     """
-    done: list[Step] = []
-    known: dict[Expression, int] = {}
+    program = _Program(root)
+    program.end_with(force)
+    return program.steps()
 
-    def register(part: Expression) -> int:
-        if root > 1:
-            part = _in_root(part, root)
+
+class _Program:
+    """Operations as they are written: what several expressions share is made once."""
+
+    def __init__(self, root: int = 1) -> None:
+        self.root = root
+        self.done: list[Step] = []
+        self.known: dict[Expression, int] = {}
+
+    def register(self, part: Expression) -> int:
+        """The register that holds an expression."""
+        if self.root > 1:
+            part = _in_root(part, self.root)
         if part.operation is None:
             return part.register
-        if part not in known:
-            x, y = register(part.parts[0]), register(part.parts[-1])
-            done.append((part.operation, x, y, *part.numbers))
-            known[part] = GIVEN + len(done) - 1
-        return known[part]
+        if part not in self.known:
+            x, y = self.register(part.parts[0]), self.register(part.parts[-1])
+            self.done.append((part.operation, x, y, *part.numbers))
+            self.known[part] = GIVEN + len(self.done) - 1
+        return self.known[part]
 
-    if register(force) != GIVEN + len(done) - 1:  # a register that is given, or one made before another
-        done.append((Operation.LINEAR, register(force), 0, 1.0, 0.0, 0.0))
-    if GIVEN + len(done) > MOST_REGISTERS:
-        raise ValueError(f"a force of {len(done)} operations is longer than {MOST_REGISTERS - GIVEN}")
-    return tuple(done)
+    def end_with(self, part: Expression) -> None:
+        """Have an expression in the last register: what is given, or made before another, is copied there."""
+        if self.register(part) != GIVEN + len(self.done) - 1:
+            self.done.append((Operation.LINEAR, self.register(part), 0, 1.0, 0.0, 0.0))
+
+    def steps(self) -> tuple[Step, ...]:
+        """What is written.
+
+        Raises
+        ------
+        ValueError : it is too long
+        """
+        if GIVEN + len(self.done) > MOST_REGISTERS:
+            raise ValueError(f"{len(self.done)} operations are more than {MOST_REGISTERS - GIVEN}")
+        return tuple(self.done)
+
+
+def kept(sets: tuple[tuple[int, Expression], ...]) -> tuple[tuple[Step, ...], tuple[Step, ...]]:
+    """The operations that make what is remembered of an event, and those that then keep it: (number of the memory, what
+    goes there), ... All are made of the memories as they were."""
+    program = _Program()
+    places = tuple((Operation.KEEP, program.register(what), number, 0.0, 0.0, 0.0) for number, what in sets)
+    return program.steps(), places
+
+
+def straight(value: Expression | float) -> tuple[float, float, int]:
+    """(constant, factor, number of a memory) of what is a constant plus a multiple of one memory.
+
+    Raises
+    ------
+    ValueError : it is anything else
+    """
+    if not isinstance(value, Expression):
+        return float(value), 0.0, 0
+    zeros = [0.0] * MEMORIES
+    constant = float(value.at(0.0, 0.0, *zeros))
+    found = constant, 0.0, 0
+    for number in range(MEMORIES):
+        if value.holds(memory(number)):
+            if found[1]:
+                break
+            one = [float(n == number) for n in range(MEMORIES)]
+            found = constant, float(value.at(0.0, 0.0, *one)) - constant, number
+    probe = [1.7 + n for n in range(MEMORIES)]
+    expected = found[0] + found[1] * probe[found[2]]
+    if value.holds(CLOSING) or value.holds(RATE) or abs(value.at(0.0, 0.0, *probe) - expected) > 1e-9 * abs(expected):
+        raise ValueError(
+            "a coefficient of a branch is a number plus a multiple of one memory; set a memory to the rest"
+        )
+    return found
 
 
 def _in_root(part: Expression, root: int) -> Expression:
@@ -189,7 +261,7 @@ def carried_out(steps: np.ndarray, closing: np.ndarray, rate: np.ndarray, memory
 
     steps : an operation a row, as `operations` gives them
     """
-    registers = [closing, rate, memory, np.zeros_like(closing)]
+    registers = [closing, rate, memory, *(np.zeros_like(closing) for _ in range(GIVEN - 3))]
     for code, x, y, a, b, c in steps:
         first, second = registers[int(x)], registers[int(y)]
         if code == Operation.LINEAR:

@@ -9,14 +9,18 @@ from functools import cached_property
 
 import numpy as np
 
+from pounding_cli.laws.bilinear import Bilinear
+from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.records.motion import GRAVITY
 from pounding_cli.words import counted
 
+_LAW_FIELDS = "storey_law", "law_parameters"
+
 
 @dataclass(frozen=True, eq=False)
 class Building:
-    """n floors on n bilinear storeys (paper, Fig. 1 and eqs 1-4); arrays run from the ground up, shape (n,).
+    """n floors on n storeys (paper, Fig. 1 and eqs 1-4); arrays run from the ground up, shape (n,).
 
     Parameters
     ----------
@@ -28,10 +32,12 @@ class Building:
     hardening : post-yield over initial stiffness [-], 0 <= a < 1, shape (n,)
     alpha, beta : Rayleigh factors of the fixed-base building, C = alpha M + beta K0 [1/s], [s], >= 0
     foundation : None for a fixed base
+    storey_law : how storeys yield, of `laws.storey_laws()`
+    law_parameters : (name, value) of the parameters it has beyond stiffness, yield shear and hardening [SI]
 
     Raises
     ------
-    ValueError : an array has another shape, or a value is outside its range
+    ValueError : an array has another shape, a value is outside its range, or the law has no such parameter
     """
 
     name: str
@@ -43,6 +49,8 @@ class Building:
     alpha: float
     beta: float
     foundation: Foundation | None = None
+    storey_law: type[StoreyLaw] = Bilinear
+    law_parameters: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         for key in ("mass", "height", "stiffness", "yield_shear", "hardening"):
@@ -59,6 +67,9 @@ class Building:
         self._check("hardening", lambda x: (x >= 0) & (x < 1), "must be at least 0 and below 1")
         for key in ("alpha", "beta"):
             self._check(key, lambda x: np.isfinite(x) & (x >= 0), "must be finite and not negative")
+        unknown = [key for key, _ in self.law_parameters if key not in self.storey_law.parameters()]
+        if unknown:
+            raise ValueError(f"{self.name}: the storey law '{self.storey_law.name}' has no parameter '{unknown[0]}'")
 
     def _check(self, key: str, holds: Callable[[np.ndarray], np.ndarray], rule: str) -> None:
         values = np.atleast_1d(getattr(self, key))
@@ -85,6 +96,17 @@ class Building:
         """Storey drift at first yield [m], shape (n,)."""
         return self.yield_shear / self.stiffness
 
+    @cached_property
+    def laws(self) -> tuple[StoreyLaw, ...]:
+        """The law of every storey, from the ground up.
+
+        Raises
+        ------
+        ValueError : a parameter of the law is outside its range
+        """
+        each = zip(self.stiffness.tolist(), self.yield_shear.tolist(), self.hardening.tolist(), strict=True)
+        return tuple(self.storey_law(*values, **dict(self.law_parameters)) for values in each)
+
     @property
     def base_shear_ratio(self) -> float:
         """Yield shear of the lowest storey over the weight, V/W [-]; inf where it cannot yield."""
@@ -108,8 +130,10 @@ class Building:
         """SHA-256 over everything that moves the building; the name is left out."""
         sha = hashlib.sha256()
         for field in fields(self):
-            if field.name == "name":
-                continue
             value = getattr(self, field.name)
+            if field.name == "name" or (field.name in _LAW_FIELDS and self.storey_law is Bilinear):
+                continue  # bilinear storeys have the digest that they had before there were others
+            if field.name == "storey_law":
+                value = self.storey_law.name
             sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
         return sha.hexdigest()

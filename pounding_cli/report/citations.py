@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pounding_cli.laws import link_laws
+from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.methods import METHODS
 from pounding_cli.records import Entry, catalogue
 from pounding_cli.report.references import REFERENCES, Reference, named_in
@@ -82,6 +82,10 @@ def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> No
     kinds = {word for case in resolved["cases"].values() for word in _links(case)}
     for law in link_laws().values():
         for key, what in law.citation if law.name in kinds else ():
+            used(key, what)
+    storeys = {resolved["buildings"][name].get("storey_law") for name in resolved["group"]}
+    for storey_law in storey_laws().values():
+        for key, what in storey_law.citation if storey_law.name in storeys else ():
             used(key, what)
     for name in dict.fromkeys(resolved["group"]):
         building = resolved["buildings"][name]

@@ -101,6 +101,17 @@ REFERENCES = {
             "A note on the Hertz contact model with nonlinear damping for pounding simulation", _EESD, "38",
             "1135--1142", "10.1002/eqe.883",
         ),
+        Reference(
+            "clough1966", "inproceedings", "Clough, R. W. & Johnston, S. B.", 1966,
+            "Effect of stiffness degradation on earthquake ductility requirements",
+            (("booktitle", "Proceedings of the Second Japan National Conference on Earthquake Engineering"),
+             ("pages", "227--232"), ("address", "Tokyo")),
+        ),
+        _article(
+            "ibarra2005", "Ibarra, L. F., Medina, R. A. & Krawinkler, H.", 2005,
+            "Hysteretic models that incorporate strength and stiffness deterioration", _EESD, "34(12)", "1489--1511",
+            "10.1002/eqe.495",
+        ),
         _article(
             "jeng1992", "Jeng, V., Kasai, K. & Maison, B. F.", 1992,
             "A spectral difference method to estimate building separations to avoid pounding", "Earthquake Spectra",

@@ -11,13 +11,18 @@ import numpy as np
 
 from pounding_cli.kernels.layout import Foundations, Links, Peaks, Slots, State
 from pounding_cli.kernels.ledger import Ledger
+from pounding_cli.laws.program import MEMORIES
+from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
-from pounding_cli.solve import link_tables
-from pounding_cli.solve.link_tables import LANES
+from pounding_cli.solve import law_tables
+from pounding_cli.solve.law_tables import LANES
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
+
+_BY_SLOT = Slots._fields[1:11]
+"""What is given of every slot (`layout.Slots`)."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,8 @@ class Arrays:
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
     foundation_of: tuple[int, ...]  # by building: place among the foundations, or -1
+    laws: tuple[StoreyLaw | None, ...]  # by slot: what yields; None where nothing does
+    memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
 
     @property
     def padded(self) -> int:
@@ -60,12 +67,18 @@ def pack(scene: Scene) -> Arrays:
 
 @functools.lru_cache(maxsize=8)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
-    alone = _without_links(buildings, analysis)
-    return dataclasses.replace(alone, links=link_tables.pack_links(buildings, links, alone.floors))
+    alone, storeys = _without_links(buildings, analysis)
+    packed = law_tables.pack_links(buildings, links, alone.floors)
+    tables, branch = law_tables.with_storeys(packed, *storeys)
+    own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
+    return dataclasses.replace(alone, slots=alone.slots._replace(branch=branch, **own), links=packed._replace(**own))
 
 
 @functools.lru_cache(maxsize=64)
-def _without_links(buildings: tuple[Building, ...], analysis: Analysis) -> Arrays:
+def _without_links(
+    buildings: tuple[Building, ...], analysis: Analysis
+) -> tuple[Arrays, tuple[law_tables.Rows | None, np.ndarray]]:
+    """The arrays of buildings alone; the rows of their storeys' laws, and by slot the first of them, -1 for none."""
     floors, bases, foundation_of = [], [], []
     place = 0
     founded = 0
@@ -78,19 +91,31 @@ def _without_links(buildings: tuple[Building, ...], analysis: Analysis) -> Array
         place += building.storeys
         foundation_of.append(founded if foundation is not None else -1)
         founded += int(foundation is not None)
-    slots = _slots(buildings, analysis, floors, bases, place)
-    foundations = _foundations(buildings, floors, bases)
-    none = link_tables.pack_links(buildings, (), floors)
-    return Arrays(slots, foundations, none, tuple(floors), tuple(bases), tuple(foundation_of))
+    slots = _slots(buildings, floors, bases, place)
+    laws: list[StoreyLaw | None] = [None] * slots.size
+    if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
+        for building, span in zip(buildings, floors, strict=True):
+            laws[span] = (law if law.can_yield else None for law in building.laws)
+    memory = np.zeros((MEMORIES, slots.size))
+    for i, law in enumerate(laws):
+        begin = law.memories_at_rest if law else ()
+        memory[: len(begin), i] = begin
+    none = law_tables.pack_links(buildings, (), floors)
+    arrays = Arrays(
+        slots, _foundations(buildings, floors, bases), none, tuple(floors), tuple(bases), tuple(foundation_of),
+        tuple(laws), memory.ravel(),
+    )  # fmt: skip
+    return arrays, law_tables.storey_rows(laws)
 
 
-def _slots(
-    buildings: tuple[Building, ...], analysis: Analysis, floors: list[slice], bases: list[int], count: int
-) -> Slots:
-    """`count` slots and the padding."""
+def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int], count: int) -> Slots:
+    """`count` slots and the padding, without their laws."""
     padded = -(-count // LANES) * LANES
-    slots = Slots(padded, **rows(Slots._fields[1:], padded))
-    slots.yield_drift[:] = np.inf
+    nothing = np.zeros(0)
+    slots = Slots(
+        padded, **rows(_BY_SLOT, padded), branch=np.zeros(padded, np.int64), branches=nothing, guards=nothing,
+        operations=nothing,
+    )  # fmt: skip
     slots.real[:count] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation
@@ -98,12 +123,6 @@ def _slots(
         slots.stiffness[span] = building.stiffness
         slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
         slots.mass[span] = building.mass
-        if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
-            slots.yield_drift[span] = building.yield_drift
-            slots.hardening[span] = building.hardening
-            finite = np.isfinite(building.yield_shear)
-            plateau = (1 - building.hardening) * np.where(finite, building.yield_shear, 0)  # fault: yield-plateau
-            slots.plateau[span] = np.where(finite, plateau, 0)
         slots.elevation[span] = building.elevation
         if foundation is None:
             slots.alpha[span] = building.alpha  # fault: mass-damping
@@ -139,9 +158,11 @@ def _foundations(buildings: tuple[Building, ...], floors: list[slice], bases: li
 def at_rest(arrays: Arrays) -> State:
     """The state before the motion: at rest, touching links exactly at v = 0."""
     padded, foundations = arrays.padded, arrays.foundations.number
-    branch, known, at = link_tables.at_rest(arrays.links)
+    branch, known, at = law_tables.at_rest(arrays.links)
     return State(
-        **rows(("u", "v", "line", "plastic"), padded),
+        **rows(("u", "v"), padded),
+        storey_branch=arrays.slots.branch.copy(),
+        storey_memory=arrays.memory_at_rest.copy(),
         pinned_storey=np.zeros(padded, np.int64),
         link_branch=branch,
         pinned_link=known,
@@ -165,7 +186,7 @@ def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
 
 def empty_ledger(arrays: Arrays) -> Ledger:
     """Energies before the first step."""
-    by_slot = rows(Ledger._fields[:4], arrays.padded)
+    by_slot = rows(Ledger._fields[:5], arrays.padded)
     return Ledger(**by_slot, links=aligned(arrays.links.size), foundations=np.zeros(arrays.foundations.number))
 
 

@@ -6,21 +6,24 @@ import numpy as np
 
 from pounding_cli.kernels.layout import State
 from pounding_cli.kernels.ledger import Ledger
-from pounding_cli.laws import bilinear
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, drift_of
+from pounding_cli.solve.storeys import shear_and_stored
 
 AT_REST = {"kinetic": 0.0, "stored": 0.0, "links_stored": 0.0}
 """What a scene at rest holds [J]."""
 
 
-def held(scene: Scene, arrays: Arrays, state: State) -> dict[str, float]:
-    """Energy in the scene now [J]: kinetic, stored in storeys and foundations, stored in links."""
-    slots, foundations = arrays.slots, arrays.foundations
-    kinetic = 0.5 * float(slots.mass @ state.v**2)
-    drift = drift_of(arrays, state)
-    elastic = bilinear.elastic_drift(state.line, state.plastic, slots.yield_drift, drift)
-    stored = float(bilinear.stored(slots.stiffness, slots.hardening, drift, elastic))
+def held(scene: Scene, arrays: Arrays, state: State, ledger: Ledger | None = None) -> dict[str, float]:
+    """Energy in the scene now [J]: kinetic, stored in storeys and foundations, stored in links. What storeys hold is in
+    the ledger of a run that has come to this state."""
+    foundations = arrays.foundations
+    kinetic = 0.5 * float(arrays.slots.mass @ state.v**2)
+    if ledger is None or not arrays.slots.branch.any():
+        at_once = drift_of(arrays, state)[None], state.storey_branch[None], state.storey_memory[None]
+        stored = float(shear_and_stored(arrays, *at_once)[1][0])
+    else:
+        stored = float(ledger.stored.sum())
     for f in range(foundations.number):
         if np.isfinite(foundations.inertia[f]):
             kinetic += 0.5 * float(foundations.inertia[f]) * float(state.phi_v[f]) ** 2
@@ -42,7 +45,7 @@ def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State
     kinetic, stored, links_stored : held at the end
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
-    now = held(scene, arrays, state)
+    now = held(scene, arrays, state, ledger)
     work_on_links = float(ledger.links.sum())
     book = {
         "input": float(ledger.input.sum()) + sum(before.values()),

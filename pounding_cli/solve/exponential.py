@@ -20,8 +20,8 @@ from pounding_cli.kernels import layout
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned
 from pounding_cli.solve.ground import segments
+from pounding_cli.solve.law_tables import acting_at_rest, stiffest
 from pounding_cli.solve.linear import matrices, with_links
-from pounding_cli.solve.link_tables import acting_at_rest, stiffest
 from pounding_cli.solve.method import Integrator, not_linear, real_slots
 
 RADIANS = 1.5

@@ -14,14 +14,14 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import layout
 from pounding_cli.kernels.history import History as Entered
-from pounding_cli.laws import bilinear
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve import link_tables, taylor
+from pounding_cli.solve import law_tables, taylor
 from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.run import MAX_EVENTS, MAX_STEPS, OUTCOMES
+from pounding_cli.solve.storeys import shear_and_stored
 
 EVERY = 0.002
 """Output step unless asked otherwise [s]: contacts last some 5 to 20 ms."""
@@ -95,7 +95,7 @@ def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> 
     """The states at `times`, each run from one output time or sample of the motion to the next."""
     state, peaks, ledger = at_rest(arrays), no_peaks(arrays), empty_ledger(arrays)
     outputs, begins, rates, lengths = _pieces(scene, times)
-    wanted = ("u", "v", "line", "plastic", "link_branch", "link_memory", "phi", "phi_v")
+    wanted = ("u", "v", "storey_branch", "storey_memory", "link_branch", "link_memory", "phi", "phi_v")
     kept = (np.repeat(getattr(state, name)[None], times.size, axis=0) for name in wanted)
     states = Entered(lengths.size, lengths, outputs, *kept, work=np.zeros((times.size, 4)))  # type: ignore[misc]
     run = taylor.prepare(scene, arrays, state, accuracy, (MAX_STEPS, MAX_EVENTS))
@@ -139,12 +139,10 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
     slots, foundations = arrays.slots, arrays.foundations
     ground, moved = _ground(scene, times)
     drift, drift_rate = _drifts(arrays, s.u, s.phi), _drifts(arrays, s.v, s.phi_v)
-    elastic = bilinear.elastic_drift(s.line, s.plastic, slots.yield_drift, drift)
-    shear = slots.stiffness * (slots.hardening * drift + (1 - slots.hardening) * elastic)
+    shear, stored = shear_and_stored(arrays, drift, s.storey_branch, s.storey_memory)
     links = _link_forces(arrays, s)
     acceleration = _accelerations(arrays, s, shear + slots.dashpot * drift_rate, links)  # fault: history-accelerations
     kinetic = 0.5 * (s.v**2 @ slots.mass)
-    stored = bilinear.stored(slots.stiffness, slots.hardening, drift, elastic)
     for f in np.flatnonzero(np.isfinite(foundations.inertia)):
         kinetic += 0.5 * foundations.inertia[f] * s.phi_v[:, f] ** 2
         stored += 0.5 * foundations.stiffness[f] * s.phi[:, f] ** 2
@@ -195,7 +193,7 @@ def _link_forces(arrays: Arrays, s: Entered) -> np.ndarray:
     for e in range(links.number):
         left, right = links.left[e], links.right[e]
         v, rate = s.u[:, left] - s.u[:, right] - links.offset[e], s.v[:, left] - s.v[:, right]
-        forces[:, e] = link_tables.force_over_time(links, s.link_branch[:, e], v, rate, s.link_memory[:, e])
+        forces[:, e] = law_tables.force_over_time(links, s.link_branch[:, e], v, rate, s.link_memory[:, e])
     return forces
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.solve.arrays import Arrays
-from pounding_cli.solve.link_tables import stiffest
+from pounding_cli.solve.law_tables import stiffest
 from pounding_cli.solve.method import real_slots
 
 

@@ -32,19 +32,9 @@ COARSEST_TOLERANCE = 1e-4
 
 _NUMBERS, _PLACES = np.zeros((1, 1)), np.zeros((1, 1), np.int64)
 NO_HISTORY = History(
-    0,
-    _NUMBERS[0],
-    _PLACES[0],
-    _NUMBERS,
-    _NUMBERS,
-    _NUMBERS,
-    _NUMBERS,
-    _PLACES,
-    _NUMBERS,
-    _NUMBERS,
-    _NUMBERS,
-    _NUMBERS,
-)
+    segments=0, lengths=_NUMBERS[0], outputs=_PLACES[0], u=_NUMBERS, v=_NUMBERS, storey_branch=_PLACES,
+    storey_memory=_NUMBERS, link_branch=_PLACES, link_memory=_NUMBERS, phi=_NUMBERS, phi_v=_NUMBERS, work=_NUMBERS,
+)  # fmt: skip
 """Of a run that keeps none."""
 
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import MISSING
 from typing import Any
 
 import numpy as np
 
+from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building
 from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
+from pounding_cli.study.law_keys import own_parameters
 from pounding_cli.study.problems import Faults, Path, Tree
 from pounding_cli.study.schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec
 from pounding_cli.study.source import Node
@@ -35,10 +38,11 @@ def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, faults: 
     code = spec.yield_ if spec.yield_shear is None else None
     design = _design(code, root, (*path, "yield"), faults) if code else None
     foundation = _foundation(spec.foundation, root, (*path, "foundation"), faults)
+    parameters = _law_parameters(spec, root, path, faults)
     built = None
     if not faults.problems and storeys is not None:
         try:
-            built = _derived(name, spec, storeys, design, foundation)
+            built = _derived(name, spec, storeys, design, foundation, parameters)
         except (ValueError, FloatingPointError) as error:
             faults.at(root, path, str(error), "check the building's masses, heights, period and stiffness")
     told.extend(faults.problems)
@@ -59,6 +63,24 @@ def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) 
                 f"write {counted(storeys, 'value')} from the ground up, or one for all",
             )
     return storeys
+
+
+def _law_parameters(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> tuple[tuple[str, float], ...]:
+    """The parameters that only the building's storey law has, as given; what is missing or belongs to another law is
+    noted."""
+    law = storey_laws()[spec.storey_law]
+    own = own_parameters(law)
+    for owner in storey_laws().values():
+        for name in own_parameters(owner).keys() - own.keys():
+            if getattr(spec, name) is not None:
+                message = f"'{name}' means nothing for storey_law: {law.name}"
+                faults.at(root, (*path, name), message, f"remove it; it belongs to {owner.name}", key=True)
+    given = {name: getattr(spec, name) for name in own}
+    for name, value in given.items():
+        if value is None and law.parameters()[name].default is MISSING:
+            hint = f"storey_law: {law.name} needs it: {own[name].words}"
+            faults.at(root, path, f"'{name}' is missing", hint)
+    return tuple((name, value) for name, value in given.items() if value is not None)
 
 
 def _design(
@@ -116,6 +138,7 @@ def _derived(
     storeys: int,
     design: UbcDesign | BaseShearDesign | None,
     foundation: Foundation | None,
+    parameters: tuple[tuple[str, float], ...],
 ) -> Building:
     mass, height, hardening = (_filled(getattr(spec, key), storeys) for key in ("mass", "height", "hardening"))
     if spec.stiffness is not None:
@@ -135,7 +158,9 @@ def _derived(
         alpha, beta = spec.rayleigh.alpha, spec.rayleigh.beta
     else:
         alpha, beta = rayleigh_factors(mass, stiffness, spec.damping)
-    return Building(name, mass, height, stiffness, yield_shear, hardening, float(alpha), float(beta), foundation)
+    law = storey_laws()[spec.storey_law]
+    alpha, beta = float(alpha), float(beta)
+    return Building(name, mass, height, stiffness, yield_shear, hardening, alpha, beta, foundation, law, parameters)
 
 
 def _filled(value: Any, storeys: int) -> np.ndarray:

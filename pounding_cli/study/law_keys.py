@@ -1,14 +1,15 @@
-"""The keys of a link that its law brings along: made from the parameters that the law declares."""
+"""The keys of a link or a building that a law brings along: made from the parameters that the law declares."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import AfterValidator
 
-from pounding_cli.laws import link_laws
-from pounding_cli.laws.law import LinkLaw, Parameter
+from pounding_cli.laws import link_laws, storey_laws
+from pounding_cli.laws.law import Law, Parameter
 from pounding_cli.study.base import optional
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity
@@ -20,30 +21,45 @@ FROM_IMPACT = {"impact_stiffness": "stiffness", "dashpot": "dashpot"}
 """Parameters that are those of the impact element: its key for each."""
 
 
-def own_parameters(law: type[LinkLaw]) -> dict[str, Parameter]:
+FROM_BUILDING = ("stiffness", "yield_shear", "hardening")
+"""Parameters of storeys that other keys of a building give."""
+
+
+def own_parameters(law: type[Law]) -> dict[str, Parameter]:
     """The parameters of a law that no other key of a study gives, by name."""
-    shared = (*FROM_CASE, *FROM_IMPACT)
+    shared = FROM_BUILDING if law.acts_on == "storey" else (*FROM_CASE, *FROM_IMPACT)
     return {name: each.metadata["parameter"] for name, each in law.parameters().items() if name not in shared}
 
 
-def law_keys() -> dict[str, tuple[Any, Any]]:
-    """Type and default of the keys that laws bring along, as `pydantic.create_model` takes them."""
+def link_keys() -> dict[str, tuple[Any, Any]]:
+    """Type and default of the keys that laws of links bring along, as `pydantic.create_model` takes them."""
+    return _keys(link_laws())
+
+
+def storey_keys() -> dict[str, tuple[Any, Any]]:
+    """Those that laws of storeys bring along."""
+    return _keys(storey_laws())
+
+
+def _keys(laws: Mapping[str, type[Law]]) -> dict[str, tuple[Any, Any]]:
     found: dict[str, tuple[Any, Any]] = {}
-    first: dict[str, tuple[type[LinkLaw], Parameter]] = {}
-    for law in link_laws().values():
+    first: dict[str, tuple[type[Law], Parameter]] = {}
+    for law in laws.values():
         types = get_type_hints(law)
         for name, declared in own_parameters(law).items():
             kind = _kind(law, name, types[name], declared)
-            owners = " and ".join(one.name for one in link_laws().values() if name in own_parameters(one))
+            owners = " and ".join(one.name for one in laws.values() if name in own_parameters(one))
             description = f"{owners}: {declared.words}"
             owner, known = first.setdefault(name, (law, declared))
             if known != declared:
-                raise ValueError(f"two link laws mean different things by '{name}': {owner.name} and {law.name}")
+                raise ValueError(
+                    f"two {law.acts_on} laws mean different things by '{name}': {owner.name} and {law.name}"
+                )
             found[name] = (kind | None, optional(None, description))
     return found
 
 
-def _kind(law: type[LinkLaw], name: str, given: Any, declared: Parameter) -> Any:
+def _kind(law: type[Law], name: str, given: Any, declared: Parameter) -> Any:
     if given is bool:
         return bool
     if isinstance(given, type) and issubclass(given, StrEnum):

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.laws import link_laws
+from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
-from pounding_cli.study.law_keys import law_keys
+from pounding_cli.study.law_keys import link_keys, storey_keys
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
@@ -27,9 +27,11 @@ Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
 if TYPE_CHECKING:
     LinkKind = str
     LawName = str
+    StoreyKind = str
 else:
     LinkKind = Literal[(*link_laws(), "none")]
     LawName = Literal[tuple(link_laws())]
+    StoreyKind = Literal[tuple(storey_laws())]
 AnalysisKind = Literal["elastic", "inelastic"]
 
 Length = Annotated[float, units.LENGTH]
@@ -167,7 +169,7 @@ Base = Annotated[
 ]
 
 
-class BuildingSpec(Model):
+class _BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
     like: str | None = optional(None, description="another building whose keys are taken unless given here")
@@ -192,7 +194,14 @@ class BuildingSpec(Model):
     yield_shear: YieldShears | None = optional(
         None, description="storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
+    storey_law: StoreyKind = optional("bilinear", description="how storeys yield and unload")
     foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
+
+
+if TYPE_CHECKING:
+    BuildingSpec = _BuildingSpec
+else:
+    BuildingSpec = create_model("BuildingSpec", __base__=_BuildingSpec, __doc__=_BuildingSpec.__doc__, **storey_keys())
 
 
 class Impact(Model):
@@ -249,7 +258,7 @@ class _ListedLink(_LinkSpec):
 if TYPE_CHECKING:
     ListedLink = _ListedLink
 else:
-    ListedLink = create_model("ListedLink", __base__=_ListedLink, __doc__=_ListedLink.__doc__, **law_keys())
+    ListedLink = create_model("ListedLink", __base__=_ListedLink, __doc__=_ListedLink.__doc__, **link_keys())
 
 ListedOrWord = Annotated[
     Annotated[LawName, Tag("word")] | Annotated[ListedLink, Tag("mapping")], Discriminator(word_or_mapping)
@@ -272,7 +281,7 @@ class _AnyLinks(_LinkSpec):
 if TYPE_CHECKING:
     LinkSpec = _AnyLinks
 else:
-    LinkSpec = create_model("LinkSpec", __base__=_AnyLinks, __doc__=_LinkSpec.__doc__, **law_keys())
+    LinkSpec = create_model("LinkSpec", __base__=_AnyLinks, __doc__=_LinkSpec.__doc__, **link_keys())
 
 LinkOrWord = Annotated[
     Annotated[LinkKind, Tag("word")] | Annotated[LinkSpec, Tag("mapping")], Discriminator(word_or_mapping)

@@ -15,6 +15,7 @@ from pages import ROOT, blocks
 PAGE = ROOT / "docs" / "extending.md"
 
 CONE = "class Cone"
+ISOTROPIC = "class Isotropic"
 
 POUND = "import sys; from pounding_cli.cli.main import main; sys.exit(main())"
 
@@ -65,7 +66,9 @@ def outside(tmp_path_factory):
     law, project, study = (next(b.text for b in blocks(PAGE) if b.word == word) for word in ("python", "toml", "yaml"))
     (folder / "bumper.py").write_text(law)
     (folder / "cone.py").write_text(next(b.text for b in blocks(PAGE) if CONE in b.text))
+    (folder / "isotropic.py").write_text(next(b.text for b in blocks(PAGE) if ISOTROPIC in b.text))
     (folder / "bumper.yaml").write_text(study)
+    project += 'isotropic = "isotropic:Isotropic"\n'
     told = tomllib.loads(project)["project"]
     info = folder / f"{told['name']}-{told['version']}.dist-info"
     info.mkdir()
@@ -197,3 +200,95 @@ def test_a_force_as_an_expression_is_run_by_every_method(outside):
         rel = 1e-7 if method == "rk4-events" else 5e-3
         assert other == pytest.approx(closing, rel=rel), method
         assert back == pytest.approx(rebound, rel=rel), method
+
+
+ISOTROPIC_CHECK = """
+import json
+import numpy as np
+from isotropic import Isotropic
+from pounding_cli import solve
+from pounding_cli.model.building import Building
+from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.records import Motion
+
+M, K, VY, A, V0 = 2e5, 2e7, 3e5, 0.1, 0.5
+STEPS = {m: dict(time_step=1e-4) for m in
+         ("rk4-events", "rk4", "central-difference", "newmark", "hht-alpha", "generalized-alpha")}
+
+def storeys(number, law={}):
+    ones = np.ones(number)
+    return Building("b", M * ones, 3.0 * ones, K * ones, VY * ones, A * ones, 0.1, 0.0, **law)
+
+def isotropic(growth):
+    return dict(storey_law=Isotropic, law_parameters=(("growth", growth),))
+
+def throw(method="taylor", **more):
+    import dataclasses
+    building = dataclasses.replace(storeys(1, isotropic(1.0)), alpha=0.0)
+    scene = Scene((building,), (), Motion("still", 0.02, np.zeros(101)), Analysis.INELASTIC)
+    run = solve(scene, 1e-11 if method == "taylor" else 1e-6, method, initial=([[0.0]], [[V0]]), **more)
+    b = run.buildings[0]
+    energy = run.energy or {"hysteresis": 0.0, "residual": 0.0}
+    return [run.status, float(b.displacement_max[0]), float(b.displacement_min[0]), float(b.residual_drift[0]),
+            float(energy["hysteresis"]), float(energy["residual"])]
+
+def shaken(law={}):
+    motion = Motion("pulse", 0.02, 4.0 * np.sin(np.linspace(0.0, 25.0, 201)))
+    run = solve(Scene((storeys(3, law),), (), motion, Analysis.INELASTIC), 1e-10)
+    return [run.buildings[0].drift.tolist(), run.buildings[0].ductility.tolist(), run.events]
+
+print(json.dumps({"taylor": throw(), "fixed": {m: throw(m, **more) for m, more in STEPS.items()},
+                  "kinematic": shaken(isotropic(0.0)), "bilinear": shaken(), "isotropic": shaken(isotropic(1.0))}))
+"""
+
+
+def test_a_storey_law_is_run_by_every_method(outside):
+    """Thrown once beyond the yield it swings between the reversal D and D - 2 F / k for ever: its elastic range is as
+    wide as what it has stored takes it. Without growth it is the bilinear storey. Fails if the far yield line, or the
+    end of the elastic range, is not remembered."""
+    python, _ = outside
+    done = python("-c", ISOTROPIC_CHECK)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    m, k, vy, a, v0 = 2e5, 2e7, 3e5, 0.1, 0.5
+    dy, plateau, energy = vy / k, 0.9 * vy, 0.5 * m * v0**2
+    rest = energy - 0.5 * vy * dy + plateau * dy + 0.5 * a * k * dy**2
+    largest = (-plateau + (plateau**2 + 2 * a * k * rest) ** 0.5) / (a * k)
+    shear = plateau + a * k * largest
+    status, top, bottom, _, lost, residual = found["taylor"]
+    assert status == "done"
+    assert top == pytest.approx(largest, rel=1e-10)
+    assert min(bottom, 0.0) == pytest.approx(min(largest - 2 * shear / k, 0.0), abs=1e-9 * largest)
+    assert lost == pytest.approx(energy - shear**2 / (2 * k), rel=1e-9)
+    assert abs(residual) < 1e-10
+    for method, (status, top, *_) in found["fixed"].items():
+        assert status == "done", method
+        assert top == pytest.approx(largest, rel=1e-9 if method == "rk4-events" else 1e-4), method
+    assert found["kinematic"][2] == found["bilinear"][2] > 20
+    assert found["kinematic"][0] == pytest.approx(found["bilinear"][0], rel=1e-9)
+    assert found["isotropic"][0] != pytest.approx(found["bilinear"][0], rel=1e-2)
+
+
+def test_the_program_runs_a_study_with_a_storey_law(outside):
+    """Keys and refusals of a building. Fails if a parameter of the law is no key, or is taken for another law."""
+    python, folder = outside
+    text = (
+        Path(folder / "bumper.yaml")
+        .read_text()
+        .replace("period: 0.5 s}", "period: 0.5 s, storey_law: isotropic, growth: 0.5}")
+    )
+    study = Path(folder / "isotropic.yaml")
+    study.write_text(text)
+    done = python("-c", POUND, "run", "isotropic.yaml", "--workers", "2", "-o", "isotropic.h5")
+    assert done.returncode == 0, done.stderr
+    for old, new, words in (
+        (", growth: 0.5", "", "'growth' is missing"),
+        ("growth: 0.5", "growth: 1.5", "growth is 1.5"),
+        ("isotropic, growth", "bilinear, growth", "'growth' means nothing for storey_law: bilinear"),
+        ("storey_law: isotropic, growth: 0.5", "storey_law: isotropy", "'peak-oriented' or 'isotropic'"),
+    ):
+        study.write_text(text.replace(old, new))
+        refused = python("-c", POUND, "check", "isotropic.yaml")
+        assert refused.returncode == 2, new
+        assert "isotropic.yaml:2:" in refused.stderr
+        assert words in refused.stderr, refused.stderr

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pounding_cli.laws import link_laws
+from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.methods import METHODS
 from pounding_cli.report.citations import citations, motions
 from pounding_cli.report.references import REFERENCES, named_in
@@ -67,6 +67,7 @@ IMPACT = {"anagnostopoulos1992", *DASHPOT}
         ((("gap: 5 cm}", "gap: 5 cm, pairs: [connector]}"),), {*IMPACT, "westermo1989", "ubc1991"}),
         ((("[stiff, soft]", "[unused, soft]"),), {*IMPACT, "ubc1994"}),
         ((("[stiff, soft]", "[soft, soft]"),), IMPACT),
+        ((("soft: {", "soft: {storey_law: peak-oriented, "),), {*IMPACT, "ubc1991", "clough1966", "ibarra2005"}),
         ((("5 s}", "5 s, scale: {arias: taft}}"),), {*IMPACT, "ubc1991", "arias1970"}),
         ((("5 s}", "5 s, scale: table1}"),), {*IMPACT, "ubc1991", "arias1970"}),
     ],
@@ -132,7 +133,7 @@ def test_every_source_of_a_method_has_a_reference(name):
 def test_no_reference_is_idle():
     rest = {key for method in METHODS.values() for key in (r.key for r in named_in(method.source))}
     rest |= {f"ubc{edition}" for edition in (1985, 1988, 1991, 1994)} | ALWAYS | IMPACT
-    rest |= {key for law in link_laws().values() for key, _ in law.citation}
+    rest |= {key for law in (*link_laws().values(), *storey_laws().values()) for key, _ in law.citation}
     rest |= {"jeng1992", "derkiureghian1981", "asce2010", "gb50011-2010"}  # of the rules of `pound gap`
     assert set(REFERENCES) == rest | {"westermo1989", "arias1970", "lilhanand1988", "gustafsson2020", "wood1980"}
 

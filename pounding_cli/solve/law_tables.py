@@ -1,0 +1,257 @@
+"""From the laws of a scene's storeys and links to the tables of the kernels (`kernels.law_table`)."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Hashable, Sequence
+
+import numpy as np
+
+from pounding_cli.kernels import law_table as t
+from pounding_cli.kernels.layout import Links
+from pounding_cli.laws.law import Branch, Guard, LinkLaw
+from pounding_cli.laws.program import GIVEN, carried_out, kept, operations, straight
+from pounding_cli.laws.storey import StoreyBranch, StoreyLaw
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import Link
+
+Rows = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Of branches, guards and operations."""
+
+LANES = 8
+FAR = 1e100
+"""What stands for a gap without end [m]: kernels take differences of it, and inf - inf is none."""
+
+
+class Tables:
+    """Tables as they grow: the rows of every law once, after a row of each that means nothing."""
+
+    def __init__(self) -> None:
+        self.branches, self.guards = [_NOTHING], [np.zeros((1, t.GUARD_ROW))]
+        self.steps = [np.zeros((1, t.OPERATION_ROW))]
+        self.sizes = [1, 1, 1]
+        self.places: dict[Hashable, tuple[int, int]] = {}
+
+    def add(self, law: Hashable, rows: Callable[[], Rows]) -> tuple[int, int]:
+        """The first branch of a law and one more than the last; `rows` makes its rows if they are not there yet."""
+        if law not in self.places:
+            own, ends, steps = rows()
+            self.branches.append(own + self.sizes[1] * _GUARD_PLACES + self.sizes[2] * _STEP_PLACES)
+            self.guards.append(ends + self.sizes[0] * _BRANCH_PLACE + self.sizes[2] * _SET_PLACES)
+            self.steps.append(steps)
+            self.places[law] = self.sizes[0], self.sizes[0] + len(own)
+            self.sizes = [size + len(new) for size, new in zip(self.sizes, (own, ends, steps), strict=True)]
+        return self.places[law]
+
+    def rows(self) -> Rows:
+        """Branches, guards and operations."""
+        return np.concatenate(self.branches), np.concatenate(self.guards), np.concatenate(self.steps)
+
+
+def storey_rows(laws: Sequence[StoreyLaw | None]) -> tuple[Rows | None, np.ndarray]:
+    """(the rows of these laws of storeys, each once, which count from the first; by slot its first branch among them,
+    -1 for none); None where there are no laws."""
+    first = np.full(len(laws), -1)
+    tables = Tables()
+    for i, law in enumerate(laws):
+        if law is not None:
+            first[i] = tables.add(law, functools.partial(_storey_rows, law))[0] - 1
+    if not tables.places:
+        return None, first
+    branches, guards, steps = (rows[1:] for rows in tables.rows())
+    return (branches - _GUARD_PLACES - _STEP_PLACES, guards - _BRANCH_PLACE - _SET_PLACES, steps), first
+
+
+def with_storeys(links: Links, storeys: Rows | None, first: np.ndarray) -> tuple[Rows, np.ndarray]:
+    """(the tables of the links with the rows of storeys behind them, flat; by slot the first branch of its law)."""
+    tables = links.branches, links.guards, links.operations
+    if storeys is None:
+        return tables, np.zeros(first.size, np.int64)
+    count, asked, done = (
+        rows.size // width for rows, width in zip(tables, (t.BRANCH_ROW, t.GUARD_ROW, t.OPERATION_ROW), strict=True)
+    )
+    branches, guards, steps = storeys
+    moved = branches + asked * _GUARD_PLACES + done * _STEP_PLACES, guards + count * _BRANCH_PLACE + done * _SET_PLACES
+    behind = tuple(np.concatenate((rows, new.ravel())) for rows, new in zip(tables, (*moved, steps), strict=True))
+    return behind, np.where(first >= 0, count + first, t.NO_BRANCH)  # type: ignore[return-value]
+
+
+def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: Sequence[slice]) -> Links:
+    """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`. Links of one law between floors of
+    the same masses share their rows."""
+    masses = [building.mass.tolist() for building in buildings]
+    laws, ends = [], []
+    for link in given:
+        one, other = link.left_floor - 1, link.right_floor - 1
+        laws.append((link.law, masses[link.left][one], masses[link.left + 1][other]))
+        ends.append((floors[link.left].start + one, floors[link.left + 1].start + other))
+    return _packed(tuple(laws), tuple(ends))
+
+
+Between = tuple[LinkLaw, float, float]
+"""A law and the masses of the floors that it stands between [kg]."""
+
+
+@functools.lru_cache(maxsize=4096)
+def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> Links:
+    """Links of these laws between these slots."""
+    padded = -(-len(laws) // LANES) * LANES
+    left, right, first, last = np.zeros((4, padded), np.int64)
+    offset = np.zeros(padded)
+    tables = Tables()
+    written = any(law.general for law, *_ in laws)
+    for e, key in enumerate(laws):
+        left[e], right[e] = ends[e]
+        first[e], last[e] = tables.add(key, functools.partial(_link_rows, *key, written))
+        offset[e] = min(key[0].offset, FAR)
+    branches, guards, steps = tables.rows()
+    registers = GIVEN + int(
+        np.max(branches[:, [t.LAST_STEP, t.LAST_REGULAR]] - branches[:, [t.FIRST_STEP, t.FIRST_REGULAR]])
+    )
+    flat = branches.ravel(), guards.ravel(), steps.ravel()
+    return Links(len(laws), padded, registers, left, right, offset, first, last, *flat)
+
+
+@functools.lru_cache(maxsize=4096)
+def _storey_rows(law: StoreyLaw) -> Rows:
+    """As `_link_rows`, of a storey."""
+    branches = law.branches()
+    rows, guards, steps = _rows(branches, [_storey_row(branch, law.stiffness) for branch in branches])
+    made = steps.tolist()
+    for row, branch in zip(rows, branches, strict=True):
+        row[t.FIRST_STORED] = len(made)
+        made += operations(branch.stored) if branch.stored is not None else ()
+        row[t.LAST_STORED] = len(made)
+    return rows, guards, np.array(made, float).reshape(-1, t.OPERATION_ROW)
+
+
+@functools.lru_cache(maxsize=4096)
+def _link_rows(law: LinkLaw, left_mass: float, right_mass: float, written: bool) -> Rows:
+    """A row for every branch, for every guard and, where forces are `written` as operations, for each of these; all
+    count from the law's first."""
+    branches = law.branches(left_mass, right_mass)
+    rows, guards, steps = _rows(branches, [_branch_row(branch) for branch in branches])
+    if not written:
+        return rows, guards, steps
+    made = steps.tolist()
+    for row, branch in zip(rows, branches, strict=True):
+        if branch.closed:
+            row[t.FIRST_STEP] = len(made)
+            made += operations(branch.expression)
+            row[t.LAST_STEP] = row[t.FIRST_REGULAR] = row[t.LAST_REGULAR] = len(made)
+            if branch.regular > 1:
+                made += operations(branch.expression, branch.regular)
+                row[t.LAST_REGULAR] = len(made)
+    return rows, guards, np.array(made, float).reshape(-1, t.OPERATION_ROW)
+
+
+def _rows(branches: Sequence[Branch | StoreyBranch], rows: list[np.ndarray]) -> Rows:
+    """The rows with their guards, and the operations that make what guards keep."""
+    number = {branch.name: place for place, branch in enumerate(branches)}
+    table = np.stack(rows)
+    table[:, t.LAST_GUARD] = np.cumsum([len(branch.guards) for branch in branches])
+    table[1:, t.FIRST_GUARD] = table[:-1, t.LAST_GUARD]
+    guards: list[np.ndarray] = []
+    steps: list[tuple[float, ...]] = []
+    for branch in branches:
+        for guard in branch.guards:
+            row = _guard_row(guard, number)
+            made, keeping = kept(guard.sets)
+            row[t.FIRST_SET], row[t.FIRST_KEPT] = len(steps), len(steps) + len(made)
+            steps += [*made, *keeping]
+            row[t.LAST_SET] = len(steps)
+            guards.append(row)
+    as_rows = np.array(steps, float).reshape(-1, t.OPERATION_ROW)
+    return table, np.array(guards).reshape(-1, t.GUARD_ROW), as_rows
+
+
+def _storey_row(branch: StoreyBranch, stiffness: float) -> np.ndarray:
+    row = np.zeros(t.BRANCH_ROW)
+    row[t.LINEAR : t.LINEAR + 3] = straight(branch.stiffness)
+    row[t.OFFSET : t.OFFSET + 3] = straight(branch.offset)
+    row[t.CLOSED] = row[t.ACTS] = 1.0
+    row[t.LOST] = 0.0 if branch.lost is None else branch.lost
+    row[t.GIVES_BACK] = stiffness if branch.lost is None else 0.0
+    return row
+
+
+def _branch_row(branch: Branch) -> np.ndarray:
+    low, high = branch.interval
+    row = np.zeros(t.BRANCH_ROW)
+    row[t.LINEAR], row[t.CUBIC], row[t.OFFSET] = branch.linear, branch.cubic, branch.offset
+    row[t.DASHPOT], row[t.ROOT] = branch.dashpot, branch.root
+    row[t.CLOSED], row[t.ACTS], row[t.CUTS] = branch.closed, branch.acts, branch.cut and branch.acts
+    row[t.FROM], row[t.TO] = low, high
+    row[t.STEEPEST], row[t.STEEPEST_DASHPOT] = branch.steepest
+    row[t.GENERAL], row[t.WRITTEN], row[t.REGULAR] = branch.general, branch.force is not None, branch.regular
+    row[t.LOW], row[t.HIGH] = (np.inf if branch.cut else low), high  # a force has to be looked at in any case
+    return row
+
+
+def _guard_row(guard: Guard, number: dict[str, int]) -> np.ndarray:
+    row = np.zeros(t.GUARD_ROW)
+    row[t.QUANTITY], row[t.AT], row[t.SIDE] = guard.quantity, guard.at, guard.side
+    row[t.NEXT], row[t.IMPACT], row[t.ONCE] = number[guard.to], guard.impact, guard.once
+    row[t.FACTOR], row[t.MEMORY] = guard.of_memory, guard.memory
+    return row
+
+
+_NOTHING = _branch_row(Branch("none", closed=False, acts=False))[None]
+"""The row of `law_table.NO_BRANCH`."""
+
+_GUARD_PLACES = np.zeros(t.BRANCH_ROW)
+_GUARD_PLACES[[t.FIRST_GUARD, t.LAST_GUARD]] = 1.0
+_STEP_PLACES = np.zeros(t.BRANCH_ROW)
+_STEP_PLACES[[t.FIRST_STEP, t.LAST_STEP, t.FIRST_REGULAR, t.LAST_REGULAR, t.FIRST_STORED, t.LAST_STORED]] = 1.0
+_BRANCH_PLACE = np.zeros(t.GUARD_ROW)
+_BRANCH_PLACE[t.NEXT] = 1.0
+_SET_PLACES = np.zeros(t.GUARD_ROW)
+_SET_PLACES[[t.FIRST_SET, t.FIRST_KEPT, t.LAST_SET]] = 1.0
+
+
+def at_rest(links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Branch, what is known exactly, and the closing it then has [m], of every link before the motion: floors
+    that touch are exactly where their first branch ends."""
+    begin = 0.0 - links.offset
+    low, high = _branches(links)[links.first[:, None], [t.FROM, t.TO]].T
+    known = np.where((high == begin) | (low == begin), t.CLOSING, t.NOTHING)
+    return links.first.copy(), known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
+
+
+def acting_at_rest(links: Links) -> np.ndarray:
+    """1 for every link whose force acts before the motion, 0 otherwise."""
+    return _branches(links)[links.first, t.ACTS].astype(np.int64)
+
+
+def _branches(links: Links) -> np.ndarray:
+    """The table of branches, a row each."""
+    return links.branches.reshape(-1, t.BRANCH_ROW)
+
+
+def stiffest(links: Links) -> tuple[np.ndarray, np.ndarray]:
+    """(stiffness [N/m], dashpot [N s/m]) of every link where its law is stiffest, shape (number,)."""
+    slope, dashpot = np.zeros((2, links.number))
+    for e in range(links.number):
+        rows = _branches(links)[links.first[e] : links.last[e]]
+        slope[e], dashpot[e] = rows[:, t.STEEPEST].max(), rows[:, t.STEEPEST_DASHPOT].max()
+    return slope, dashpot
+
+
+def force_over_time(
+    links: Links, branch: np.ndarray, v: np.ndarray, rate: np.ndarray, memory: np.ndarray
+) -> np.ndarray:
+    """Force of a link [N] at closings v [m], rates [m/s] and what it remembers, each time on the branch it is on then;
+    shape (t,)."""
+    row = _branches(links)[branch].T
+    if np.any(row[t.WRITTEN]):
+        steps = links.operations.reshape(-1, t.OPERATION_ROW)
+        force = np.zeros(v.size)
+        for b in np.unique(branch):
+            here, own = branch == b, _branches(links)[b]
+            written = steps[int(own[t.FIRST_STEP]) : int(own[t.LAST_STEP])]
+            if own[t.ACTS] and len(written):
+                force[here] = carried_out(written, v[here], rate[here], memory[here])
+        return force
+    elastic = row[t.LINEAR] * v + row[t.OFFSET] + row[t.CUBIC] * v**3
+    slope = np.maximum(row[t.LINEAR] + 3 * row[t.CUBIC] * v**2, 0.0)
+    return row[t.ACTS] * (elastic + (row[t.DASHPOT] + row[t.ROOT] * np.sqrt(slope)) * rate)
