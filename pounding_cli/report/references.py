@@ -97,6 +97,16 @@ REFERENCES = {
             "10.1002/eqe.557",
         ),
         _article(
+            "jankowski2005", "Jankowski, R.", 2005,
+            "Non-linear viscoelastic modelling of earthquake-induced structural pounding", _EESD, "34(6)", "595--611",
+            "10.1002/eqe.434",
+        ),
+        _article(
+            "jankowski2006", "Jankowski, R.", 2006,
+            "Analytical expression between the impact damping ratio and the coefficient of restitution in the "
+            "non-linear viscoelastic model of structural pounding", _EESD, "35(4)", "517--524", "10.1002/eqe.537",
+        ),
+        _article(
             "ye2009", "Ye, K., Li, L. & Zhu, H.", 2009,
             "A note on the Hertz contact model with nonlinear damping for pounding simulation", _EESD, "38",
             "1135--1142", "10.1002/eqe.883",

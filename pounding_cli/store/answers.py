@@ -70,21 +70,27 @@ def place_columns(plan: Plan, places: Sequence[tuple[int, ...]]) -> list[Column]
 
 
 def write_tables(file: h5py.File, tables: Sequence[Table]) -> None:
-    """Write tables into a results file."""
+    """Write tables into a results file: a dataset a column, by its number; of texts the codes, and each text once."""
     for table in tables:
         group = file.create_group(f"{GROUP}/{table.name}")
         group.attrs["columns"] = json.dumps([column.name for column in table.columns])
         for number, column in enumerate(table.columns):
-            is_text = column.data.dtype == object
-            kind: dict[str, Any] = {"dtype": h5py.string_dtype()} if is_text else {}
-            if column.data.size:
-                kind |= {"compression": "gzip", "shuffle": True} if not is_text else {}
-            dataset = group.create_dataset(str(number), data=column.data, **kind)
+            data = column.data
+            if data.dtype == object:
+                texts, data = np.unique(data.astype(str), return_inverse=True)
+                group.create_dataset(_texts(number), data=texts.astype(object), dtype=h5py.string_dtype())
+                data = data.astype(np.int32)
+            packed: dict[str, Any] = {"compression": "gzip", "shuffle": True} if data.size else {}
+            dataset = group.create_dataset(str(number), data=data, **packed)
             dataset.attrs["long_name"] = column.text
-            if column.unit and not is_text:
+            if column.unit:
                 dataset.attrs["units"] = column.unit
             if column.shown is not None:
                 describe_unit(dataset, column.shown)
+
+
+def _texts(number: int) -> str:
+    return f"{number} texts"
 
 
 def table_names(file: h5py.File) -> tuple[str, ...]:
@@ -117,7 +123,9 @@ def read_table(file: h5py.File, name: str) -> Answer:
     group, place = file[f"{GROUP}/{name}"], f"{GROUP}/{name}"
     names = json.loads(str(group.attrs.get("columns", "[]")))
     sound = isinstance(names, list) and all(isinstance(each, str) for each in names) and len(set(names)) == len(names)
-    if not sound or set(group) != {str(number) for number in range(len(names))}:
+    numbers = [str(number) for number in range(len(names))]
+    texts = {_texts(number) for number in range(len(names))} & set(group)
+    if not sound or set(group) != {*numbers, *texts}:
         raise refused(place, "does not hold the columns it names")
     data: dict[str, np.ndarray] = {}
     shown: dict[str, Unit] = {}
@@ -126,7 +134,12 @@ def read_table(file: h5py.File, name: str) -> Answer:
         dataset = group[str(number)]
         if len(dataset.shape or (0, 0)) != 1 or dataset.shape != group["0"].shape:
             raise refused(f"{place}/{number}", "is no column of its table")
-        data[column] = strings(dataset) if h5py.check_string_dtype(dataset.dtype) else dataset[()]
+        data[column] = dataset[()]
+        if _texts(number) in texts:
+            known, codes = strings(group[_texts(number)]), data[column]
+            if known.ndim != 1 or codes.dtype.kind != "i" or not ((codes >= 0) & (codes < known.size)).all():
+                raise refused(f"{place}/{number}", "is no column of texts")
+            data[column] = known[codes]
         meanings[column] = str(dataset.attrs.get("units", "")), str(dataset.attrs.get("long_name", ""))
         if "unit_factor" in dataset.attrs:
             shown[column] = written(dataset)

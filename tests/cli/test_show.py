@@ -11,8 +11,8 @@ import sys
 import pytest
 from test_run import STUDY, folder, known, pound  # noqa: F401  (fixtures)
 
-from pounding_cli.cli.show import TABLES
-from pounding_cli.store import columns
+from pounding_cli.cli import show
+from pounding_cli.store.columns import TABLES
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ def test_a_table_for_the_eye_is_in_the_units_of_the_study_and_csv_in_si(shown, f
 
 
 def test_the_tables_are_those_of_a_results_file():
-    assert columns.TABLES == TABLES
+    assert show.TABLES[: len(TABLES)] == TABLES
 
 
 def test_swept_axes_come_first(folder, pound):  # noqa: F811

@@ -92,3 +92,15 @@ def test_columns_of_two_lengths_are_refused(workflow, tmp_path, monkeypatch):
     run_plan(three_motions(1), tmp_path / "r.h5", solve=known)
     with pytest.raises(InputError, match="is no column of its table"):
         open_results(tmp_path / "r.h5").table("test")
+
+
+def test_codes_of_texts_that_are_not_there_are_refused(workflow, tmp_path, monkeypatch):
+    """A file made to mislead: a code beyond the texts. Fails if it reaches numpy."""
+    from pounding_cli.store import answers
+
+    with h5py.File(tmp_path / "forged.h5", "w") as file:
+        answers.write_tables(file, [Table("test", [Column("name", np.array(["a", "b", "a"], object), "")])])
+        assert answers.read_table(file, "test").frame["name"].tolist() == ["a", "b", "a"]
+        file["answer/test/0"][1] = 7
+        with pytest.raises(InputError, match="is no column of texts"):
+            answers.read_table(file, "test")
