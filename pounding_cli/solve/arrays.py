@@ -25,7 +25,7 @@ _BY_SLOT = Slots._fields[1:11]
 """What is given of every slot (`layout.Slots`)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Arrays:
     """A scene as the kernels see it; `floors[b]` is the slice of slots of building b's floors, `bases[b]` its base
     slot or -1."""
