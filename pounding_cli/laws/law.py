@@ -137,7 +137,7 @@ class Branch:
     @cached_property
     def interval(self) -> tuple[float, float]:
         """The closings between which it holds [m]."""
-        closings = [guard for guard in self.guards if guard.quantity is Quantity.CLOSING]
+        closings = [guard for guard in self.guards if guard.quantity is Quantity.CLOSING and not guard.of_memory]
         low = max((guard.at for guard in closings if guard.side > 0), default=-math.inf)
         return low, min((guard.at for guard in closings if guard.side < 0), default=math.inf)
 

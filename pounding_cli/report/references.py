@@ -132,6 +132,24 @@ REFERENCES = {
             "A response spectrum method for random vibration analysis of MDF systems", _EESD, "9(5)", "419--435",
             "10.1002/eqe.4290090503",
         ),
+        _article(
+            "baker2015", "Baker, J. W.", 2015,
+            "Efficient analytical fragility function fitting using dynamic structural analysis", "Earthquake Spectra",
+            "31(1)", "579--599", "10.1193/021113EQS025M",
+        ),
+        _article(
+            "vamvatsikos2004", "Vamvatsikos, D. & Cornell, C. A.", 2004,
+            "Applied incremental dynamic analysis", "Earthquake Spectra", "20(2)", "523--553", "10.1193/1.1737737",
+        ),
+        _article(
+            "jalayer2015", "Jalayer, F., De Risi, R. & Manfredi, G.", 2015,
+            "Bayesian Cloud Analysis: efficient structural fragility assessment using linear regression",
+            "Bulletin of Earthquake Engineering", "13(4)", "1183--1203", "10.1007/s10518-014-9692-z",
+        ),
+        Reference(
+            "efron1993", "book", "Efron, B. & Tibshirani, R. J.", 1993, "An introduction to the bootstrap",
+            (("publisher", "Chapman & Hall"), ("address", "New York")),
+        ),
         Reference(
             "asce2010", "manual", "American Society of Civil Engineers", 2010,
             "Minimum design loads for buildings and other structures, ASCE/SEI 7-10",
