@@ -14,7 +14,7 @@ from pounding_cli.kernels.law_table import branch, guard
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import held_force, held_force_rate
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-from pounding_cli.kernels.storey_law import guarded_drift, remember, shear_on, turning_guard
+from pounding_cli.kernels.storey_law import guard_at_rest, guarded_drift, remember, shear_on
 from pounding_cli.laws.program import MEMORIES
 
 
@@ -64,6 +64,8 @@ def storey_branch_end(slots, state, i, h, d0, r0, q0, d1, r1, q1, scratch):
             quintic(scratch, h, d0, r0, q0, d1, r1, q1)
             for k in range(5):
                 scratch[k] = side * (k + 1) * scratch[k + 1]
+            if state.pinned_storey[i] == g:
+                scratch[0] = 0.0
             s = first_crossing(scratch, 4, 1.0)
         else:
             distance0 = side * ((d0 - shift) - at)
@@ -133,7 +135,8 @@ def switch_storey(slots, state, i, g, drift, rate):
     remember(slots, g, drift, rate, state.storey_memory, MEMORIES, i, slots.size)
     b = int(guard(slots, g, t.NEXT))
     state.storey_branch[i] = b
-    state.pinned_storey[i] = turning_guard(slots, b, left, guard(slots, g, t.QUANTITY))
+    rests = state.pinned_storey[i] == g
+    state.pinned_storey[i] = guard_at_rest(slots, b, left, guard(slots, g, t.QUANTITY), rests)
 
 
 @njit(**INLINE)

@@ -58,9 +58,9 @@ CLOSING_TERM, RATE_TERM, FORCE_TERM, SQUARE_TERM, ROOT_TERM = range(0, 8 * 5, 8)
 _TERM_FIELDS = 5
 
 # A storey in integers, a row of all of them each: its branch; the guard that it stands at exactly and at rest, 0 for
-# none; the guard it meets in this step.
-STOREY_BRANCH, STOREY_PINNED, STOREY_GUARD = range(3)
-STOREY_INTEGERS = 3
+# none; the guard it meets in this step; its events at this instant.
+STOREY_BRANCH, STOREY_PINNED, STOREY_GUARD, STOREY_EVENTS = range(4)
+STOREY_INTEGERS = 4
 STOREY_INTEGER_CHECKPOINT = STOREY_GUARD
 """The integers of a checkpoint are those before it."""
 

@@ -26,6 +26,10 @@ from pounding_cli.kernels.simd import (
 from pounding_cli.kernels.storey_law import guarded_drift
 from pounding_cli.kernels.summary import drift_series, may_turn_by_ends, rate_term
 
+MAX_STOREY_EVENTS_AT_INSTANT = 6
+"""Events of a storey at one instant after which it is asked nothing more until time goes on: at rest and without shear,
+a storey whose shear decides its branch would go round by the last digits of both for ever."""
+
 MAX_EVENTS_AT_INSTANT = 2
 """Events of a link at one instant after which some guards are asked no more until time goes on: an event that undoes
 itself at once is rounding (floors that part from rest at a high order of their motion, say)."""
@@ -41,6 +45,8 @@ def _storey_guard(run, i, b, g, founded):
     if t.guard(run, g, t.QUANTITY) == t.RATE:
         for k in range(order + 1):
             run.scratch[k] = side * rate_term(run, k, i, founded)
+        if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
+            run.scratch[0] = 0.0
         return True
     first = side * ((slots[of(i, c.DRIFT0)] - shift) - at_drift)
     last = side * ((slots[of(i, c.DRIFT1)] - shift) - at_drift)
@@ -61,6 +67,8 @@ def _storey_crossing(run, i, founded):
     earliest = NEVER
     first = 0
     b = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
+    if run.storeys[of_storey(run, i, c.STOREY_EVENTS)] >= MAX_STOREY_EVENTS_AT_INSTANT:
+        return earliest, first
     for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
         if _storey_guard(run, i, b, g, founded):
             s = first_crossing(run.scratch, run.tally[ORDER], min(1.0, earliest))

@@ -65,6 +65,8 @@ def _storey_end(run, p, i, founded):
         if t.guard(run, g, t.QUANTITY) == t.RATE:
             for k in range(order + 1):
                 run.scratch[k] = side * rate_term(run, k, i, founded)
+            if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
+                run.scratch[0] = 0.0
         else:
             drift_terms(run, p, i, order, side, founded)
             run.scratch[0] -= side * (shift + at)

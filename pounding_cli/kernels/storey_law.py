@@ -85,13 +85,15 @@ def energy_held(laws, b, drift, memory, count, place, stride):
 
 
 @njit(**CALLED)
-def turning_guard(laws, b, left, quantity):
-    """The guard of branch b at which a storey that has turned back on branch `left` would take that up again; it stands
-    there at rest. 0 if there is none."""
+def guard_at_rest(laws, b, left, quantity, rests):
+    """The guard of branch b at which a storey stands exactly, and at rest, that has just come from branch `left`; 0 if
+    there is none. After it has turned back that is where it would take `left` up again; where it does so at the same
+    instant, because it `rests`, it is the turn."""
     no_inline()
-    if quantity == t.RATE:
+    wanted = t.CLOSING if quantity == t.RATE else t.RATE
+    if quantity == t.RATE or (rests and quantity == t.CLOSING):
         for g in range(int(t.branch(laws, b, t.FIRST_GUARD)), int(t.branch(laws, b, t.LAST_GUARD))):
-            if t.guard(laws, g, t.QUANTITY) == t.CLOSING and int(t.guard(laws, g, t.NEXT)) == left:
+            if t.guard(laws, g, t.QUANTITY) == wanted and int(t.guard(laws, g, t.NEXT)) == left:
                 return g  # fault: storey-turns-at-rest
     return 0
 

@@ -12,7 +12,7 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, set_law
 from pounding_cli.kernels.recurrence import update_stencils
 from pounding_cli.kernels.simd import no_inline
-from pounding_cli.kernels.storey_law import coefficient, remember, turning_guard
+from pounding_cli.kernels.storey_law import coefficient, guard_at_rest, remember
 from pounding_cli.laws.program import MEMORIES
 
 
@@ -61,7 +61,9 @@ def _storey_event(run, i):
     remember(run, g, drift, rate, slots, MEMORIES, of(i, c.STOREY_MEMORY), 8)
     b = int(t.guard(run, g, t.NEXT))
     run.storeys[of_storey(run, i, c.STOREY_BRANCH)] = b
-    run.storeys[of_storey(run, i, c.STOREY_PINNED)] = turning_guard(run, b, left, t.guard(run, g, t.QUANTITY))
+    rests = run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g
+    pinned = guard_at_rest(run, b, left, t.guard(run, g, t.QUANTITY), rests)
+    run.storeys[of_storey(run, i, c.STOREY_PINNED)] = pinned
     enter_storey_branch(run, i)  # fault: storey-unloads
     update_stencils(run, i)
     if i >= 1:
