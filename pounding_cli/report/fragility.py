@@ -146,7 +146,7 @@ def _panel(
             up = 0.04 + 0.08 * len(ax.texts)  # one line a curve
             ax.text(0.98, up, said, transform=ax.transAxes, ha="right", fontsize=7.5, color=look.color)
         at, share = _points(mine, suffix, asked.method)
-        ax.plot(at / factor, share, ls="", marker=look.marker, ms=3.2, color=look.color, alpha=0.75)
+        ax.plot(at / factor, share, ls="", marker=look.marker, ms=3.2, color=look.color, alpha=0.75, clip_on=False)
 
 
 def _right(curves: list[tuple[str, Any, pd.DataFrame, str, Look]]) -> float:
