@@ -87,6 +87,17 @@ _LIST = (
         cite="pounding_cli.report.gap:cite_gap",
     ),
     Workflow(
+        "fragility",
+        "How likely is a limit passed?",
+        shows=("fragility", "fragility_motions"),
+        schema="pounding_cli.study.fragility_keys:FragilitySpec",
+        expand="pounding_cli.study.fragility:expand_fragility",
+        refine="pounding_cli.study.fragility_rounds:refine_fragility",
+        tables="pounding_cli.store.fragility:fragility_tables",
+        page="pounding_cli.report.fragility:fragility_page",
+        cite="pounding_cli.report.fragility:cite_fragility",
+    ),
+    Workflow(
         "connector",
         "Two connected oscillators in closed form (Figs 4 and 5).",
         ("first", "second", "connector", "frequencies"),

@@ -138,7 +138,7 @@ class Task:
         return not self.all_effects and self.time_step is None
 
     def is_assessed(self, scene: Scene) -> bool:
-        """Whether this scene is solved twice more; a sample is one scene in eight, the same ones in every run."""
+        """Whether this scene is solved once more; a sample is one scene in eight, the same ones in every run."""
         return self.estimate == "all" or (self.estimate == "sample" and scene.digest[0] in "01")
 
     def without(self, scene: Scene, status: str, advice: str) -> Response:

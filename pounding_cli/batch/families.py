@@ -37,7 +37,7 @@ class Order:
 
 
 def order_of(plan: Plan, solved: Container[str]) -> Order:
-    """The scenes of a plan that are not solved yet."""
+    """The scenes of a plan that are not solved yet; rows may name others, which a later round may ask for."""
     order = Order()
     families: dict[tuple[str, ...], list[str]] = {}
     seen: set[str] = set()
@@ -45,7 +45,7 @@ def order_of(plan: Plan, solved: Container[str]) -> Order:
         family = families.setdefault(row.baselines, [])
         sorts = [*((digest, "") for digest in row.baselines), (row.scene, row.case)]
         for digest, case in sorts:
-            if digest not in seen and digest not in solved:
+            if digest not in seen and digest not in solved and digest in plan.scenes:
                 seen.add(digest)
                 family.append(digest)
                 order.put(digest, (case, row.analysis))

@@ -27,7 +27,7 @@ MOST_SCENES = 2000
 ALONE, PARTS, GROUP = "of a building alone", "of smaller groups", "of the group"
 APART = "of neighbours kept apart"
 """What is solved: baselines; several neighbours of a row, to see whether they reach the next one; whole rows;
-neighbours with nothing between them, for the peaks of their closing, whose error takes one run more, not two."""
+neighbours with nothing between them, for the peaks of their closing."""
 
 
 @dataclass
@@ -72,8 +72,7 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
     def count(what: str, scene: Scene) -> None:
         method = _method(plan, scene)
         found.scenes[what, method] += every
-        times = (1 + runs) / 2 if what == APART else runs
-        found.seconds[what, method] += every * (times * price(scene, method, plan.time_step) + BESIDE)
+        found.seconds[what, method] += every * (runs * price(scene, method, plan.time_step) + BESIDE)
 
     def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:

@@ -17,7 +17,7 @@ class Progress(Protocol):
     """What a run tells while it goes on."""
 
     def start(self, total: int, reused: int) -> None:
-        """`total` scenes are to be solved; `reused` were found solved."""
+        """`total` scenes are to be solved; `reused` were found solved. In a later round: so many more."""
         ...
 
     def compiled(self) -> None:
@@ -49,10 +49,16 @@ class Counts:
     come_before: int = 0
 
     def start(self, total: int, reused: int) -> None:
-        self.total, self.reused = total, reused
+        self.reused = reused - self.come  # in later rounds those of this run are found solved too
+        self.total = self.come + total
+
+    @property
+    def come(self) -> int:
+        """Scenes that came back."""
+        return self.done + self.failed
 
     def compiled(self) -> None:
-        self.begun, self.come_before = time.monotonic(), self.done + self.failed
+        self.begun, self.come_before = time.monotonic(), self.come
 
     def step(self, done: int, failed: int) -> None:
         self.done += done
@@ -60,12 +66,12 @@ class Counts:
 
     @property
     def left(self) -> int:
-        return self.total - self.done - self.failed
+        return self.total - self.come
 
     @property
     def seconds_left(self) -> float | None:
         """Time the rest will take if it is like what came since kernels were compiled [s]; None before anything did."""
-        come = self.done + self.failed - self.come_before if self.begun < math.inf else 0
+        come = self.come - self.come_before if self.begun < math.inf else 0
         return (time.monotonic() - self.begun) / come * self.left if come else None
 
     @property
@@ -114,9 +120,10 @@ class Lines:
         self._last = time.monotonic()
 
     def start(self, total: int, reused: int) -> None:
+        later = self.counts.come > 0
         self.counts.start(total, reused)
-        found = f" ({reused} already solved)" if reused else ""
-        self.say(f"{counted(total, 'scene')} to solve{found}")
+        found = f" ({reused} already solved)" if reused and not later else ""
+        self.say(f"{counted(total, 'more scene' if later else 'scene')} to solve{found}")
 
     def compiled(self) -> None:
         self.counts.compiled()
@@ -189,7 +196,7 @@ class Bar:
 
     def start(self, total: int, reused: int) -> None:
         self.counts.start(total, reused)
-        self._rich.update(self._task, total=total, description=self.counts.words)
+        self._rich.update(self._task, total=self.counts.total, description=self.counts.words)
         self._rich.start()
         self._rich.refresh()
 

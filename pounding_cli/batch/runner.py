@@ -23,7 +23,16 @@ from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
 from pounding_cli.errors import InputError
 from pounding_cli.outputs import check_output
-from pounding_cli.store import PartStore, Run, check_results, is_current, locked, solution_key, write_results
+from pounding_cli.store import (
+    PartStore,
+    Run,
+    check_results,
+    former_run,
+    is_current,
+    locked,
+    solution_key,
+    write_results,
+)
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.files import is_results, refused_write
 from pounding_cli.store.locks import lock_of
@@ -81,7 +90,9 @@ def run_plan(
     parts = PartStore(output, key)
     if not replace and is_current(output, plan):
         _tidy(output, parts)
-        return Outcome(output, 0, 0, len(plan.scenes), (), "none", 0, 0.0, time.perf_counter() - begin)
+        former = former_run(output, key)
+        reused = len(plan.scenes) if former is None else former.scenes  # later rounds asked for more than the first
+        return Outcome(output, 0, 0, reused, (), "none", 0, 0.0, time.perf_counter() - begin)
     check_results(output, plan.study, "" if plan.workflow == "run" else plan.workflow, replace)
     try:
         with locked(output):

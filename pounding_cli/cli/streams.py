@@ -55,7 +55,7 @@ def echo_table(table: Table) -> None:
     from rich.console import Console
 
     drawn = io.StringIO()
-    Console(file=drawn, width=None if sys.stdout.isatty() else _WIDTH).print(table)
+    Console(file=drawn, width=None if sys.stdout.isatty() else _WIDTH, markup=False).print(table)  # [cm] is a unit
     click.echo(drawn.getvalue(), nl=False)
 
 

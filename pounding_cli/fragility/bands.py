@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.fragility.curve import Outcome
-from pounding_cli.fragility.likelihood import Brackets, fit_many
+from pounding_cli.fragility.likelihood import Brackets, Fits, fit_many
 
 DRAWS = 1000
 """Draws of a bootstrap unless said otherwise."""
@@ -49,31 +49,35 @@ def resamples(motions: int, draws: int = DRAWS, seed: int = _SEED) -> np.ndarray
     return generator.multinomial(motions, np.full(motions, 1.0 / motions), size=draws)
 
 
-def bands(brackets: Brackets, times: np.ndarray, intensity: np.ndarray, confidence: float = CONFIDENCE) -> Bands:
+def draw(brackets: Brackets, times: np.ndarray) -> Fits:
+    """The fit of every draw; `times` : `resamples` of as many motions as `brackets` has."""
+    return fit_many(brackets, brackets.weights(times))
+
+
+def bands(fits: Fits, intensity: np.ndarray, confidence: float = CONFIDENCE) -> Bands:
     """Percentile bands of median, spread and probability.
 
-    times : `resamples` of as many motions as `brackets` numbers; intensity : where the probability is wanted, above 0
+    fits : of all draws; intensity : where the probability is wanted, above 0, shape (intensities,)
     """
-    fits = fit_many(brackets, brackets.weights(times))
-    ends = 0.5 - confidence / 2, 0.5 + confidence / 2
+    ends = _ends(confidence)
     low, high = _quantiles(fits.probability(np.asarray(intensity, dtype=float)), ends)
     unfitted = int((fits.outcome != Outcome.FITTED).sum())
-    return Bands(
-        _pair(_quantiles(fits.median, ends)), _pair(_quantiles(fits.spread, ends)), low, high, unfitted, len(times)
-    )  # fmt: skip
+    median, spread = _pair(_quantiles(fits.median, ends)), _pair(_quantiles(fits.spread, ends))
+    return Bands(median, spread, low, high, unfitted, len(fits.median))
 
 
-def median_ratio(
-    first: Brackets, second: Brackets, times: np.ndarray, confidence: float = CONFIDENCE
-) -> tuple[float, float]:
-    """Band of the median of `second` over that of `first` [-], both fitted to the same motions draw by draw.
+def median_ratio(first: Fits, second: Fits, confidence: float = CONFIDENCE) -> tuple[float, float]:
+    """Band of the median of `second` over that of `first` [-], both of the same draws.
 
     A draw whose ratio has no value, both medians beyond the same end, is taken as 1.
     """
-    medians = [fit_many(each, each.weights(times)).median for each in (first, second)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = medians[1] / medians[0]
-    return _pair(_quantiles(np.where(np.isnan(ratio), 1.0, ratio), (0.5 - confidence / 2, 0.5 + confidence / 2)))
+        ratio = second.median / first.median
+    return _pair(_quantiles(np.where(np.isnan(ratio), 1.0, ratio), _ends(confidence)))
+
+
+def _ends(confidence: float) -> tuple[float, float]:
+    return 0.5 - confidence / 2, 0.5 + confidence / 2
 
 
 def _quantiles(values: np.ndarray, ends: tuple[float, float]) -> np.ndarray:

@@ -6,10 +6,11 @@ from numba import njit
 
 from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.branches import held_shear
+from pounding_cli.kernels.forces import deformation
 from pounding_cli.kernels.hermite import cubic, quintic
 from pounding_cli.kernels.law_table import branch
 from pounding_cli.kernels.layout import INLINE
-from pounding_cli.kernels.link_force import branch_at, closing_of, held_force_rate
+from pounding_cli.kernels.link_force import branch_at, held_force_rate
 from pounding_cli.kernels.polynomial import highest
 from pounding_cli.kernels.simd import short_array
 from pounding_cli.kernels.storey_law import follow, shear_on
@@ -82,20 +83,19 @@ def raise_drift(slots, peaks, i, h, d0, r0, q0, d1, r1, q1, state, storeys, loca
 
 
 @njit(**INLINE)
-def raise_links(links, state, peaks, scratch, h, u0, v0, a0, u1, v1, a1, force0, force1, located):
+def raise_links(elements, links, state, peaks, scratch, h, u0, v0, a0, u1, v1, a1, force0, force1, located):
     """Closings, forces, impulses and contact times of a step; forces are the links' at both ends."""
     for e in range(links.number):
-        left = links.left[e]
-        right = links.right[e]
-        r0 = v0[left] - v0[right]
-        r1 = v1[left] - v1[right]
-        q0 = a0[left] - a0[right]
-        q1 = a1[left] - a1[right]
+        element = elements.springs + e
+        d0, r0, q0 = (deformation(elements, element, u0), deformation(elements, element, v0),
+                      deformation(elements, element, a0))  # fmt: skip
+        d1, r1, q1 = (deformation(elements, element, u1), deformation(elements, element, v1),
+                      deformation(elements, element, a1))  # fmt: skip
         if r0 > 0.0 and r1 < 0.0:
-            quintic(scratch, h, u0[left] - u0[right], r0, q0, u1[left] - u1[right], r1, q1)
+            quintic(scratch, h, d0, r0, q0, d1, r1, q1)
             peaks.closing[e] = highest(scratch, 5, 1.0, peaks.closing[e], False)
-        c0 = closing_of(links, e, u0)
-        c1 = closing_of(links, e, u1)
+        c0 = d0 - links.offset[e]
+        c1 = d1 - links.offset[e]
         if located:
             b = state.link_branch[e]
             smooth = branch(links, b, t.ACTS) != 0.0

@@ -1,21 +1,20 @@
 """Storeys and links held on their branches, where each branch ends, and what follows: event location for one-step
 methods.
 
-A branch is a smooth law that is followed beyond its end until the end has been located; the laws themselves are
-those of `forces`, corrected where the branch differs from them."""
+A branch is a smooth law that is followed beyond its end until the end has been located."""
 
 from __future__ import annotations
 
 from numba import njit
 
 from pounding_cli.kernels import law_table as t
-from pounding_cli.kernels.forces import accelerations
+from pounding_cli.kernels.forces import apply, deformation
 from pounding_cli.kernels.hermite import cubic, quintic
 from pounding_cli.kernels.law_table import branch, guard
 from pounding_cli.kernels.layout import INLINE
-from pounding_cli.kernels.link_force import closing_of, held_force, held_force_rate, link_force
+from pounding_cli.kernels.link_force import held_force, held_force_rate
 from pounding_cli.kernels.polynomial import NEVER, first_crossing
-from pounding_cli.kernels.storey_law import Storeys, guarded_drift, remember, shear_on, turning_guard
+from pounding_cli.kernels.storey_law import guarded_drift, remember, shear_on, turning_guard
 from pounding_cli.laws.program import MEMORIES
 
 
@@ -29,40 +28,25 @@ def held_shear(slots, state, i, drift):
 
 
 @njit(**INLINE)
-def held_accelerations(
-    slots, foundations, links, state, u, v, phi, phi_v, ground, inelastic, out, out_phi, drift, shear, force
-):  # fmt: skip
+def held_accelerations(slots, elements, links, state, u, v, ground, inelastic, out, drift, shear, force):
     """`forces.accelerations` with every storey and link on the branch that `state` gives it."""
-    elastic = Storeys(state.storey_branch, state.storey_memory, drift)
-    accelerations(
-        slots, foundations, links, elastic, u, v, phi, phi_v, ground, False, out, out_phi, drift, shear, force
-    )
-    size = slots.size
-    if inelastic:
-        for i in range(size):
-            if slots.branch[i] == t.NO_BRANCH:
-                continue
-            held = held_shear(slots, state, i, drift[i])
-            excess = held - shear[i]
-            shear[i] = held
-            out[i] -= excess * slots.inverse_mass[i]
-            if slots.couple[i] != 0.0:
-                out[i - 1] += excess * slots.inverse_mass[i - 1]
-            if slots.rise[i] != 0.0:
-                for f in range(foundations.number):
-                    if foundations.first[f] <= i < foundations.stop[f]:
-                        out_phi[f] += excess * slots.rise[i] / foundations.inertia[f]
-    for e in range(links.number):
-        left = links.left[e]
-        right = links.right[e]
-        closing = closing_of(links, e, u)
-        rate = v[left] - v[right]
-        b = state.link_branch[e]
-        held = held_force(links, b, closing, rate) * branch(links, b, t.ACTS)
-        excess = held - link_force(links, e, closing, rate)
-        force[size + e] = held
-        out[left] -= excess * slots.inverse_mass[left]
-        out[right] += excess * slots.inverse_mass[right]
+    for i in range(elements.freedoms):
+        out[i] = 0.0
+    for e in range(elements.number):
+        d, rate = deformation(elements, e, u), deformation(elements, e, v)
+        if e < slots.size:
+            drift[e] = d
+            shear[e] = held_shear(slots, state, e, d) if inelastic else elements.stiffness[e] * d
+            force[e] = shear[e] + elements.dashpot[e] * rate
+        elif e < elements.springs:
+            force[e] = elements.stiffness[e] * d + elements.dashpot[e] * rate
+        else:
+            link = e - elements.springs
+            b = state.link_branch[link]
+            force[e] = held_force(links, b, d - links.offset[link], rate) * branch(links, b, t.ACTS)
+        apply(elements, e, force[e], out)
+    for i in range(elements.freedoms):
+        out[i] = out[i] * elements.inverse_mass[i] - ground * elements.loaded[i]
 
 
 @njit(**INLINE)

@@ -17,29 +17,21 @@ from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.stepping import STEP_DONE, begin_storeys, fill_forces, march, no_event
 
 
-def memory_needed(size: int, foundations: int, links: int) -> int:
+def memory_needed(slots, elements) -> int:
     """Doubles of the method's own scratch: whether a half step has been, and its velocities."""
-    return 1 + size + foundations
-
-
-@njit(**INLINE)
-def _kick(count, half, h, kick, u, v, a, out_u, out_v):
-    """Half-step velocities, displacements and extrapolated velocities of a step."""
-    for i in range(count):
-        before = half[i] if kick == h else v[i]
-        half[i] = before + kick * a[i]
-        out_u[i] = u[i] + h * half[i]
-        out_v[i] = 1.5 * half[i] - 0.5 * before  # fault: central-difference-velocity
+    return 1 + elements.freedoms
 
 
 @njit(**INLINE)
 def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
-    size, count = scene.slots.size, scene.foundations.number
     kick = h if own[0] != 0.0 else 0.5 * h
     own[0] = 1.0
     half = further(own, 1)
-    _kick(size, half, h, kick, p.u, p.v, p.a, out.u, out.v)
-    _kick(count, further(half, size), h, kick, p.phi, p.phi_v, p.phi_a, out.phi, out.phi_v)
+    for i in range(scene.elements.freedoms):
+        before = half[i] if kick == h else p.v[i]
+        half[i] = before + kick * p.a[i]
+        out.u[i] = p.u[i] + h * half[i]
+        out.v[i] = 1.5 * half[i] - 0.5 * before  # fault: central-difference-velocity
     begin_storeys(scene.slots, p, out, inelastic)
     fill_forces(scene, out, ground + h * slope, inelastic, False)
     return h, STEP_DONE
@@ -51,10 +43,10 @@ def build(inelastic: bool):
     source = source_digest()
 
     @njit(**OPTIONS)
-    def integrate(slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
+    def integrate(slots, elements, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
         return march(
-            _advance, no_event, False, False, inelastic, slots, foundations, links, state, peaks, memory, tally, starts,
+            _advance, no_event, False, False, inelastic, slots, elements, links, state, peaks, memory, tally, starts,
             slopes, dt, parts, max_events,
         )  # fmt: skip
 

@@ -14,9 +14,10 @@ import numpy as np
 from numba import njit
 
 from pounding_cli.kernels.cholesky import factorise, solve
+from pounding_cli.kernels.forces import closing
 from pounding_cli.kernels.law_table import LINEAR, NO_BRANCH
 from pounding_cli.kernels.layout import INLINE, NOT_FINITE, OPTIONS
-from pounding_cli.kernels.link_force import branch_at, closing_of, stiffness_and_dashpot
+from pounding_cli.kernels.link_force import branch_at, stiffness_and_dashpot
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.stepping import (
@@ -48,170 +49,146 @@ _BETA, _GAMMA, _ALPHA_M, _ALPHA_F, _MOST_CUTS, _UNKNOWNS, _STEP, _DONE, _LEVEL, 
 PARAMETERS = _DONE
 
 
-def memory_needed(size: int, foundations: int, links: int, unknowns: int) -> int:
+def memory_needed(slots, elements, unknowns: int) -> int:
     """Doubles of the method's own scratch."""
-    return matrices_at(size, foundations, links) + 2 * unknowns * unknowns + 2 * unknowns
+    return matrices_at(elements) + 2 * unknowns * unknowns + 2 * unknowns
 
 
-def matrices_at(size: int, foundations: int, links: int) -> int:
+def matrices_at(elements) -> int:
     """Where in it mass (N,) and damping (N N, row by row) stand, without links; whoever calls fills them in."""
-    return 10 + 3 * size + 2 * foundations + 2 * links
+    return 10 + 2 * elements.freedoms + 2 * elements.number
 
 
 @njit(**INLINE)
-def _tangents(slots, links, storeys, u, inelastic, tangent, dashpot):
-    """Slopes of storeys and links [N/m] into `tangent`, dashpots of links [N s/m]; True if any differs from before.
+def _tangents(scene, p, inelastic, tangent, dashpot):
+    """Slopes [N/m] of all elements into `tangent`, dashpots of links [N s/m]; True if any differs from before.
 
     The slope of a dashpot constant is left out: it would cost the matrix its definiteness and gains
     nothing.
     """
+    slots, elements, links = scene.slots, scene.elements, scene.links
     changed = False
-    size = slots.size
-    for i in range(size):
-        slope = slots.stiffness[i]
-        if inelastic and slots.branch[i] != NO_BRANCH:
-            slope = coefficient(slots, int(storeys.branch[i]), LINEAR, storeys.memory, i, size)
-        changed = changed or slope != tangent[i]
-        tangent[i] = slope
-    for e in range(links.number):
-        v = closing_of(links, e, u)
-        b = branch_at(links, e, v)
-        slope = 0.0
-        damping = 0.0
-        if b >= 0:
-            slope, damping = stiffness_and_dashpot(links, b, v)
-        changed = changed or slope != tangent[size + e]
-        tangent[size + e] = slope
-        dashpot[e] = damping
+    for e in range(elements.number):
+        slope, damping = 0.0, 0.0
+        if e < slots.size and inelastic and slots.branch[e] != NO_BRANCH:
+            slope = coefficient(slots, int(p.storeys.branch[e]), LINEAR, p.storeys.memory, e, slots.size)
+        elif e < elements.springs:
+            slope = elements.stiffness[e]
+        else:
+            v = closing(elements, links, e - elements.springs, p.u)
+            b = branch_at(links, e - elements.springs, v)
+            if b >= 0:
+                slope, damping = stiffness_and_dashpot(links, b, v)
+        changed = changed or slope != tangent[e]
+        tangent[e], dashpot[e] = slope, damping
     return changed
 
 
 @njit(**INLINE)
-def _add_tangents(slots, foundations, links, matrix, n, unknowns, tangent, dashpot, share, rate_share):
-    """Add storeys and links to the matrix of a Newton iteration."""
-    size = slots.size
-    for i in range(n):
-        stiff = share * tangent[i]
-        matrix[i * unknowns + i] += stiff
-        if slots.couple[i] != 0.0:
-            matrix[(i - 1) * unknowns + i - 1] += stiff
-            matrix[i * unknowns + i - 1] -= stiff
-        if slots.rise[i] != 0.0:
-            for f in range(foundations.number):
-                if foundations.first[f] <= i < foundations.stop[f]:
-                    row = (n + f) * unknowns
-                    lean = stiff * slots.rise[i]
-                    matrix[row + n + f] += lean * slots.rise[i]
-                    matrix[row + i] -= lean
-                    if slots.couple[i] != 0.0:
-                        matrix[row + i - 1] += lean
-    for e in range(links.number):
-        stiff = share * tangent[size + e] + rate_share * dashpot[e]
-        left = links.left[e]
-        right = links.right[e]
-        matrix[left * unknowns + left] += stiff
-        matrix[right * unknowns + right] += stiff
-        matrix[max(left, right) * unknowns + min(left, right)] -= stiff
+def _unknown(slots, real, i):
+    """The place of a freedom among the unknowns: the slots that are no padding, then the rocking angles."""
+    return i if i < real else i - slots.size + real
 
 
 @njit(**INLINE)
-def _rates(scene, p, out, own, h, a0, phi_a0, a, phi_a):
+def _add_tangents(slots, elements, matrix, unknowns, real, tangent, dashpot, share, rate_share):
+    """Add elements to the lower half of the matrix of a Newton iteration."""
+    for e in range(elements.number):
+        stiff = share * tangent[e] + rate_share * dashpot[e]
+        for k in range(elements.first[e], elements.first[e + 1]):
+            row = _unknown(slots, real, elements.freedom[k])
+            for m in range(elements.first[e], elements.first[e + 1]):
+                column = _unknown(slots, real, elements.freedom[m])
+                if column <= row:
+                    matrix[row * unknowns + column] += stiff * elements.weight[k] * elements.weight[m]
+
+
+@njit(**INLINE)
+def _rates(scene, p, out, own, h, a0, a):
     """Accelerations and velocities of the point `out` from its displacements, by Newmark's formulas."""
     beta, gamma = own[_BETA], own[_GAMMA]
-    for i in range(scene.slots.size):
+    for i in range(scene.elements.freedoms):
         last = p.a[i] + a0[i]
         a[i] = (out.u[i] - p.u[i] - h * p.v[i] - h * h * (0.5 - beta) * last) / (beta * h * h)
         out.v[i] = p.v[i] + h * ((1.0 - gamma) * last + gamma * a[i])
-    for f in range(scene.foundations.number):
-        last = p.phi_a[f] + phi_a0[f]
-        phi_a[f] = (out.phi[f] - p.phi[f] - h * p.phi_v[f] - h * h * (0.5 - beta) * last) / (beta * h * h)
-        out.phi_v[f] = p.phi_v[f] + h * ((1.0 - gamma) * last + gamma * phi_a[f])
 
 
 @njit(**INLINE)
-def _lack(p, out, own, n, count, a0, phi_a0, a, phi_a, mass, right_side):
+def _lack(scene, p, out, own, real, a0, a, mass, right_side):
     """What lacks in the method's equation, as forces and moments with the sign of the correction."""
     alpha_m, alpha_f = own[_ALPHA_M], own[_ALPHA_F]
     share = 1.0 - alpha_f
-    for i in range(n):
+    for i in range(scene.elements.freedoms):
+        if real <= i < scene.slots.size:
+            continue
         # fault: generalized-alpha-shares
         lack = (1.0 - alpha_m) * a[i] + alpha_m * (p.a[i] + a0[i]) - share * out.a[i] - alpha_f * p.a[i]
-        right_side[i] = -mass[i] * lack
-    for f in range(count):
-        lack = (1.0 - alpha_m) * phi_a[f] + alpha_m * (p.phi_a[f] + phi_a0[f])
-        lack -= share * out.phi_a[f] + alpha_f * p.phi_a[f]
-        right_side[n + f] = -mass[n + f] * lack
+        place = _unknown(scene.slots, real, i)
+        right_side[place] = -mass[place] * lack
 
 
 @njit(**INLINE)
 def _try(scene, p, out, own, tally, h, ground, inelastic):
     """Newton's iterations towards the point h after p, whose ground acceleration is `ground`: 1 when they converge, 0
     when they do not, -1 when the matrix is not positive."""
-    slots, foundations, links = scene.slots, scene.foundations, scene.links
-    size, count, unknowns = slots.size, foundations.number, int(own[_UNKNOWNS])
-    n = unknowns - count
+    slots, elements = scene.slots, scene.elements
+    unknowns, freedoms = int(own[_UNKNOWNS]), elements.freedoms
+    real = unknowns - (freedoms - slots.size)
     beta, alpha_f = own[_BETA], own[_ALPHA_F]
-    a0, phi_a0, a, phi_a, tangent, dashpot, mass, damping, matrix, right_side = _scratch(own, slots, foundations, links)
+    a0, a, tangent, dashpot, mass, damping, matrix, right_side = _scratch(own, elements)
     mass_share = (1.0 - own[_ALPHA_M]) / (beta * h * h)
     rate_share = (1.0 - alpha_f) * own[_GAMMA] / (beta * h)
     share = 1.0 - alpha_f
-    for i in range(size):
+    for i in range(freedoms):
         out.u[i] = p.u[i] + h * p.v[i] + 0.5 * h * h * (p.a[i] + a0[i])
-    for f in range(count):
-        out.phi[f] = p.phi[f] + h * p.phi_v[f] + 0.5 * h * h * (p.phi_a[f] + phi_a0[f])
     for _iteration in range(MAX_ITERATIONS):
         tally[ITERATIONS] += 1
-        _rates(scene, p, out, own, h, a0, phi_a0, a, phi_a)
+        _rates(scene, p, out, own, h, a0, a)
         begin_storeys(slots, p, out, inelastic)
         fill_forces(scene, out, ground, inelastic, False)
-        changed = _tangents(slots, links, out.storeys, out.u, inelastic, tangent, dashpot)
+        changed = _tangents(scene, out, inelastic, tangent, dashpot)
         if changed or own[_FACTORED] != own[_LEVEL] + 1.0:
             for k in range(unknowns * unknowns):
                 matrix[k] = rate_share * damping[k]
             for i in range(unknowns):
                 matrix[i * unknowns + i] += mass_share * mass[i]
-            for f in range(count):
-                matrix[(n + f) * (unknowns + 1)] += share * foundations.stiffness[f]
-            _add_tangents(slots, foundations, links, matrix, n, unknowns, tangent, dashpot, share, rate_share)
+            _add_tangents(slots, elements, matrix, unknowns, real, tangent, dashpot, share, rate_share)
             own[_FACTORED] = own[_LEVEL] + 1.0
             if not factorise(matrix, unknowns):
                 return -1
-        _lack(p, out, own, n, count, a0, phi_a0, a, phi_a, mass, right_side)
+        _lack(scene, p, out, own, real, a0, a, mass, right_side)
         solve(matrix, unknowns, right_side)
         largest = 0.0
         moved = 0.0
-        for i in range(n):
+        for i in range(real):
             largest = max(largest, abs(out.u[i]), abs(h * out.v[i]))
             moved = max(moved, abs(right_side[i]))
         if moved <= CONVERGED * largest:
             return 1
-        for i in range(n):
-            out.u[i] += right_side[i]
-        for f in range(count):
-            out.phi[f] += right_side[n + f]
+        for i in range(freedoms):
+            if not real <= i < slots.size:
+                out.u[i] += right_side[_unknown(slots, real, i)]
     return 0
 
 
 @njit(**INLINE)
-def _scratch(own, slots, foundations, links):
+def _scratch(own, elements):
     """Places in the method's scratch: what the last step's accelerations have beyond the forces', this one's, tangents,
     the scene's matrices."""
-    size, count, unknowns = slots.size, foundations.number, int(own[_UNKNOWNS])
+    unknowns = int(own[_UNKNOWNS])
     a0 = further(own, 10)
-    phi_a0 = further(a0, size)
-    a = further(phi_a0, count)
-    phi_a = further(a, size)
-    tangent = further(phi_a, count)
-    dashpot = further(tangent, size + links.size)
-    mass = further(dashpot, links.size)
+    a = further(a0, elements.freedoms)
+    tangent = further(a, elements.freedoms)
+    dashpot = further(tangent, elements.number)
+    mass = further(dashpot, elements.number)
     damping = further(mass, unknowns)
     matrix = further(damping, unknowns * unknowns)
-    return a0, phi_a0, a, phi_a, tangent, dashpot, mass, damping, matrix, further(matrix, unknowns * unknowns)
+    return a0, a, tangent, dashpot, mass, damping, matrix, further(matrix, unknowns * unknowns)
 
 
 @njit(**INLINE)
 def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
-    a0, phi_a0, a, phi_a, _, _, _, _, _, _ = _scratch(own, scene.slots, scene.foundations, scene.links)
+    a0, a, _, _, _, _, _, _ = _scratch(own, scene.elements)
     while True:
         fraction = 0.5 ** own[_LEVEL]
         taken = own[_STEP] * fraction
@@ -224,10 +201,8 @@ def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
         own[_LEVEL] += 1.0
         if own[_LEVEL] > own[_MOST_CUTS]:
             return 0.0, NO_ROOT
-    for i in range(scene.slots.size):
+    for i in range(scene.elements.freedoms):
         a0[i] = a[i] - out.a[i]
-    for f in range(scene.foundations.number):
-        phi_a0[f] = phi_a[f] - out.phi_a[f]
     own[_DONE] += fraction
     while own[_LEVEL] > 0.0 and own[_DONE] * 0.5 ** (1.0 - own[_LEVEL]) == np.floor(
         own[_DONE] * 0.5 ** (1.0 - own[_LEVEL])
@@ -245,10 +220,10 @@ def build(inelastic: bool):
     source = source_digest()
 
     @njit(**OPTIONS)
-    def integrate(slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
+    def integrate(slots, elements, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
         _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
         return march(
-            _advance, no_event, False, False, inelastic, slots, foundations, links, state, peaks, memory, tally, starts,
+            _advance, no_event, False, False, inelastic, slots, elements, links, state, peaks, memory, tally, starts,
             slopes, dt, parts, max_events,
         )  # fmt: skip
 

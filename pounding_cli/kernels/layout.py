@@ -59,6 +59,16 @@ has; per link, shape (size,): slots left and right; offset,
 what its closing v leaves out of u_l - u_r [m]; its branches in the table of them, the first and one more than the last;
 the same tables."""
 
+Elements = namedtuple(
+    "Elements", "number freedoms springs first freedom weight stiffness dashpot mass inverse_mass loaded"
+)
+"""Everything that acts between degrees of freedom: springs of the slots (as many as slots), of rocking bases, dashpots
+that take mass-proportional damping, then the links. An element acts on v, the sum of weight x displacement over its
+terms, and its force goes back through the same weights. number of elements; freedoms: slots, then rocking angles;
+springs: elements before the links; first: by element, and one more, its first term; by term its freedom and weight;
+stiffness [N/m] and dashpot [N s/m] by element before the links; by freedom mass [kg, kg m2] and its inverse (0 where
+nothing moves it), and 1 where the ground's acceleration loads it, else 0."""
+
 Row = namedtuple("Row", "number slots links links_per_side first_slot first_link slot_places link_places")
 """How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
 a multiple of eight *places*, and so do the links between each two (of a few buildings that would take more places so,
@@ -105,6 +115,15 @@ def foundation_pointers(a):
     return Foundations(
         a.number, pointer(a.first), pointer(a.stop), pointer(a.base), pointer(a.inertia), pointer(a.stiffness),
         pointer(a.dashpot), pointer(a.alpha),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def element_pointers(a):
+    """Elements of pointers from Elements of arrays."""
+    return Elements(
+        a.number, a.freedoms, a.springs, pointer(a.first), pointer(a.freedom), pointer(a.weight),
+        pointer(a.stiffness), pointer(a.dashpot), pointer(a.mass), pointer(a.inverse_mass), pointer(a.loaded),
     )  # fmt: skip
 
 

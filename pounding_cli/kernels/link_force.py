@@ -15,12 +15,6 @@ from pounding_cli.kernels.program import force_and_slope
 
 
 @njit(**INLINE)
-def closing_of(links, e, u):
-    """Closing v of link e as its law takes it [m]."""
-    return u[links.left[e]] - u[links.right[e]] - links.offset[e]
-
-
-@njit(**INLINE)
 def branch_at(links, e, v):
     """The branch of link e that acts at closing v [m]; -1 where none does."""
     for b in range(links.first[e], links.last[e]):

@@ -19,18 +19,16 @@ from pounding_cli.kernels.branches import (
     switch_link,
     switch_storey,
 )
+from pounding_cli.kernels.forces import closing, deformation
 from pounding_cli.kernels.layout import INLINE, OPTIONS
-from pounding_cli.kernels.link_force import closing_of
 from pounding_cli.kernels.polynomial import NEVER
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.stepping import (
-    BY_SLOT,
     EVENTS,
     STEP_CUT,
     STEP_DONE,
     begin_storeys,
-    drift_rate_of,
     fill_forces,
     march,
     no_event,
@@ -43,20 +41,17 @@ from pounding_cli.kernels.stepping import (
 _STOREY, _LINK, _GUARD, _ENDS, _SCRATCH, _STAGES = 0, 1, 2, 3, 4, 20
 
 
-def memory_needed(size: int, foundations: int, links: int) -> int:
+def memory_needed(slots, elements) -> int:
     """Doubles of the method's own scratch."""
-    return _STAGES + 3 * point_size(size, foundations, links)
+    return _STAGES + 3 * point_size.py_func(slots, elements)
 
 
 @njit(**INLINE)
 def _stage(scene, p, q, r, share, ground, inelastic, located):
     """The point q at p + share * (rates of r), and what it causes."""
-    for i in range(scene.slots.size):
+    for i in range(scene.elements.freedoms):
         q.u[i] = p.u[i] + share * r.v[i]
         q.v[i] = p.v[i] + share * r.a[i]
-    for f in range(scene.foundations.number):
-        q.phi[f] = p.phi[f] + share * r.phi_v[f]
-        q.phi_v[f] = p.phi_v[f] + share * r.phi_a[f]
     if not located:
         begin_storeys(scene.slots, p, q, inelastic)
     fill_forces(scene, q, ground, inelastic, located)
@@ -65,22 +60,19 @@ def _stage(scene, p, q, r, share, ground, inelastic, located):
 @njit(**INLINE)
 def _step(scene, p, out, own, h, ground, slope, inelastic, located):
     """From p over h to `out`, with what the end causes on the same branches."""
-    slots, foundations, links = scene.slots, scene.foundations, scene.links
-    each = BY_SLOT * slots.size + 3 * foundations.number + links.size
+    slots, elements = scene.slots, scene.elements
+    each = point_size(slots, elements)
     stages = further(own, _STAGES)
-    q2, q3 = point(stages, slots, foundations, links), point(further(stages, each), slots, foundations, links)
-    q4 = point(further(stages, 2 * each), slots, foundations, links)
+    q2, q3 = point(stages, slots, elements), point(further(stages, each), slots, elements)
+    q4 = point(further(stages, 2 * each), slots, elements)
     middle = ground + 0.5 * h * slope
     last = ground + h * slope
     _stage(scene, p, q2, p, 0.5 * h, middle, inelastic, located)
     _stage(scene, p, q3, q2, 0.5 * h, middle, inelastic, located)
     _stage(scene, p, q4, q3, h, last, inelastic, located)
-    for i in range(slots.size):
+    for i in range(elements.freedoms):
         out.u[i] = p.u[i] + h * p.v[i] + h * h / 6.0 * (p.a[i] + q2.a[i] + q3.a[i])
         out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])  # fault: runge-kutta-stages
-    for f in range(foundations.number):
-        out.phi[f] = p.phi[f] + h * p.phi_v[f] + h * h / 6.0 * (p.phi_a[f] + q2.phi_a[f] + q3.phi_a[f])
-        out.phi_v[f] = p.phi_v[f] + h / 6.0 * (p.phi_a[f] + 2.0 * (q2.phi_a[f] + q3.phi_a[f]) + q4.phi_a[f])
     if not located:
         begin_storeys(slots, p, out, inelastic)
     fill_forces(scene, out, last, inelastic, located)
@@ -95,7 +87,7 @@ def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
 @njit(**INLINE)
 def _first_event(scene, p, out, h, own, inelastic):
     """Where in the step the first branch ends [-]; notes which."""
-    slots, foundations, links, state = scene.slots, scene.foundations, scene.links, scene.state
+    slots, elements, links, state = scene.slots, scene.elements, scene.links, scene.state
     scratch = further(own, _SCRATCH)
     earliest = NEVER
     own[_STOREY] = own[_LINK] = -1.0
@@ -104,25 +96,20 @@ def _first_event(scene, p, out, h, own, inelastic):
             if slots.branch[i] == t.NO_BRANCH:
                 continue
             s, guard = storey_branch_end(
-                slots, state, i, h,
-                p.drift[i], drift_rate_of(slots, foundations, i, p.v, p.phi_v),
-                drift_rate_of(slots, foundations, i, p.a, p.phi_a),
-                out.drift[i], drift_rate_of(slots, foundations, i, out.v, out.phi_v),
-                drift_rate_of(slots, foundations, i, out.a, out.phi_a),
-                scratch,
+                slots, state, i, h, p.drift[i], deformation(elements, i, p.v), deformation(elements, i, p.a),
+                out.drift[i], deformation(elements, i, out.v), deformation(elements, i, out.a), scratch,
             )  # fmt: skip
             if s < earliest:
                 earliest = s
                 own[_STOREY] = i
                 own[_GUARD] = guard
     for e in range(links.number):
-        left = links.left[e]
-        right = links.right[e]
+        element = elements.springs + e
         s, guard = link_branch_end(
             links, state, e, h,
-            closing_of(links, e, p.u), p.v[left] - p.v[right], p.a[left] - p.a[right],
-            closing_of(links, e, out.u), out.v[left] - out.v[right], out.a[left] - out.a[right],
-            scratch,
+            closing(elements, links, e, p.u), deformation(elements, element, p.v), deformation(elements, element, p.a),
+            closing(elements, links, e, out.u), deformation(elements, element, out.v),
+            deformation(elements, element, out.a), scratch,
         )  # fmt: skip
         if s < earliest:
             earliest = s
@@ -157,7 +144,7 @@ def _change_branch(scene, p, own, moved, ground, inelastic):
         return False
     if own[_STOREY] >= 0.0:
         storey = int(own[_STOREY])
-        rate = drift_rate_of(scene.slots, scene.foundations, storey, p.v, p.phi_v)
+        rate = deformation(scene.elements, storey, p.v)
         switch_storey(scene.slots, state, storey, int(own[_GUARD]), p.drift[storey], rate)
     else:
         switch_link(scene.links, state, scene.peaks, int(own[_LINK]), int(own[_GUARD]))
@@ -173,21 +160,21 @@ def build(inelastic: bool, located: bool):
 
         @njit(**OPTIONS)
         def integrate_to_events(
-            slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events
+            slots, elements, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events
         ):
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return march(
-                _advance_to_event, _change_branch, True, True, inelastic, slots, foundations, links, state, peaks,
+                _advance_to_event, _change_branch, True, True, inelastic, slots, elements, links, state, peaks,
                 memory, tally, starts, slopes, dt, parts, max_events,
             )  # fmt: skip
 
         return integrate_to_events
 
     @njit(**OPTIONS)
-    def integrate(slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
+    def integrate(slots, elements, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
         _ = source
         return march(
-            _advance, no_event, True, False, inelastic, slots, foundations, links, state, peaks, memory, tally, starts,
+            _advance, no_event, True, False, inelastic, slots, elements, links, state, peaks, memory, tally, starts,
             slopes, dt, parts, max_events,
         )  # fmt: skip
 

@@ -16,7 +16,7 @@ from numba import njit
 
 from pounding_cli.kernels.between import raise_accelerations, raise_displacements, raise_drift, raise_links
 from pounding_cli.kernels.branches import held_accelerations
-from pounding_cli.kernels.forces import accelerations
+from pounding_cli.kernels.forces import accelerations, closing, deformation
 from pounding_cli.kernels.law_table import NO_BRANCH
 from pounding_cli.kernels.layout import (
     DONE,
@@ -25,13 +25,13 @@ from pounding_cli.kernels.layout import (
     NOT_FINITE,
     OPTIONS,
     STALLED,
-    foundation_pointers,
+    element_pointers,
     link_pointers,
     peak_pointers,
     slot_pointers,
     state_pointers,
 )
-from pounding_cli.kernels.link_force import branch_at, closing_of
+from pounding_cli.kernels.link_force import branch_at
 from pounding_cli.kernels.simd import further, pointer
 from pounding_cli.kernels.storey_law import Storeys
 from pounding_cli.laws.program import MEMORIES
@@ -49,33 +49,32 @@ DIVERGED = 1e6
 POLYNOMIAL_SIZE = 16
 """Doubles of scratch for a polynomial."""
 
-Scene = namedtuple("Scene", "slots foundations links state peaks")
+Scene = namedtuple("Scene", "slots elements links state peaks")
 """The arrays of a scene as pointers (`layout`)."""
 
-Point = namedtuple("Point", "u v a drift shear storeys phi phi_v phi_a force")
-"""A state and what it causes: per slot u, v, a [m, m/s, m/s2], drift and shear [m, N]; the storeys' branches
-(`storey_law.Storeys`); per foundation phi, phi_v, phi_a [rad, rad/s, rad/s2]; `force` has the slots' forces with their
-dashpots', then the links' [N]."""
+Point = namedtuple("Point", "u v a drift shear storeys force")
+"""A state and what it causes: by freedom u, v, a [m, m/s, m/s2; rad of rocking angles]; by slot drift and shear
+[m, N] and the storeys' branches (`storey_law.Storeys`); by element its force with its dashpot's [N]."""
 
-BY_SLOT = 8 + MEMORIES
-"""Doubles of a point by slot."""
-
-
-def point_size(size: int, foundations: int, links: int) -> int:
-    """Doubles of a point."""
-    return BY_SLOT * size + 3 * foundations + links
+_BY_FREEDOM, _BY_SLOT = 3, 4 + MEMORIES
+"""Doubles of a point by freedom and by slot."""
 
 
 @njit(**INLINE)
-def point(place, slots, foundations, links):
+def point_size(slots, elements):
+    """Doubles of a point; of anything with the sizes of `layout.Slots` and `layout.Elements`."""
+    return _BY_FREEDOM * elements.freedoms + _BY_SLOT * slots.size + elements.number
+
+
+@njit(**INLINE)
+def point(place, slots, elements):
     """A point at a place in the scratch."""
-    size = slots.size
-    storeys = Storeys(further(place, 5 * size), further(place, 6 * size), further(place, (6 + MEMORIES) * size))
-    at = further(place, (BY_SLOT - 1) * size)
+    size, freedoms = slots.size, elements.freedoms
+    drift = further(place, _BY_FREEDOM * freedoms)
+    storeys = Storeys(further(drift, 2 * size), further(drift, 3 * size), further(drift, (3 + MEMORIES) * size))
     return Point(
-        place, further(place, size), further(place, 2 * size), further(place, 3 * size), further(place, 4 * size),
-        storeys, at, further(at, foundations.number), further(at, 2 * foundations.number),
-        further(at, 3 * foundations.number),
+        place, further(place, freedoms), further(place, 2 * freedoms), drift, further(drift, size), storeys,
+        further(drift, _BY_SLOT * size),
     )  # fmt: skip
 
 
@@ -96,13 +95,13 @@ def fill_forces(scene, p, ground, inelastic, located):
     branches."""
     if located:
         held_accelerations(
-            scene.slots, scene.foundations, scene.links, scene.state, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
-            p.phi_a, p.drift, p.shear, p.force,
+            scene.slots, scene.elements, scene.links, scene.state, p.u, p.v, ground, inelastic, p.a, p.drift, p.shear,
+            p.force,
         )  # fmt: skip
     else:
         accelerations(
-            scene.slots, scene.foundations, scene.links, p.storeys, p.u, p.v, p.phi, p.phi_v, ground, inelastic, p.a,
-            p.phi_a, p.drift, p.shear, p.force,
+            scene.slots, scene.elements, scene.links, p.storeys, p.u, p.v, ground, inelastic, p.a, p.drift, p.shear,
+            p.force,
         )  # fmt: skip
 
 
@@ -113,21 +112,9 @@ def no_event(scene, p, own, moved, ground, inelastic):
 
 
 @njit(**INLINE)
-def drift_rate_of(slots, foundations, i, v, phi_v):
-    """Rate of the drift of slot i, from rates `v` of the slots and `phi_v` of the foundations; from displacements and
-    angles the drift."""
-    rate = v[i] - (v[i - 1] if slots.couple[i] != 0.0 else 0.0)
-    if slots.rise[i] != 0.0:
-        for f in range(foundations.number):
-            if foundations.first[f] <= i < foundations.stop[f]:
-                rate -= slots.rise[i] * phi_v[f]
-    return rate
-
-
-@njit(**INLINE)
 def _raise_ends(scene, p, ground):
     """Peaks at a point."""
-    slots, links, peaks = scene.slots, scene.links, scene.peaks
+    slots, elements, links, peaks = scene.slots, scene.elements, scene.links, scene.peaks
     size = slots.size
     for i in range(size):
         peaks.drift[i] = max(peaks.drift[i], abs(p.drift[i]))
@@ -135,19 +122,20 @@ def _raise_ends(scene, p, ground):
         peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.real[i]))
         peaks.displacement_max[i] = max(peaks.displacement_max[i], p.u[i])
         peaks.displacement_min[i] = min(peaks.displacement_min[i], p.u[i])
-    for f in range(scene.foundations.number):
-        peaks.rocking[f] = max(peaks.rocking[f], abs(p.phi[f]))
+    for f in range(elements.freedoms - size):
+        peaks.rocking[f] = max(peaks.rocking[f], abs(p.u[size + f]))
     for e in range(links.number):
-        peaks.closing[e] = max(peaks.closing[e], p.u[links.left[e]] - p.u[links.right[e]])
-        peaks.force[e] = max(peaks.force[e], abs(p.force[size + e]))
+        peaks.closing[e] = max(peaks.closing[e], deformation(elements, elements.springs + e, p.u))
+        peaks.force[e] = max(peaks.force[e], abs(p.force[elements.springs + e]))
 
 
 @njit(**INLINE)
-def _passes_over_contact(links, peaks, p, out):
+def _passes_over_contact(elements, links, peaks, p, out):
     """Whether a link opens, closes or changes its law within the step; counts those that close as impacts."""
     passed = False
     for e in range(links.number):
-        before, after = branch_at(links, e, closing_of(links, e, p.u)), branch_at(links, e, closing_of(links, e, out.u))
+        before = branch_at(links, e, closing(elements, links, e, p.u))
+        after = branch_at(links, e, closing(elements, links, e, out.u))
         if before < 0 <= after:
             peaks.impacts[e] += 1
         passed = passed or before != after
@@ -157,9 +145,9 @@ def _passes_over_contact(links, peaks, p, out):
 @njit(**INLINE)
 def _hold_links(scene, p, out, h):
     """Impulses and contact times of a step by the trapezoid."""
-    links, peaks, size = scene.links, scene.peaks, scene.slots.size
+    links, peaks, first = scene.links, scene.peaks, scene.elements.springs
     for e in range(links.number):
-        before, after = p.force[size + e], out.force[size + e]
+        before, after = p.force[first + e], out.force[first + e]
         peaks.impulse[e] += 0.5 * h * (before + after)
         peaks.contact_time[e] += 0.5 * h * ((1.0 if before != 0.0 else 0.0) + (1.0 if after != 0.0 else 0.0))
 
@@ -167,28 +155,25 @@ def _hold_links(scene, p, out, h):
 @njit(**INLINE)
 def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
     """Peaks between two points; the state still has the branches of the step, p those of its start."""
-    slots, foundations, links, state, peaks = scene.slots, scene.foundations, scene.links, scene.state, scene.peaks
+    slots, elements, links, state, peaks = scene.slots, scene.elements, scene.links, scene.state, scene.peaks
     raise_displacements(slots, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a)
     if smooth:
         raise_accelerations(slots, peaks, h, ground, ground + change, p.v, p.a, out.v, out.a)
     for i in range(slots.size):
         raise_drift(
-            slots, peaks, i, h,
-            p.drift[i], drift_rate_of(slots, foundations, i, p.v, p.phi_v),
-            drift_rate_of(slots, foundations, i, p.a, p.phi_a),
-            out.drift[i], drift_rate_of(slots, foundations, i, out.v, out.phi_v),
-            drift_rate_of(slots, foundations, i, out.a, out.phi_a),
+            slots, peaks, i, h, p.drift[i], deformation(elements, i, p.v), deformation(elements, i, p.a),
+            out.drift[i], deformation(elements, i, out.v), deformation(elements, i, out.a),
             state, p.storeys, located, scratch,
         )  # fmt: skip
     raise_links(
-        links, state, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a, further(p.force, slots.size),
-        further(out.force, slots.size), located,
+        elements, links, state, peaks, scratch, h, p.u, p.v, p.a, out.u, out.v, out.a,
+        further(p.force, elements.springs), further(out.force, elements.springs), located,
     )  # fmt: skip
 
 
 @njit(**INLINE)
 def march(
-    advance, after, between, located, inelastic, slot_arrays, foundation_arrays, link_arrays, state_arrays,
+    advance, after, between, located, inelastic, slot_arrays, element_arrays, link_arrays, state_arrays,
     peak_arrays, memory, tally, starts, slopes, dt, parts, max_events,
 ):  # fmt: skip
     """March through all segments, each cut into `parts` steps.
@@ -198,16 +183,12 @@ def march(
 
     Fills state and peaks in place; returns (status, steps, events, iterations, time reached [s]).
     """
-    slots, foundations, links = (
-        slot_pointers(slot_arrays),
-        foundation_pointers(foundation_arrays),
-        link_pointers(link_arrays),
-    )
-    scene = Scene(slots, foundations, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
-    state, size, count = scene.state, slots.size, foundations.number
+    slots, elements, links = slot_pointers(slot_arrays), element_pointers(element_arrays), link_pointers(link_arrays)
+    scene = Scene(slots, elements, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
+    state, size, count = scene.state, slots.size, elements.freedoms - slots.size
     place = pointer(memory)
-    each = BY_SLOT * size + 3 * count + links.size
-    p, out = point(place, slots, foundations, links), point(further(place, each), slots, foundations, links)
+    each = point_size(slots, elements)
+    p, out = point(place, slots, elements), point(further(place, each), slots, elements)
     scratch = further(place, 2 * each)
     own = further(scratch, POLYNOMIAL_SIZE)
     for i in range(size):
@@ -216,9 +197,9 @@ def march(
     for m in range(MEMORIES * size):
         p.storeys.memory[m] = state.storey_memory[m]
     for f in range(count):
-        p.phi[f], p.phi_v[f] = state.phi[f], state.phi_v[f]
+        p.u[size + f], p.v[size + f] = state.phi[f], state.phi_v[f]
     for i in range(size):
-        p.drift[i] = drift_rate_of(slots, foundations, i, p.u, p.phi)
+        p.drift[i] = deformation(elements, i, p.u)
     whole = dt / parts
     steps = 0
     events_at_instant = 0
@@ -244,7 +225,7 @@ def march(
                 if h > 0.0:
                     events_at_instant = 0
                     # Accelerations jump with the contact forces: a parabola over a jump has peaks that are not there.
-                    smooth = located or not _passes_over_contact(links, scene.peaks, p, out)
+                    smooth = located or not _passes_over_contact(elements, links, scene.peaks, p, out)
                     if between:
                         _raise_inside(scene, scratch, p, out, h, ground, h * slope, located, smooth)
                     else:
@@ -269,7 +250,7 @@ def march(
             for m in range(i, MEMORIES * size, size):
                 state.storey_memory[m] = p.storeys.memory[m]
     for f in range(count):
-        state.phi[f], state.phi_v[f] = p.phi[f], p.phi_v[f]
+        state.phi[f], state.phi_v[f] = p.u[size + f], p.v[size + f]
     return DONE, steps, tally[EVENTS], tally[ITERATIONS], starts.size * dt
 
 
@@ -279,9 +260,9 @@ def build(advance, inelastic: bool):
     have kernels in their own files, which are kept on disk."""
 
     @njit(**{**OPTIONS, "cache": False})
-    def integrate(slots, foundations, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
+    def integrate(slots, elements, links, state, peaks, memory, tally, starts, slopes, dt, parts, max_events):
         return march(
-            advance, no_event, False, False, inelastic, slots, foundations, links, state, peaks, memory, tally, starts,
+            advance, no_event, False, False, inelastic, slots, elements, links, state, peaks, memory, tally, starts,
             slopes, dt, parts, max_events,
         )  # fmt: skip
 

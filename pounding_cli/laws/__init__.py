@@ -8,40 +8,52 @@ import functools
 from importlib import metadata
 
 from pounding_cli.laws.bilinear import Bilinear
+from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
+from pounding_cli.laws.jankowski import Jankowski
 from pounding_cli.laws.law import Law, LinkLaw
 from pounding_cli.laws.peak_oriented import PeakOriented
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.laws.storey import StoreyLaw
 
-BUILT_IN: tuple[type[Law], ...] = (Pounding, Infill, Connector, Hertz, HertzDamp, Bilinear, PeakOriented)
+BUILT_IN: tuple[type[Law], ...] = (
+    Pounding,
+    Infill,
+    Connector,
+    Hertz,
+    HertzDamp,
+    Jankowski,
+    BilinearContact,
+    Bilinear,
+    PeakOriented,
+)
 """In the order in which reference pages list them."""
 
 
 @functools.cache
-def _laws() -> dict[str, type[Law]]:
-    """All laws by name; those of other packages come last."""
-    found = {law.name: law for law in BUILT_IN}
+def _laws() -> dict[tuple[str, str], type[Law]]:
+    """All laws by what they act on and name; those of other packages come last."""
+    found = {(law.acts_on, law.name): law for law in BUILT_IN}
     for entry in metadata.entry_points(group="pounding_cli.laws"):
         law = entry.load()
-        if law.name in (*found, "none"):
-            raise ValueError(f"two laws are called '{law.name}': one of them is {entry.value}")
-        found[law.name] = law
+        if (law.acts_on, law.name) in (*found, ("link", "none")):
+            raise ValueError(f"two {law.acts_on} laws are called '{law.name}': one of them is {entry.value}")
+        found[law.acts_on, law.name] = law
     return found
 
 
 @functools.cache
 def link_laws() -> dict[str, type[LinkLaw]]:
     """The laws a link can have, by the name that a study file calls them."""
-    return {name: law for name, law in _laws().items() if issubclass(law, LinkLaw)}
+    return {name: law for (_, name), law in _laws().items() if issubclass(law, LinkLaw)}
 
 
 @functools.cache
 def storey_laws() -> dict[str, type[StoreyLaw]]:
     """The laws that storeys can have, likewise."""
-    return {name: law for name, law in _laws().items() if issubclass(law, StoreyLaw)}
+    return {name: law for (_, name), law in _laws().items() if issubclass(law, StoreyLaw)}
 
 
 def drawn(name: str) -> str:

@@ -17,6 +17,8 @@ EXPONENT = 1.5
 LEAST_RESTITUTION = 0.01
 """Below this the damping of `HertzDamp` grows as 1 / e, and means nothing for floors of buildings."""
 
+DAMPING_FORMULA = "where the damping comes from: the restitution that comes out (exact), or a published formula"
+"""What `damping_formula` is."""
 
 SERIES_ABOVE = 0.9
 """Coefficient of restitution above which `_exact` goes by powers of zeta."""
@@ -69,8 +71,11 @@ def _exact(restitution: float) -> float:
 
 
 @dataclass(frozen=True)
-class _HertzLaw(LinkLaw):
-    """What both have in common: F = k_h v^1.5 for v > 0 but for damping; v is the closing less the gap."""
+class HertzSpring(LinkLaw):
+    """What laws of a Hertz contact have in common: F = k_h v^1.5 for v > 0 but for damping.
+
+    v is the closing less the gap.
+    """
 
     subtracts_gap: ClassVar[bool] = True
 
@@ -87,7 +92,7 @@ class _HertzLaw(LinkLaw):
 
 
 @dataclass(frozen=True)
-class Hertz(_HertzLaw):
+class Hertz(HertzSpring):
     """F = k_h v^1.5 for v > 0. It takes no energy."""
 
     name: ClassVar[str] = "hertz"
@@ -99,7 +104,7 @@ class Hertz(_HertzLaw):
 
 
 @dataclass(frozen=True)
-class HertzDamp(_HertzLaw):
+class HertzDamp(HertzSpring):
     """F = k_h v^1.5 (1 + zeta v' / v0), not below zero, for v > 0.
 
     v0 is the largest approach speed so far in the present contact: for a blow the speed at which it begins, and above
@@ -113,10 +118,7 @@ class HertzDamp(_HertzLaw):
     )
 
     restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
-    damping_formula: HertzDamping = parameter(
-        "where the damping comes from: the restitution that comes out (exact), or a published formula",
-        default=HertzDamping.EXACT,
-    )
+    damping_formula: HertzDamping = parameter(DAMPING_FORMULA, default=HertzDamping.EXACT)
 
     @property
     def damping_factor(self) -> float:

@@ -137,7 +137,7 @@ class Branch:
     @cached_property
     def interval(self) -> tuple[float, float]:
         """The closings between which it holds [m]."""
-        closings = [guard for guard in self.guards if guard.quantity is Quantity.CLOSING]
+        closings = [guard for guard in self.guards if guard.quantity is Quantity.CLOSING and not guard.of_memory]
         low = max((guard.at for guard in closings if guard.side > 0), default=-math.inf)
         return low, min((guard.at for guard in closings if guard.side < 0), default=math.inf)
 
@@ -330,8 +330,10 @@ class LinkLaw(Law):
 
     @cached_property
     def remembers(self) -> bool:
-        """Whether its force depends on what happened before, so that only a method that locates events knows it."""
-        return any(guard.sets for branch in self._sample for guard in branch.guards)
+        """Whether its force does not follow from closing and rate alone, or its branch not from the closing, so that
+        only a method that locates events knows it."""
+        guards = [guard for branch in self._sample for guard in branch.guards]
+        return any(guard.sets or guard.quantity in (Quantity.RATE, Quantity.ACCELERATION) for guard in guards)
 
     @cached_property
     def is_linear(self) -> bool:

@@ -84,7 +84,7 @@ class Building:
     @property
     def storeys(self) -> int:
         """Number of storeys n."""
-        return int(np.size(self.mass))
+        return self.mass.size
 
     @property
     def elevation(self) -> np.ndarray:

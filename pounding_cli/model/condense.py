@@ -20,6 +20,8 @@ def condensed(scene: Scene, accuracy: float) -> tuple[Scene, tuple[str, ...]]:
     Rocking likewise, with the push's moment k D H on the arm H. A motion that adds less than SHARE of the accuracy to
     a drift D is held at zero.
     """
+    if all([building.foundation is None for building in scene.buildings]):
+        return scene, ()
     said: list[str] = []
     link = max((link.law.stiffest for link in scene.links), default=0.0)
     buildings = tuple(_condensed(building, link, SHARE * accuracy, said) for building in scene.buildings)

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
@@ -39,6 +40,14 @@ class Link:
             raise ValueError(f"link: left is {self.left}; places in the group count from 0")
         if self.left_floor < 1 or self.right_floor < 1:
             raise ValueError(f"link: floors {self.left_floor} and {self.right_floor}; floors count from 1")
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        """Kept: what scenes share is looked up by their links."""
+        return hash((self.left, self.left_floor, self.right_floor, self.law))
 
     @classmethod
     def apart(cls, left: int, left_floor: int, right_floor: int) -> Link:

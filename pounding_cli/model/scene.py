@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import math
 from collections.abc import Sequence
@@ -20,6 +21,25 @@ class Analysis(StrEnum):
 
     ELASTIC = "elastic"
     INELASTIC = "inelastic"
+
+
+@functools.lru_cache(maxsize=256)  # scenes of a study share buildings and links
+def _check_links(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> None:
+    """Raises ValueError, see `Scene`."""
+    taken = set()
+    for link in links:
+        if link.left + 1 >= len(buildings):
+            raise ValueError(f"link: building {link.left} (from 0) has no neighbour on its right")
+        for place, floor in ((link.left, link.left_floor), (link.left + 1, link.right_floor)):
+            building = buildings[place]
+            if floor > building.storeys:
+                raise ValueError(f"link: {building.name} has {counted(building.storeys, 'floor')}, not {floor}")
+        if link in taken:
+            raise ValueError(
+                f"link: two {link.kind} links alike between floors {link.left_floor} and {link.right_floor}"
+                f" of buildings {link.left} and {link.left + 1}; give one"
+            )
+        taken.add(link)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,20 +71,7 @@ class Scene:
             raise ValueError("scene: no buildings; give at least one")
         if not (math.isfinite(self.tail) and self.tail >= 0):
             raise ValueError(f"scene: tail is {self.tail:g} s; it must be finite and not negative")
-        taken = set()
-        for link in self.links:
-            if link.left + 1 >= len(self.buildings):
-                raise ValueError(f"link: building {link.left} (from 0) has no neighbour on its right")
-            for place, floor in ((link.left, link.left_floor), (link.left + 1, link.right_floor)):
-                building = self.buildings[place]
-                if floor > building.storeys:
-                    raise ValueError(f"link: {building.name} has {counted(building.storeys, 'floor')}, not {floor}")
-            if link in taken:
-                raise ValueError(
-                    f"link: two {link.kind} links alike between floors {link.left_floor} and {link.right_floor}"
-                    f" of buildings {link.left} and {link.left + 1}; give one"
-                )
-            taken.add(link)
+        _check_links(tuple(self.buildings), tuple(self.links))
 
     def __repr__(self) -> str:
         names = " | ".join(building.name for building in self.buildings)

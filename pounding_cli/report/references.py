@@ -97,6 +97,16 @@ REFERENCES = {
             "10.1002/eqe.557",
         ),
         _article(
+            "jankowski2005", "Jankowski, R.", 2005,
+            "Non-linear viscoelastic modelling of earthquake-induced structural pounding", _EESD, "34(6)", "595--611",
+            "10.1002/eqe.434",
+        ),
+        _article(
+            "jankowski2006", "Jankowski, R.", 2006,
+            "Analytical expression between the impact damping ratio and the coefficient of restitution in the "
+            "non-linear viscoelastic model of structural pounding", _EESD, "35(4)", "517--524", "10.1002/eqe.537",
+        ),
+        _article(
             "ye2009", "Ye, K., Li, L. & Zhu, H.", 2009,
             "A note on the Hertz contact model with nonlinear damping for pounding simulation", _EESD, "38",
             "1135--1142", "10.1002/eqe.883",
@@ -121,6 +131,24 @@ REFERENCES = {
             "derkiureghian1981", "Der Kiureghian, A.", 1981,
             "A response spectrum method for random vibration analysis of MDF systems", _EESD, "9(5)", "419--435",
             "10.1002/eqe.4290090503",
+        ),
+        _article(
+            "baker2015", "Baker, J. W.", 2015,
+            "Efficient analytical fragility function fitting using dynamic structural analysis", "Earthquake Spectra",
+            "31(1)", "579--599", "10.1193/021113EQS025M",
+        ),
+        _article(
+            "vamvatsikos2004", "Vamvatsikos, D. & Cornell, C. A.", 2004,
+            "Applied incremental dynamic analysis", "Earthquake Spectra", "20(2)", "523--553", "10.1193/1.1737737",
+        ),
+        _article(
+            "jalayer2015", "Jalayer, F., De Risi, R. & Manfredi, G.", 2015,
+            "Bayesian Cloud Analysis: efficient structural fragility assessment using linear regression",
+            "Bulletin of Earthquake Engineering", "13(4)", "1183--1203", "10.1007/s10518-014-9692-z",
+        ),
+        Reference(
+            "efron1993", "book", "Efron, B. & Tibshirani, R. J.", 1993, "An introduction to the bootstrap",
+            (("publisher", "Chapman & Hall"), ("address", "New York")),
         ),
         Reference(
             "asce2010", "manual", "American Society of Civil Engineers", 2010,

@@ -18,14 +18,14 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import law_tables
-from pounding_cli.solve.law_tables import LANES
+from pounding_cli.solve.blank import LANES, Blank, aligned
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
 _BY_SLOT = Slots._fields[1:11]
 """What is given of every slot (`layout.Slots`)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Arrays:
     """A scene as the kernels see it; `floors[b]` is the slice of slots of building b's floors, `bases[b]` its base
     slot or -1."""
@@ -33,6 +33,7 @@ class Arrays:
     slots: Slots
     foundations: Foundations
     links: Links
+    links_at_rest: law_tables.AtRest
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
     foundation_of: tuple[int, ...]  # by building: place among the foundations, or -1
@@ -43,13 +44,6 @@ class Arrays:
     def padded(self) -> int:
         """Number of slots, padding included."""
         return self.slots.size
-
-
-def aligned(count: int) -> np.ndarray:
-    """Zeros that begin at a cache line, so that no vector lies across two."""
-    memory = np.zeros(count + LANES)
-    skip = (-memory.__array_interface__["data"][0] // 8) % LANES
-    return memory[skip : skip + count]
 
 
 def rows(names: Iterable[str], count: int) -> dict[str, np.ndarray]:
@@ -65,13 +59,14 @@ def pack(scene: Scene) -> Arrays:
     return _packed(scene.buildings, scene.links, scene.analysis)
 
 
-@functools.lru_cache(maxsize=8)
+@functools.lru_cache(maxsize=1024)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     alone, storeys = _without_links(buildings, analysis)
-    packed = law_tables.pack_links(buildings, links, alone.floors)
+    packed, links_at_rest = law_tables.pack_links(buildings, links, alone.floors)
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
-    return dataclasses.replace(alone, slots=alone.slots._replace(branch=branch, **own), links=packed._replace(**own))
+    slots = alone.slots._replace(branch=branch, **own)
+    return dataclasses.replace(alone, slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest)
 
 
 @functools.lru_cache(maxsize=64)
@@ -100,10 +95,9 @@ def _without_links(
     for i, law in enumerate(laws):
         begin = law.memories_at_rest if law else ()
         memory[: len(begin), i] = begin
-    none = law_tables.pack_links(buildings, (), floors)
     arrays = Arrays(
-        slots, _foundations(buildings, floors, bases), none, tuple(floors), tuple(bases), tuple(foundation_of),
-        tuple(laws), memory.ravel(),
+        slots, _foundations(buildings, floors, bases), *law_tables.pack_links(buildings, (), floors), tuple(floors),
+        tuple(bases), tuple(foundation_of), tuple(laws), memory.ravel(),
     )  # fmt: skip
     return arrays, law_tables.storey_rows(laws)
 
@@ -157,69 +151,72 @@ def _foundations(buildings: tuple[Building, ...], floors: list[slice], bases: li
 
 def at_rest(arrays: Arrays) -> State:
     """The state before the motion: at rest, touching links exactly at v = 0."""
-    padded, foundations = arrays.padded, arrays.foundations.number
-    branch, known, at = law_tables.at_rest(arrays.links)
-    return State(
-        **rows(("u", "v"), padded),
-        storey_branch=arrays.slots.branch.copy(),
-        storey_memory=arrays.memory_at_rest.copy(),
-        pinned_storey=np.zeros(padded, np.int64),
-        link_branch=branch,
-        pinned_link=known,
-        pinned_closing=at,
-        link_memory=np.zeros(at.size),
-        phi=np.zeros(foundations),
-        phi_v=np.zeros(foundations),
-    )
+    state = _blanks(arrays.padded, arrays.foundations.number, arrays.links.size)[0].copy()
+    state.storey_branch[:], state.storey_memory[:] = arrays.slots.branch, arrays.memory_at_rest
+    state.link_branch[:], state.pinned_link[:], state.pinned_closing[:] = arrays.links_at_rest
+    return state
 
 
 def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
     """Peaks before the first step; `watched` is the number of segments at whose ends displacements are wanted."""
-    padded, foundations, count = arrays.padded, arrays.foundations.number, arrays.links.size
-    by_slot = rows(("drift", "shear", "acceleration", "displacement_max", "displacement_min"), padded)
-    by_link = {n: np.zeros(count) for n in ("force", "impulse", "contact_time")}
-    return Peaks(
-        watched=int(watched > 0), **by_slot, rocking=np.zeros(foundations), closing=np.full(count, -1e300), **by_link,
-        samples=aligned(watched * padded).reshape(watched, padded), impacts=np.zeros(count, np.int64),
-    )  # fmt: skip
+    peaks = _blanks(arrays.padded, arrays.foundations.number, arrays.links.size)[1].copy()
+    samples = aligned(watched * arrays.padded).reshape(watched, arrays.padded)
+    return peaks._replace(watched=int(watched > 0), samples=samples)
 
 
 def empty_ledger(arrays: Arrays) -> Ledger:
     """Energies before the first step."""
-    by_slot = rows(Ledger._fields[:5], arrays.padded)
-    return Ledger(**by_slot, links=aligned(arrays.links.size), foundations=np.zeros(arrays.foundations.number))
+    return _blanks(arrays.padded, arrays.foundations.number, arrays.links.size)[2].copy()
+
+
+@functools.lru_cache(maxsize=64)
+def _blanks(padded: int, foundations: int, links: int) -> tuple[Blank, Blank, Blank]:
+    """State, peaks and ledger of a scene of this size before its first step, but for branches and memories."""
+    slot, base, link = np.zeros(padded), np.zeros(foundations), np.zeros(links)
+    storey, which = np.zeros(padded, np.int64), np.zeros(links, np.int64)
+    state = State(
+        u=slot, v=slot, storey_branch=storey, storey_memory=np.zeros(MEMORIES * padded), pinned_storey=storey,
+        link_branch=which, pinned_link=which, pinned_closing=link, link_memory=link, phi=base, phi_v=base,
+    )  # fmt: skip
+    peaks = Peaks(
+        watched=0, drift=slot, shear=slot, acceleration=slot, displacement_max=slot, displacement_min=slot,
+        rocking=base, closing=link - 1e300, force=link, impulse=link, contact_time=link, samples=slot[:0],
+        impacts=which,
+    )  # fmt: skip
+    ledger = Ledger(**dict.fromkeys(Ledger._fields[:5], slot), links=link, foundations=base)
+    return Blank(state), Blank(peaks), Blank(ledger)
 
 
 def unpack(
     scene: Scene, arrays: Arrays, state: State, peaks: Peaks
 ) -> tuple[tuple[BuildingResponse, ...], LinkResponse]:
-    """Peaks by slot and link as responses by building and link."""
+    """Peaks by slot and link as responses by building and link, which share their memory."""
     buildings = []
     drift_now = drift_of(arrays, state)
     yielding = effects_of(scene).yielding  # elsewhere the kernels track drifts alone
     for b, building in enumerate(scene.buildings):
         span, base, foundation = arrays.floors[b], arrays.bases[b], arrays.foundation_of[b]
-        drift = peaks.drift[span].copy()
+        drift = peaks.drift[span]
         buildings.append(
             BuildingResponse(
-                shear=peaks.shear[span].copy() if yielding else building.stiffness * drift,
+                shear=peaks.shear[span] if yielding else building.stiffness * drift,
                 drift=drift,
                 ductility=drift / building.yield_drift,
-                acceleration=peaks.acceleration[span].copy(),
-                displacement_max=peaks.displacement_max[span].copy(),
-                displacement_min=peaks.displacement_min[span].copy(),
-                residual_drift=drift_now[span].copy(),
+                acceleration=peaks.acceleration[span],
+                displacement_max=peaks.displacement_max[span],
+                displacement_min=peaks.displacement_min[span],
+                residual_drift=drift_now[span],
                 sway=float(max(peaks.displacement_max[base], -peaks.displacement_min[base])) if base >= 0 else 0.0,
                 rocking=float(peaks.rocking[foundation]) if foundation >= 0 else 0.0,
             )
         )
     count = arrays.links.number
     links = LinkResponse(
-        impacts=peaks.impacts[:count].copy(),
-        peak_force=peaks.force[:count].copy(),
-        max_closing=peaks.closing[:count].copy(),
-        impulse=peaks.impulse[:count].copy(),
-        contact_time=peaks.contact_time[:count].copy(),
+        impacts=peaks.impacts[:count],
+        peak_force=peaks.force[:count],
+        max_closing=peaks.closing[:count],
+        impulse=peaks.impulse[:count],
+        contact_time=peaks.contact_time[:count],
     )
     return tuple(buildings), links
 

@@ -26,6 +26,16 @@ NUDGE = 1e-6
 throughout would say little: elastic buildings in touch answer a motion twice as strong by a response twice as large,
 however chaotic."""
 
+LITTLE = 1e-2
+"""The nudge of the run that tells error and sensitivity at once, over the accuracy asked: what it moves by itself is
+far below that accuracy, and far above the finer run's error."""
+
+HARMLESS = 0.1
+"""Part of the accuracy asked, and of the sensitivity that is flagged, up to which that one run is enough."""
+
+FINEST_AT_ONCE = 1e-9
+"""Accuracy asked below which they are not: the nudge would come near rounding."""
+
 ILL_CONDITIONED = 100.0
 """Sensitivity above which a scene is flagged: six digits of the record then give four of the response."""
 
@@ -56,9 +66,9 @@ def finer(accuracy: float) -> float:
 
 
 @functools.lru_cache(maxsize=16)
-def nudged_motion(motion: Motion) -> Motion:
-    """The motion, stronger by NUDGE at its end and by less before."""
-    growth = 1 + NUDGE * np.linspace(0.0, 1.0, motion.acceleration.size)
+def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
+    """The motion, stronger by `nudge` [-] at its end and by less before."""
+    growth = 1 + nudge * np.linspace(0.0, 1.0, motion.acceleration.size)
     return Motion(motion.name, motion.dt, motion.acceleration * growth, motion.source)
 
 
@@ -110,11 +120,25 @@ def _largest(triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
     return float(np.max(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))
 
 
-def judging(
-    scene: Scene, method: str, accuracy: float, all_effects: bool = False
-) -> tuple[tuple[Scene, dict[str, Any]], ...]:
-    """The two runs by which a response by a method is judged, each as a scene and settings of `solve`: a finer one,
-    and the same with the motion nudged."""
+Asked = tuple[Scene, dict[str, Any]]
+"""A run: its scene and settings of `solve`."""
+
+
+def judging(scene: Scene, method: str, accuracy: float, all_effects: bool = False) -> tuple[Asked, ...]:
+    """The run by which a response by a method is judged, finer and with the motion nudged a little; of a method of
+    fixed steps, or of a very fine accuracy, a finer one and another with the motion nudged besides."""
+    finer_run = _finer_run(scene, method, accuracy, all_effects)
+    if _at_once(method, accuracy):
+        return (_with_nudge(finer_run, LITTLE * accuracy),)
+    return finer_run, _with_nudge(finer_run, NUDGE)
+
+
+def _at_once(method: str, accuracy: float) -> bool:
+    """Whether one run may tell both error and sensitivity."""
+    return not METHODS[method].takes_step and accuracy >= FINEST_AT_ONCE
+
+
+def _finer_run(scene: Scene, method: str, accuracy: float, all_effects: bool) -> Asked:
     fixed_steps = METHODS[method].takes_step
     settings: dict[str, Any] = {"accuracy": BESIDE_FIXED_STEPS if fixed_steps else finer(accuracy)}
     settings["method"] = "taylor" if fixed_steps else method
@@ -122,7 +146,12 @@ def judging(
         settings["all_effects"] = True
     elif not fixed_steps:
         scene, _ = condensed(scene, accuracy)  # fault: held-in-finer-runs
-    return (scene, settings), (dataclasses.replace(scene, motion=nudged_motion(scene.motion)), settings)
+    return scene, settings
+
+
+def _with_nudge(asked: Asked, nudge: float) -> Asked:
+    scene, settings = asked
+    return dataclasses.replace(scene, motion=nudged_motion(scene.motion, min(nudge, NUDGE))), settings
 
 
 def assess(
@@ -134,6 +163,11 @@ def assess(
     judges: Sequence[Response] = (),
 ) -> Response:
     """The response with its estimated error [-], its sensitivity [-] and flags that say so where either is too large.
+
+    One run tells both, at an accuracy a thousand times finer and with a motion that grows by a hundredth of the
+    accuracy on its way: the difference is what the error is at most, and over the nudge what the sensitivity is at
+    most. Where one is above a tenth of what would be flagged, or the accuracy is finer than 1e-9, each is told by a run
+    of its own:
 
     error_estimate : difference against a run at an accuracy a thousand times finer; of a fixed-step method, against
         Taylor
@@ -151,12 +185,33 @@ def assess(
     """
     if response.status != "done":
         return response
+    if not _at_once(response.method, accuracy):
+        return _told_apart(scene, response, accuracy, run, all_effects, judges)
+    ((nudged, settings),) = judging(scene, response.method, accuracy, all_effects)
+    judge = judges[0] if judges else run(nudged, **settings)
+    error, sensitivity = difference(response, judge), change(response, judge) / min(LITTLE * accuracy, NUDGE)
+    # fault: harmless-at-once
+    if not (error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED):
+        return _told_apart(scene, response, accuracy, run, all_effects)
+    return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity)
+
+
+def _told_apart(
+    scene: Scene,
+    response: Response,
+    accuracy: float,
+    run: Callable[..., Response],
+    all_effects: bool,
+    judges: Sequence[Response] = (),
+) -> Response:
+    """`assess` by a finer run for the error and a nudged one for the sensitivity."""
     fixed_steps = METHODS[response.method].takes_step
-    asked = judging(scene, response.method, accuracy, all_effects)
+    asked = _finer_run(scene, response.method, accuracy, all_effects)
     if response.samples:
         run = partial(run, watch=True)
-    second, nudged = judges or (run(each, **settings) for each, settings in asked)
-    (scene, settings), _ = asked
+    both = asked, _with_nudge(asked, NUDGE)
+    second, nudged = judges or (run(each, **settings) for each, settings in both)
+    scene, settings = asked[0], dict(asked[1])
     tight = settings.pop("accuracy")
     run = partial(run, **settings)
     error, sensitivity = difference(response, second), change(second, nudged) / NUDGE  # fault: estimated-error

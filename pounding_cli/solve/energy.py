@@ -54,7 +54,7 @@ def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State
         "hysteresis": float(ledger.hysteresis.sum()),
         "links": work_on_links - now["links_stored"] + before["links_stored"],  # fault: links-energy
     }
-    missing = book["input"] - sum(value for key, value in book.items() if key != "input")
-    scale = max(abs(value) for value in book.values())
+    came, *went = book.values()
+    missing, scale = came - sum(went), max(map(abs, (came, *went)))
     book["residual"] = missing / scale if scale > 0 else 0.0
     return book

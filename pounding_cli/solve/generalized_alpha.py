@@ -9,6 +9,7 @@ import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.elements import elements_of
 from pounding_cli.solve.linear import matrices
 from pounding_cli.solve.method import NO_ROOT, Integrator, steps_a_sample
 from pounding_cli.solve.stepping import is_inelastic, march, sizes
@@ -39,7 +40,7 @@ def _integrate(parameters, scene: Scene, arrays: Arrays, state, peaks, ledger, t
     own = np.zeros(kernels.memory_needed(*sizes(arrays), unknowns))
     step = scene.motion.dt / steps_a_sample(scene, time_step)
     own[: kernels.PARAMETERS] = *parameters, MAX_CUTS, unknowns, step
-    own[kernels.matrices_at(*sizes(arrays)) :][: unknowns + unknowns**2] = *system.mass, *system.damping.ravel()
+    own[kernels.matrices_at(elements_of(arrays)) :][: unknowns + unknowns**2] = *system.mass, *system.damping.ravel()
     kernel = kernels.build(is_inelastic(scene))
     status, *counts = march(kernel, own, scene, arrays, state, peaks, time_step, bounds)
     return (NO_ROOT if status == kernels.NO_ROOT else status, *counts)

@@ -12,7 +12,7 @@ import dataclasses
 import math
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
@@ -83,7 +83,9 @@ class GroupSolver:
         """The response of a scene that need not be run as a whole, or None; and the time that groups of several
         buildings took, which are no scenes of their own [s]."""
         if not scene.links and len(scene.buildings) == 1:
-            response: Response | None = dataclasses.replace(self._watched(scene, range(1)), samples=())
+            response: Response | None = dataclasses.replace(
+                self._watched(scene, range(1), _key(scene, range(1))), samples=()
+            )
         else:
             response = self.by_proof(scene)
         with self._lock:
@@ -94,11 +96,12 @@ class GroupSolver:
         """The response of a row that falls apart, from the groups it falls into; None if all of it may meet."""
         groups = _first_groups(scene)
         while len(groups) > 1:
-            parts = [self._watched(scene, group) for group in groups]
+            keys = [_key(scene, group) for group in groups]
+            parts = [self._watched(scene, group, key) for group, key in zip(groups, keys, strict=True)]
             if any(part.status != "done" or not part.samples for part in parts):  # without samples nothing is proven
                 return None
-            sides = zip(pairwise(groups), pairwise(parts), strict=True)
-            meeting = [n for n, (two, (a, b)) in enumerate(sides) if self._seen_to_meet(scene, *two, a, b)]
+            sides = zip(pairwise(groups), pairwise(parts), pairwise(keys), strict=True)
+            meeting = [n for n, (two, ab, key) in enumerate(sides) if self._seen_to_meet(scene, *two, *ab, key)]
             if not meeting:
                 free = self._kept_apart(scene, groups)
                 meeting = [n for n, closings in enumerate(free) if closings is None]
@@ -138,9 +141,9 @@ class GroupSolver:
             (*_key(row, group), accuracy), row, group, lambda scene: self._solve(scene, accuracy)
         )
 
-    def _watched(self, scene: Scene, group: range) -> Response:
+    def _watched(self, scene: Scene, group: range, key: Key) -> Response:
         """The response of a group by itself, with its samples."""
-        return self._kept_or_solved(_key(scene, group), scene, group, lambda scene: self._respond(scene, True))
+        return self._kept_or_solved(key, scene, group, lambda scene: self._respond(scene, True))
 
     def _kept_or_solved(self, key: Key, scene: Scene, group: range, solve: Callable[[Scene], Response]) -> Response:
         """The response of a group from memory if it is there."""
@@ -158,10 +161,11 @@ class GroupSolver:
                 self._bytes -= _size(self._kept.popitem(last=False)[1])
         return response
 
-    def _seen_to_meet(self, scene: Scene, left: range, right: range, a: Response, b: Response) -> bool:
+    def _seen_to_meet(
+        self, scene: Scene, left: range, right: range, a: Response, b: Response, key: tuple[Key, Key]
+    ) -> bool:
         """Whether the groups' own displacements at the samples of the motion close a link between them, or one of a law
         that any movement closes."""
-        key = _key(scene, left), _key(scene, right)
         closings = self._closings.setdefault(key, {})
         if len(self._closings) > MOST_PAIRS:
             self._closings = {key: closings}
@@ -213,17 +217,14 @@ def _rests(scene: Scene, left: range, right: range, link: Link) -> bool:
     return len(left) == len(right) == 1 and _move_alike(scene, link)
 
 
-def _sure_to_meet(scene: Scene) -> list[int]:
-    """Pairs, by the place of the left building, with a link that a first movement may already close."""
-    return sorted({link.left for link in scene.links if link.law.free_below <= 0 and not _move_alike(scene, link)})
-
-
 def _first_groups(scene: Scene) -> list[range]:
-    """Every building by itself, but for those that are sure to meet."""
-    return _merged([range(b, b + 1) for b in range(len(scene.buildings))], _sure_to_meet(scene))
+    """Every building by itself, but for those that are sure to meet: with a link that a first movement may already
+    close."""
+    sure = {link.left for link in scene.links if link.law.free_below <= 0 and not _move_alike(scene, link)}
+    return _merged([range(b, b + 1) for b in range(len(scene.buildings))], sure)
 
 
-def _merged(groups: list[range], meeting: Sequence[int]) -> list[range]:
+def _merged(groups: list[range], meeting: Collection[int]) -> list[range]:
     """The groups with each one in `meeting` joined to the next."""
     joined = [groups[0]]
     for number, group in enumerate(groups[1:]):
@@ -301,19 +302,15 @@ def _open(
 
 def _composed(scene: Scene, groups: list[range], parts: list[Response], free: list[Free]) -> Response:
     """The response of the row from those of its groups; what these cost is booked when they are solved."""
-    found: dict[Link, tuple[float, ...]] = {}
+    links = LinkResponse(np.zeros(len(scene.links), int), *np.zeros((4, len(scene.links))))
     for group, part in zip(groups, parts, strict=True):
-        inside = [link for link in scene.links if link.left in group[:-1]]
-        found |= zip(inside, zip(*dataclasses.astuple(part.links), strict=True), strict=True)
-    for closings in (between.closings for between in free):
-        # fault: closing-between-groups
-        found |= {link: (0, 0.0, closing, 0.0, 0.0) for link, closing in closings.items()}
-    rows = [found[link] for link in scene.links]
-    columns = zip(*rows, strict=True) if rows else [()] * 5
-    names = [field.name for field in dataclasses.fields(LinkResponse)]
-    links = LinkResponse(
-        **{n: np.array(c, int if n == "impacts" else float) for n, c in zip(names, columns, strict=True)}
-    )
+        inside = [e for e, link in enumerate(scene.links) if link.left in group[:-1]]
+        for name in vars(links) if inside else ():
+            getattr(links, name)[inside] = getattr(part.links, name)
+    closings = {link: closing for between in free for link, closing in between.closings.items()}
+    for e, link in enumerate(scene.links):
+        if link in closings:
+            links.max_closing[e] = closings[link]  # fault: closing-between-groups
     errors = [part.error_estimate for part in parts] + [between.error_estimate for between in free]
     effects = tuple(dict.fromkeys(effect for part in parts for effect in part.effects))
     sentences = (_sentence(scene, between.closings) for between in free)

@@ -19,6 +19,7 @@ from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import law_tables, taylor
 from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
+from pounding_cli.solve.elements import elements_of, term_matrix
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.run import MAX_EVENTS, MAX_STEPS, OUTCOMES
 from pounding_cli.solve.storeys import shear_and_stored
@@ -136,16 +137,25 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> History:
     """What is wanted, from the states; the link branches say whether a link acts, also where it pulls at v' < 0."""
-    slots, foundations = arrays.slots, arrays.foundations
+    elements, size = elements_of(arrays), arrays.padded
+    terms = term_matrix(elements)
     ground, moved = _ground(scene, times)
-    drift, drift_rate = _drifts(arrays, s.u, s.phi), _drifts(arrays, s.v, s.phi_v)
-    shear, stored = shear_and_stored(arrays, drift, s.storey_branch, s.storey_memory)
-    links = _link_forces(arrays, s)
-    acceleration = _accelerations(arrays, s, shear + slots.dashpot * drift_rate, links)  # fault: history-accelerations
-    kinetic = 0.5 * (s.v**2 @ slots.mass)
-    for f in np.flatnonzero(np.isfinite(foundations.inertia)):
-        kinetic += 0.5 * foundations.inertia[f] * s.phi_v[:, f] ** 2
-        stored += 0.5 * foundations.stiffness[f] * s.phi[:, f] ** 2
+    velocity = np.hstack((s.v, s.phi_v))
+    deformed, rate = np.hstack((s.u, s.phi)) @ terms.T, velocity @ terms.T
+    shear, stored = shear_and_stored(arrays, deformed[:, :size], s.storey_branch, s.storey_memory)
+    springs, damped = slice(size, elements.springs), slice(elements.springs)
+    force = np.empty_like(deformed)
+    force[:, :size] = shear
+    force[:, springs] = elements.stiffness[springs] * deformed[:, springs]
+    force[:, damped] += elements.dashpot * rate[:, damped]  # fault: history-accelerations
+    links = force[:, elements.springs :]
+    for e in range(arrays.links.number):
+        v = deformed[:, elements.springs + e] - arrays.links.offset[e]
+        on = s.link_branch[:, e], v, rate[:, elements.springs + e], s.link_memory[:, e]
+        links[:, e] = law_tables.force_over_time(arrays.links, *on)
+    acceleration = -(force @ terms)[:, :size] * arrays.slots.inverse_mass
+    kinetic = 0.5 * (velocity**2 @ elements.mass)
+    stored += 0.5 * (deformed[:, springs] ** 2 @ elements.stiffness[springs])
 
     def padded(by_slot: np.ndarray) -> np.ndarray:
         whole = np.full((times.size, len(arrays.floors), max(b.storeys for b in scene.buildings)), np.nan)
@@ -164,7 +174,7 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         ground_displacement=moved,
         displacement=padded(s.u),
         total_acceleration=padded(acceleration),
-        drift=padded(drift),
+        drift=padded(deformed[:, :size]),
         shear=padded(shear),
         sway=of_foundation(s.u, arrays.bases),
         rocking=of_foundation(s.phi, arrays.foundation_of),
@@ -173,47 +183,6 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         buildings=names,
         links=tuple(link_label(names, place) for place in link_places(scene.links)),
     )
-
-
-def _drifts(arrays: Arrays, u: np.ndarray, phi: np.ndarray) -> np.ndarray:
-    """Storey drifts (and sway of bases) over time, by slot, of displacements; their rates, of velocities."""
-    below = np.zeros_like(u)
-    below[:, 1:] = u[:, :-1]
-    drift = u - arrays.slots.couple * below
-    for f in range(arrays.foundations.number):
-        span = slice(arrays.foundations.first[f], arrays.foundations.stop[f])
-        drift[:, span] -= arrays.slots.rise[span] * phi[:, f : f + 1]
-    return drift
-
-
-def _link_forces(arrays: Arrays, s: Entered) -> np.ndarray:
-    """Force of every link over time [N], shape (t, m) (eqs 6, 9, 10)."""
-    links = arrays.links
-    forces = np.zeros((s.u.shape[0], links.number))
-    for e in range(links.number):
-        left, right = links.left[e], links.right[e]
-        v, rate = s.u[:, left] - s.u[:, right] - links.offset[e], s.v[:, left] - s.v[:, right]
-        forces[:, e] = law_tables.force_over_time(links, s.link_branch[:, e], v, rate, s.link_memory[:, e])
-    return forces
-
-
-def _accelerations(arrays: Arrays, s: Entered, storey: np.ndarray, links: np.ndarray) -> np.ndarray:
-    """Total accelerations u'' + a_g of the floors over time, by slot [m/s2]: forces over masses (eq. 2).
-
-    storey : force of every storey, damping included; links : force of every link
-    """
-    slots, foundations = arrays.slots, arrays.foundations
-    force = -storey - slots.alpha * slots.mass * s.v
-    force[:, :-1] += slots.couple_right[:-1] * storey[:, 1:]
-    for f in range(foundations.number):
-        span, base = slice(foundations.first[f], foundations.stop[f]), foundations.base[f]
-        sway = s.v[:, base : base + 1] if base >= 0 else 0.0
-        rate = s.v[:, span] - sway - slots.elevation[span] * s.phi_v[:, f : f + 1]
-        force[:, span] -= foundations.alpha[f] * slots.mass[span] * rate
-    for e in range(arrays.links.number):
-        force[:, arrays.links.left[e]] -= links[:, e]
-        force[:, arrays.links.right[e]] += links[:, e]
-    return force * slots.inverse_mass
 
 
 def link_ends(buildings: Sequence[str], links: Sequence[str]) -> list[tuple[int, int, int]]:

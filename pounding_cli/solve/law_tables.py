@@ -14,11 +14,11 @@ from pounding_cli.laws.program import GIVEN, carried_out, kept, operations, stra
 from pounding_cli.laws.storey import StoreyBranch, StoreyLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
+from pounding_cli.solve.blank import LANES
 
 Rows = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Of branches, guards and operations."""
 
-LANES = 8
 FAR = 1e100
 """What stands for a gap without end [m]: kernels take differences of it, and inf - inf is none."""
 
@@ -76,9 +76,11 @@ def with_storeys(links: Links, storeys: Rows | None, first: np.ndarray) -> tuple
     return behind, np.where(first >= 0, count + first, t.NO_BRANCH)  # type: ignore[return-value]
 
 
-def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors: Sequence[slice]) -> Links:
-    """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`. Links of one law between floors of
-    the same masses share their rows."""
+def pack_links(
+    buildings: tuple[Building, ...], given: tuple[Link, ...], floors: Sequence[slice]
+) -> tuple[Links, AtRest]:
+    """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`, and their state before the motion.
+    Links of one law between floors of the same masses share their rows."""
     masses = [building.mass.tolist() for building in buildings]
     laws, ends = [], []
     for link in given:
@@ -91,9 +93,12 @@ def pack_links(buildings: tuple[Building, ...], given: tuple[Link, ...], floors:
 Between = tuple[LinkLaw, float, float]
 """A law and the masses of the floors that it stands between [kg]."""
 
+AtRest = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Branch, what is known exactly, and the closing it then has [m], of every link before the motion."""
+
 
 @functools.lru_cache(maxsize=4096)
-def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> Links:
+def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> tuple[Links, AtRest]:
     """Links of these laws between these slots."""
     padded = -(-len(laws) // LANES) * LANES
     left, right, first, last = np.zeros((4, padded), np.int64)
@@ -109,7 +114,8 @@ def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> Lin
         np.max(branches[:, [t.LAST_STEP, t.LAST_REGULAR]] - branches[:, [t.FIRST_STEP, t.FIRST_REGULAR]])
     )
     flat = branches.ravel(), guards.ravel(), steps.ravel()
-    return Links(len(laws), padded, registers, left, right, offset, first, last, *flat)
+    links = Links(len(laws), padded, registers, left, right, offset, first, last, *flat)
+    return links, _at_rest(links)
 
 
 @functools.lru_cache(maxsize=4096)
@@ -209,13 +215,12 @@ _SET_PLACES = np.zeros(t.GUARD_ROW)
 _SET_PLACES[[t.FIRST_SET, t.FIRST_KEPT, t.LAST_SET]] = 1.0
 
 
-def at_rest(links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Branch, what is known exactly, and the closing it then has [m], of every link before the motion: floors
-    that touch are exactly where their first branch ends."""
+def _at_rest(links: Links) -> AtRest:
+    """Floors that touch are exactly where their first branch ends."""
     begin = 0.0 - links.offset
     low, high = _branches(links)[links.first[:, None], [t.FROM, t.TO]].T
     known = np.where((high == begin) | (low == begin), t.CLOSING, t.NOTHING)
-    return links.first.copy(), known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
+    return links.first, known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
 
 
 def acting_at_rest(links: Links) -> np.ndarray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.elements import elements_of, term_matrix
 from pounding_cli.solve.law_tables import stiffest
 from pounding_cli.solve.method import real_slots
 
@@ -32,38 +33,14 @@ class Matrices:
 
 def matrices(arrays: Arrays) -> Matrices:
     """M, C and K with every storey at its initial stiffness (paper, eqs 1-4)."""
-    slots, foundations, links = arrays.slots, arrays.foundations, arrays.links
-    n = real_slots(arrays)
-    rocks = np.isfinite(foundations.inertia)
-    mass = np.concatenate((slots.mass[:n], np.where(rocks, foundations.inertia, 1.0)))
-    drift = np.eye(n, mass.size)
-    for i in range(1, n):
-        drift[i, i - 1] = -slots.couple[i]
-    stiffness, damping = np.zeros((2, mass.size, mass.size))
-    damping[np.diag_indices(n)] = slots.alpha[:n] * slots.mass[:n]
-    for f in range(foundations.number):
-        phi = n + f
-        span = slice(foundations.first[f], foundations.stop[f])
-        if rocks[f]:
-            drift[span, phi] = -slots.rise[span]
-            stiffness[phi, phi] = foundations.stiffness[f]
-            damping[phi, phi] = foundations.dashpot[f]
-        for i in range(span.start, span.stop):
-            deformation = np.zeros(mass.size)
-            deformation[i] = 1.0
-            if foundations.base[f] >= 0:
-                deformation[foundations.base[f]] = -1.0
-            if rocks[f]:
-                deformation[phi] = -slots.elevation[i]
-            damping += foundations.alpha[f] * slots.mass[i] * np.outer(deformation, deformation)
-    stiffness += drift.T @ (slots.stiffness[:n, None] * drift)
-    damping += drift.T @ (slots.dashpot[:n, None] * drift)
-    closing = np.zeros((links.number, mass.size))
-    each = np.arange(links.number)
-    closing[each, links.left[: links.number]] += 1.0
-    closing[each, links.right[: links.number]] -= 1.0
-    loaded = np.concatenate((slots.mass[:n], np.zeros(foundations.number)))
-    return Matrices(mass, damping, stiffness, drift, closing, loaded)
+    elements, n = elements_of(arrays), real_slots(arrays)
+    kept = np.concatenate((np.arange(n), np.arange(arrays.padded, elements.freedoms)))  # no padding
+    rows = term_matrix(elements)[:, kept]
+    springs, closing = rows[: elements.springs], rows[elements.springs :]
+    stiffness = springs.T @ (elements.stiffness[:, None] * springs)
+    damping = springs.T @ (elements.dashpot[:, None] * springs)
+    mass = elements.mass[kept]
+    return Matrices(mass, damping, stiffness, springs[:n], closing, mass * elements.loaded[kept])
 
 
 def with_links(arrays: Arrays, system: Matrices) -> tuple[np.ndarray, np.ndarray]:

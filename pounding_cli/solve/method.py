@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -65,13 +67,16 @@ class Integrator:
 
 def integrator_of(method: Method) -> Integrator:
     """The code of a method, imported when it is first asked for."""
-    if isinstance(method.code, str):
-        module, _, name = method.code.partition(":")
-        found = getattr(importlib.import_module(module), name)
-    else:
-        found = method.code
+    found = _loaded(method.code) if isinstance(method.code, str) else method.code
     assert isinstance(found, Integrator)
     return found
+
+
+@functools.cache
+def _loaded(code: str) -> Any:
+    """What stands at "module:name"."""
+    module, _, name = code.partition(":")
+    return getattr(importlib.import_module(module), name)
 
 
 def refusal_of(method: Method, scene: Scene) -> str:

@@ -24,7 +24,7 @@ STEP = 25e-9
 BESIDE = 0.4e-3
 """Time a scene spends outside the solver [s]: arrays in, peaks out, kept on disk."""
 
-ASSESSED = 3
+ASSESSED = 2
 """Runs of a scene whose error and sensitivity are asked for."""
 
 

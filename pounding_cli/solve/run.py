@@ -156,7 +156,7 @@ class Prepared:
         """What came of it."""
         scene, arrays, state, peaks, chosen = self.scene, self.arrays, self.state, self.peaks, self.method
         status, steps, events, orders, seconds = self.found
-        if status == layout.DONE and not np.isfinite(np.concatenate([peak.ravel() for peak in peaks[1:]])).all():
+        if status == layout.DONE and not np.isfinite(np.concatenate((*peaks[1:-2], peaks.samples.ravel()))).all():
             status = layout.NOT_FINITE
         energy = balance(scene, arrays, self.before, state, self.ledger) if chosen.keeps_ledger else {}
         outcome, advice = OUTCOMES[status]
@@ -239,7 +239,7 @@ def _what_runs(
 
 def _compile(code: Integrator, scene: Scene, setting: float) -> None:
     """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
-    sort = (code, effects_of(scene).yielding, any(link.law.general for link in scene.links))
+    sort = (code.integrate, effects_of(scene).yielding, any([link.law.general for link in scene.links]))
     if sort in _compiled:
         return
     still = Motion("still", scene.motion.dt, np.zeros(2))

@@ -6,8 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pounding_cli.kernels.layout import Elements, Slots
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.elements import elements_of
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.method import Integrator, any_step, steps_a_sample
 
@@ -38,17 +40,18 @@ def march(
 
     starts, slopes, dt = segments(scene)
     parts = steps_a_sample(scene, time_step)
-    points = 2 * point_size(arrays.padded, arrays.foundations.number, arrays.links.size) + POLYNOMIAL_SIZE
+    elements = elements_of(arrays)
+    points = 2 * point_size.py_func(arrays.slots, elements) + POLYNOMIAL_SIZE
     memory, tally = np.concatenate((np.zeros(points), own)), np.zeros(2, np.int64)
     return kernel(
-        arrays.slots, arrays.foundations, arrays.links, state, peaks, memory, tally, starts, slopes, dt, parts,
+        arrays.slots, elements, arrays.links, state, peaks, memory, tally, starts, slopes, dt, parts,
         bounds[1],
     )  # fmt: skip
 
 
-def sizes(arrays: Arrays) -> tuple[int, int, int]:
-    """Slots, foundations and links, as the scratch of kernels is counted."""
-    return arrays.padded, arrays.foundations.number, arrays.links.size
+def sizes(arrays: Arrays) -> tuple[Slots, Elements]:
+    """What the scratch of kernels is counted by."""
+    return arrays.slots, elements_of(arrays)
 
 
 def is_inelastic(scene: Scene) -> bool:

@@ -86,14 +86,16 @@ def blocks(plan: Plan, responses: PartStore, shape: Shape) -> Iterator[Block]:
 
 def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> Arrays:
     """The block's variables, rows first; statistics have one row for all records."""
-    digests = list(dict.fromkeys(digest for row in rows for digest in (row.scene, *row.baselines)))
+    named = dict.fromkeys(digest for row in rows for digest in (row.scene, *row.baselines))
+    digests = [digest for digest in named if digest in plan.scenes]  # a workflow need not ask for all
     taken = dict(zip(digests, responses.take(digests), strict=True))
     arrays = {v.name: empty(v, (len(rows), *shape.of(v.dims[3:]))) for v in (*RESPONSES, *SCENES)}
-    arrays["scene"][:] = [row.scene for row in rows]
+    arrays["scene"][:] = [row.scene if row.scene in taken else "" for row in rows]
     columns = {place: number for number, place in enumerate(shape.links)}
     alike: dict[tuple, list[int]] = {}
     for number, row in enumerate(rows):
-        alike.setdefault((taken[row.scene][0], row.links), []).append(number)
+        if row.scene in taken:
+            alike.setdefault((taken[row.scene][0], row.links), []).append(number)
     for (line, links), numbers in alike.items():
         values = np.stack([taken[rows[number].scene][1] for number in numbers])
         _put_scene(arrays, np.array(numbers), line, values)
@@ -104,7 +106,8 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
     for place, building in enumerate(plan.buildings):
         free: dict[str, list[int]] = {}
         for number, row in enumerate(rows):
-            free.setdefault(taken[row.baselines[place]][0], []).append(number)
+            if row.baselines[place] in taken:
+                free.setdefault(taken[row.baselines[place]][0], []).append(number)
         for line, numbers in free.items():
             values = np.stack([taken[rows[number].baselines[place]][1] for number in numbers])
             _put_alone(arrays, np.array(numbers), place, line, values)

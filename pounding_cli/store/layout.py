@@ -69,7 +69,7 @@ SCENES = (
     Variable("energy_damping", PLACE, "J", "energy lost in structural damping"),
     Variable("energy_hysteresis", PLACE, "J", "energy lost in yielding storeys"),
     Variable("energy_links", PLACE, "J", "energy lost in links"),
-    Variable("error_estimate", PLACE, "1", "estimated numerical error of the peaks, relative"),
+    Variable("error_estimate", PLACE, "1", "numerical error of the peaks, relative: about so much at most"),
     Variable("sensitivity", PLACE, "1", "change of the peaks under a small change of the motion, relative"),
     Variable("effects", PLACE, "", "effects simulated, one a line", "s"),
     Variable("dropped", PLACE, "", "effects left out with the reason, one a line", "s"),

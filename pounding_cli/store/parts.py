@@ -8,6 +8,7 @@ import shutil
 import uuid
 import zlib
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,9 @@ from pounding_cli.store.seal import open_regular
 
 _SPAN = 1 << 24
 """More than the scenes of one chunk."""
+
+_AT_ONCE = 1000
+"""Responses read at a time."""
 
 
 class PartStore(Mapping[str, Response]):
@@ -148,6 +152,13 @@ class PartStore(Mapping[str, Response]):
                 row = numbers[held.starts[place] : held.starts[place + 1]]
                 found[number] = held.words[place], row.copy()
         return found
+
+    def read(self, digests: Iterable[str]) -> Iterator[tuple[str, Response]]:
+        """Many responses with their digests; as `take`."""
+        left = iter(digests)
+        while some := list(islice(left, _AT_ONCE)):
+            for digest, (text, numbers) in zip(some, self.take(some), strict=True):
+                yield digest, decode(text, numbers)
 
     def _join(self, numbers: list[int]) -> None:
         """Make one chunk of several that are in memory only: bringing a file to the disk takes milliseconds."""

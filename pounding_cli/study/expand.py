@@ -15,7 +15,7 @@ from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
-from pounding_cli.study.resolve import Point, Resolver, places
+from pounding_cli.study.resolve import MOST_KEPT, Point, Resolver, places
 from pounding_cli.study.scenes import Frame, Rows, Scenes, seen
 from pounding_cli.study.schema import StudyModel
 
@@ -23,8 +23,13 @@ MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
 
 
+MOST_AROUND = 256
+"""Buildings with motions that are kept at a time: motions are long."""
+
+
 Links = Callable[[Point, str], tuple[Link, ...] | None]
-"""links(point, case) -> what stands between the buildings of the group."""
+"""links(point, case) -> what stands between the buildings of the group, which depends on these, `impact` and the case
+alone."""
 
 
 def expand(study: Study, links_of: Links | None = None) -> Plan:
@@ -33,7 +38,6 @@ def expand(study: Study, links_of: Links | None = None) -> Plan:
     links_of : what stands between the buildings in place of what the study says
     """
     model, resolver = study.model, study.resolver
-    links_of = links_of or resolver.links
     cases, analyses = tuple(model.cases), tuple(Analysis(word) for word in model.analyses)
     records = tuple(study.motions(resolver.base))
     frame = Frame(
@@ -42,7 +46,7 @@ def expand(study: Study, links_of: Links | None = None) -> Plan:
         tuple(str(analysis) for analysis in analyses),
         records,
     )
-    builder = _Builder(resolver, links_of, cases, analyses, records)
+    builder = _Builder(resolver, links_of or resolver.links, cases, analyses, records)
     rows = Rows(frame)
     scenes = Scenes(frame, len(model.group), builder)
     problems: dict[Problem, None] = {}
@@ -54,18 +58,12 @@ def expand(study: Study, links_of: Links | None = None) -> Plan:
                 break
         if problems:
             continue
-        buildings, motions, tail = builder.around(point)
-        free = [Digests((building,), ()) for building in buildings]
-        alone = {
-            (analysis, record): tuple(each.of(motions[record].motion, analysis, tail) for each in free)
-            for analysis in analyses
-            for record in records
-        }
+        around = builder.around(point)
+        buildings, motions, tail = around.buildings, around.motions, around.tail
         for case in cases:
-            links = links_of(point, case)
-            assert links is not None
+            links = builder.links(point, case)
             shown, linked = seen(links), Digests(buildings, links)
-            for (analysis, record), baselines in alone.items():
+            for (analysis, record), baselines in around.alone.items():
                 scene = linked.of(motions[record].motion, analysis, tail)
                 scenes.note(scene, len(rows))
                 for place, baseline in enumerate(baselines):
@@ -99,27 +97,76 @@ def _accuracy(model: StudyModel) -> float:
 
 
 @dataclass(frozen=True)
+class _Around:
+    """What is around the links at a point: buildings, motions, tail [s], digests of the buildings alone by analysis and
+    record."""
+
+    buildings: tuple[Building, ...]
+    motions: Mapping[str, Used]
+    tail: float
+    alone: Mapping[tuple[Analysis, str], tuple[str, ...]]
+
+
 class _Builder:
-    """Builds the scene at a place of the tables; the study was validated there."""
+    """Builds the scene at a place of the tables; the study was validated there. Scenes share buildings, links and
+    motions that are the same."""
 
-    resolver: Resolver
-    links_of: Links
-    cases: tuple[str, ...]
-    analyses: tuple[Analysis, ...]
-    records: tuple[str, ...]
+    def __init__(
+        self,
+        resolver: Resolver,
+        links_of: Links,
+        cases: tuple[str, ...],
+        analyses: tuple[Analysis, ...],
+        records: tuple[str, ...],
+    ) -> None:
+        self._resolver, self._links_of = resolver, links_of
+        self._cases, self._analyses, self._records = cases, analyses, records
+        self._around: dict[Point, _Around] = {}
+        self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
 
-    def around(self, point: Point) -> tuple[tuple[Building, ...], Mapping[str, Used], float]:
-        """Buildings, motions and tail [s] at a point."""
-        street, motions = self.resolver.group(point), self.resolver.motions(point)
+    def around(self, point: Point) -> _Around:
+        """What is around the links at a point."""
+        key = self._resolver.key(point, ("buildings", "group", "records", "tail"))
+        found = self._around.get(key)
+        if found is None:
+            found = self._around_anew(point)
+            _keep(self._around, key, found, MOST_AROUND)
+        return found
+
+    def _around_anew(self, point: Point) -> _Around:
+        street, motions = self._resolver.group(point), self._resolver.motions(point)
         assert street is not None
         assert motions is not None
-        return tuple(street.group), motions, self.resolver.section(point, "tail")
+        tail = self._resolver.section(point, "tail")
+        free = [Digests((building,), ()) for building in street.group]
+        alone = {
+            (analysis, record): tuple(each.of(motions[record].motion, analysis, tail) for each in free)
+            for analysis in self._analyses
+            for record in self._records
+        }
+        return _Around(tuple(street.group), motions, tail, alone)
+
+    def links(self, point: Point, case: str) -> tuple[Link, ...]:
+        """The links of a case at a point."""
+        key = case, self._resolver.key(point, ("buildings", "group", "impact", ("cases", case)))
+        found = self._links.get(key)
+        if found is None:
+            found = self._links_of(point, case)
+            assert found is not None
+            _keep(self._links, key, found, MOST_KEPT)
+        return found
 
     def __call__(self, point: Point, case: int, analysis: int, record: int) -> Scene:
-        buildings, motions, tail = self.around(point)
-        links = self.links_of(point, self.cases[case])
-        assert links is not None
-        return Scene(buildings, links, motions[self.records[record]].motion, self.analyses[analysis], tail)
+        around, links = self.around(point), self.links(point, self._cases[case])
+        motion = around.motions[self._records[record]].motion
+        return Scene(around.buildings, links, motion, self._analyses[analysis], around.tail)
+
+
+def _keep(answers: dict, key: object, answer: object, most: int) -> None:
+    """Keep an answer, and the latest ones before it."""
+    if len(answers) >= most:
+        del answers[next(iter(answers))]
+    answers[key] = answer
 
 
 def _at_point(problem: Problem, axes: tuple[Axis, ...], point: tuple[int, ...]) -> Problem:

@@ -47,8 +47,9 @@ def _keys(laws: Mapping[str, type[Law]]) -> dict[str, tuple[Any, Any]]:
     for law in laws.values():
         types = get_type_hints(law)
         for name, declared in own_parameters(law).items():
-            kind = _kind(law, name, types[name], declared)
-            owners = " and ".join(one.name for one in laws.values() if name in own_parameters(one))
+            kind = _kind(laws, law, name, types[name], declared)
+            named = [one.name for one in laws.values() if name in own_parameters(one)]
+            owners = " and ".join(filter(None, (", ".join(named[:-1]), named[-1])))
             description = f"{owners}: {declared.words}"
             owner, known = first.setdefault(name, (law, declared))
             if known != declared:
@@ -59,11 +60,20 @@ def _keys(laws: Mapping[str, type[Law]]) -> dict[str, tuple[Any, Any]]:
     return found
 
 
-def _kind(law: type[Law], name: str, given: Any, declared: Parameter) -> Any:
+def words_of(law: type[Law], name: str) -> type[StrEnum] | None:
+    """The words that a law knows for a parameter; None where that is no choice of words."""
+    given = get_type_hints(law)[name]
+    return given if isinstance(given, type) and issubclass(given, StrEnum) else None
+
+
+def _kind(laws: Mapping[str, type[Law]], law: type[Law], name: str, given: Any, declared: Parameter) -> Any:
     if given is bool:
         return bool
-    if isinstance(given, type) and issubclass(given, StrEnum):
-        return Annotated[Literal[tuple(str(word) for word in given)], AfterValidator(given)]
+    if words_of(law, name) is not None:
+        known = dict.fromkeys(words_of(one, name) for one in laws.values() if name in own_parameters(one))
+        choice: Any = Literal[tuple(dict.fromkeys(str(word) for some in known for word in some or ()))]
+        # Laws of one key that know different words for it: whoever builds the law picks its own.
+        return Annotated[choice, AfterValidator(given)] if len(known) == 1 else choice
     if declared.unit == "N/m":
         return Annotated[float | StiffnessRule, STIFFNESS_FORM]
     unit = "" if declared.unit == "-" else declared.unit

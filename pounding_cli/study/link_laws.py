@@ -10,7 +10,7 @@ from pounding_cli.laws import link_laws
 from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
-from pounding_cli.study.law_keys import FROM_CASE, own_parameters
+from pounding_cli.study.law_keys import FROM_CASE, own_parameters, words_of
 from pounding_cli.study.problems import Faults, Path, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule, read_stiffness
 from pounding_cli.study.schema import Impact, LinkSpec, ListedLink
@@ -162,6 +162,16 @@ class LawReader:
                 layers[0].path,
                 f"'{name}' is missing",
                 f"a {law.name} needs it: {own_parameters(law)[name].words}",
+            )
+            return None
+        words = words_of(law, name)
+        if words is not None:
+            if given in list(words):
+                return words(given)
+            self.refuse(
+                where(layers, name),
+                f"{name}: '{given}' is none of a {law.name}",
+                f"write {' or '.join(words)}",
             )
             return None
         return self.value(given, where(layers, name)) if isinstance(given, StiffnessRule) else given

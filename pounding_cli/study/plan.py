@@ -53,8 +53,7 @@ class LinkSeen(NamedTuple):
         return self[:4]
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(NamedTuple):
     """One place in the tables: its index on every axis, keys of Plan.scenes for scene and baselines, its links."""
 
     point: tuple[int, ...]
@@ -89,7 +88,7 @@ class Plan:
     motions : one per record; where the sweep changes them, those of its first point
     accuracy : relative error wanted [-]
     time_step : of a method that takes one [s]
-    estimate : which scenes are solved twice more for error and sensitivity: none, sample or all
+    estimate : which scenes are solved once more for error and sensitivity: none, sample or all
     all_effects : whether to simulate what cannot matter too
     kept : rows whose scenes are kept over time, every `every` seconds
     workflow : what is asked of the scenes, a key of WORKFLOWS

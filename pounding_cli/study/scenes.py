@@ -5,9 +5,8 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import overload
-
-import numpy as np
 
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.scene import Scene
@@ -31,8 +30,12 @@ class Frame:
 
     def place(self, number: int) -> tuple[tuple[int, ...], int, int, int]:
         """Point, case, analysis and record of a row."""
-        *point, case, analysis, record = (int(i) for i in np.unravel_index(number, self.shape))
-        return tuple(point), case, analysis, record
+        places = []
+        for size in reversed(self.shape):
+            number, place = divmod(number, size)
+            places.append(place)
+        record, analysis, case, *point = places
+        return tuple(reversed(point)), case, analysis, record
 
 
 class Rows(Sequence[Row]):
@@ -77,7 +80,7 @@ class Rows(Sequence[Row]):
         )
 
     def __iter__(self) -> Iterator[Row]:
-        columns = zip(np.ndindex(self.frame.shape), self._scenes, self._baselines, self._links, strict=True)
+        columns = zip(product(*map(range, self.frame.shape)), self._scenes, self._baselines, self._links, strict=True)
         cases, analyses, records = self.frame.cases, self.frame.analyses, self.frame.records
         for (*point, case, analysis, record), scene, baselines, links in columns:
             yield Row(tuple(point), cases[case], analyses[analysis], records[record], scene, baselines, links)

@@ -403,7 +403,7 @@ class _StudyModel(Model):
         None, description="time step of a fixed-step method [s]"
     )
     estimate: Literal["none", "sample", "all"] = optional(
-        "all", description="scenes solved twice more, for their numerical error and their sensitivity"
+        "all", description="scenes solved once more, for their numerical error and their sensitivity"
     )
     tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = optional(
         0.0, description="free vibration after the motion [s]"

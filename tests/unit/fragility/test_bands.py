@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pounding_cli.fragility import Brackets, Outcome, bands, fit, median_ratio, resamples
-from pounding_cli.fragility.likelihood import fit_many
+from pounding_cli.fragility import Brackets, Outcome, bands, draw, fit, median_ratio, resamples
 
 
 def capacities(seed, motions=44, median=0.5, spread=0.4):
@@ -19,7 +18,7 @@ def known(capacity):
 
 def test_the_band_of_the_median_has_the_width_of_theory():
     """The standard error of ln median is spread / sqrt(n), of the spread about spread / sqrt(2 n)."""
-    found = bands(known(capacities(1)), resamples(44, 2000), np.array([0.5]))
+    found = bands(draw(known(capacities(1)), resamples(44, 2000)), np.array([0.5]))
     curve = fit(known(capacities(1)))
     half = 1.645 * curve.spread / np.sqrt(44)
     assert np.log(found.median) == pytest.approx(np.log(curve.median) + np.array([-half, half]), abs=0.15 * half)
@@ -29,7 +28,7 @@ def test_the_band_of_the_median_has_the_width_of_theory():
 
 
 def test_the_band_holds_the_truth_as_often_as_it_says():
-    held = [bands(known(capacities(seed)), resamples(44, 400), np.array([0.5])).median for seed in range(200)]
+    held = [bands(draw(known(capacities(seed)), resamples(44, 400)), np.array([0.5])).median for seed in range(200)]
     share = np.mean([low <= 0.5 <= high for low, high in held])
     assert 0.82 < share < 0.95  # 0.9 wanted; percentile intervals of 44 are a little short
 
@@ -47,7 +46,7 @@ def test_draws_without_a_fit_count():
     pass above all that hold. Where none passes the median has no upper end."""
     low = np.where(np.arange(20) < 2, [0.2, 0.28] * 10, 0.3)
     brackets = Brackets.of(np.arange(20), low, np.where(np.arange(20) < 2, low + 0.02, np.inf), 20)
-    found = bands(brackets, resamples(20), np.array([0.25, 0.5]))
+    found = bands(draw(brackets, resamples(20)), np.array([0.25, 0.5]))
     assert found.unfitted / found.draws == pytest.approx(0.95**20, abs=0.05)
     assert found.median[1] == np.inf
     assert np.isfinite(found.low).all()
@@ -58,7 +57,7 @@ def test_draws_without_a_fit_count():
 def test_pairing_by_motion_sharpens_the_ratio():
     alone = capacities(1)
     beside = alone * 0.9 * np.exp(np.random.default_rng(2).normal(0, 0.05, 44))
-    low, high = median_ratio(known(alone), known(beside), resamples(44))
+    low, high = median_ratio(*(draw(known(each), resamples(44)) for each in (alone, beside)))
     assert low < 0.9 < high
     assert high - low < 0.04  # unpaired it would be +- 0.13
     assert fit(known(beside)).median / fit(known(alone)).median == pytest.approx(0.9, abs=0.02)
@@ -67,7 +66,7 @@ def test_pairing_by_motion_sharpens_the_ratio():
 def test_a_draw_without_a_trend_has_the_share_of_all():
     """A draw of the second motion alone, which passes at two low intensities and holds at a high one."""
     brackets = Brackets.of(np.array([0, 0, 1, 1, 1]), [0.1, 0.0, 0.0, 0.0, 0.2], [np.inf, 0.2, 0.1, 0.12, np.inf], 2)
-    fits = fit_many(brackets, brackets.weights(np.array([[0, 2], [2, 0]])))
+    fits = draw(brackets, np.array([[0, 2], [2, 0]]))
     assert list(fits.outcome) == [Outcome.FLAT, Outcome.SEPARATED]
     assert fits.probability(np.array([0.05, 0.15, 0.5]))[0] == pytest.approx(2 / 3)
     assert fits.probability(np.array([0.05, 0.5]))[1].tolist() == [0.0, 1.0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pounding_cli.fragility import Outcome, cloud
+from pounding_cli.fragility import Outcome, cloud, cloud_draw
 
 
 def made(motions, slope=1.2, intercept=2.0, scatter=0.3, seed=1):
@@ -28,11 +28,16 @@ def test_three_motions_by_hand():
     assert found.curve.median == pytest.approx(np.exp((1 + 1 / 6) / 1.5))
 
 
-def test_a_motion_taken_twice_counts_twice():
-    x, y = made(5)
-    twice = cloud(np.repeat(x, [1, 2, 1, 0, 3]), np.repeat(y, [1, 2, 1, 0, 3]), 4.0)
-    weighted = cloud(x, y, 4.0, weights=np.array([1, 2, 1, 0, 3]))
-    assert (weighted.slope, weighted.scatter) == pytest.approx((twice.slope, twice.scatter))
+def test_a_motion_drawn_twice_counts_twice():
+    x, y = made(6)
+    times = np.array([[1, 2, 0], [0, 1, 2], [3, 0, 0]])
+    motion = np.array([0, 0, 1, 1, 2, 2])
+    drawn = cloud_draw(x, y, 4.0, motion, times)
+    for number in range(2):
+        taken = np.repeat(np.arange(6), times[number][motion])
+        curve = cloud(x[taken], y[taken], 4.0).curve
+        assert (drawn.median[number], drawn.spread[number]) == pytest.approx((curve.median, curve.spread))
+    assert drawn.outcome[2] == Outcome.FLAT  # one motion, two points
 
 
 def test_clouds_without_a_curve_are_named():
@@ -41,5 +46,6 @@ def test_clouds_without_a_curve_are_named():
     assert cloud(np.full(10, 0.3), y, 4.0).curve.outcome is Outcome.FEW
     assert cloud(x, 1 / x, 4.0).curve.outcome is Outcome.FLAT
     assert cloud(x, 2 * x, 4.0).curve.outcome is Outcome.SEPARATED
+    assert cloud(x, y, 4.0, motion=np.arange(10) // 5).curve.outcome is Outcome.FEW
     with pytest.raises(ValueError, match="above 0"):
         cloud(x, y * 0, 4.0)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from pounding_cli.errors import InputError
+from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
 from pounding_cli.laws.hertz import Hertz, HertzDamp, HertzDamping
+from pounding_cli.laws.jankowski import Jankowski, JankowskiDamping
 from pounding_cli.study import expand, load_study
 
 STUDY = """\
@@ -29,6 +31,14 @@ def study(tmp_path, link: str):
     [
         (f"link: hertz, {K}", Hertz(0.01, 2e3 * 1000**1.5)),
         (f"link: hertz-damp, {K}", HertzDamp(0.01, 2e3 * 1000**1.5, 0.5)),
+        (
+            f"link: bilinear, {K}, restitution: 0.6, penetration: 5 mm, damping_formula: muthukumar",
+            BilinearContact(0.01, 2e3 * 1000**1.5, 0.005, 0.6, 0.1, BilinearDamping.MUTHUKUMAR),
+        ),
+        (
+            f"link: jankowski, {K}, restitution: 0.6, damping_formula: jankowski",
+            Jankowski(0.01, 2e3 * 1000**1.5, 0.6, JankowskiDamping.JANKOWSKI),
+        ),
         (
             f"link: hertz-damp, {K}, restitution: 0.6, damping_formula: ye",
             HertzDamp(0.01, 2e3 * 1000**1.5, 0.6, HertzDamping.YE),
@@ -54,8 +64,11 @@ def test_a_law_is_read(tmp_path, link, law):
         (f"link: hertz-damp, {K}, restitution: 0", "restitution is 0; it must be above 0"),
         (f"link: hertz-damp, {K}, restitution: 0.005", "restitution is 0.005; it must be at least 0.01"),
         ("link: hertz, hertz_stiffness: 2e9 N/m", "expected N/m^1.5"),
-        (f"link: hertz-damp, {K}, damping_formula: kelvin", "write 'exact', 'muthukumar' or 'ye'"),
-        (f"link: pounding, {K}", "it belongs to a hertz and a hertz-damp"),
+        (f"link: hertz-damp, {K}, damping_formula: kelvin", "write 'exact', 'muthukumar', 'ye' or 'jankowski'"),
+        (f"link: bilinear, {K}, penetration: 5 mm, restitution: 0.1", "yield_share must be below 0.0198"),
+        (f"link: bilinear, {K}", "'penetration' is missing"),
+        (f"link: jankowski, {K}, damping_formula: ye", "damping_formula: 'ye' is none of a jankowski"),
+        (f"link: pounding, {K}", "it belongs to a hertz and a hertz-damp and a jankowski and a bilinear"),
     ],
 )
 def test_what_does_not_fit_is_refused(tmp_path, link, said):

@@ -104,7 +104,7 @@ def reduced_mass(scene: Scene, e: int) -> float:
     link = scene.links[e]
     m1 = scene.buildings[link.left].mass[link.left_floor - 1]
     m2 = scene.buildings[link.left + 1].mass[link.right_floor - 1]
-    return (m1 + m2) / (m1 * m2) if str(link.law.dashpot) == "printed" else m1 * m2 / (m1 + m2)
+    return (m1 + m2) / (m1 * m2) if str(getattr(link.law, "dashpot", "")) == "printed" else m1 * m2 / (m1 + m2)
 
 
 def ground(scene: Scene) -> list[tuple[float, float, float, float]]:

@@ -6,6 +6,7 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -13,9 +14,9 @@ from scipy.optimize import brentq
 from pounding_cli.model.scene import Scene
 from reference.assembly import Coordinates, coordinates, reduced_mass
 
-ACTING = ("on", "beyond", "gaining")
+ACTING = ("on", "beyond", "gaining", "parting", "yielding", "unloading", "returning")
 """Branches of a link whose force acts."""
-HERTZ = ("hertz", "hertz-damp")
+HERTZ = ("hertz", "hertz-damp", "jankowski")
 PRESSED = 0.03
 """Compression [m] up to which `fastest` holds for a Hertz contact."""
 
@@ -29,20 +30,46 @@ def hertz_damping(restitution: float) -> float:
     )
 
 
+@functools.cache
+def jankowski_damping(restitution: float) -> float:
+    """xi [-] that gives e: with s = v^1.25 the approach is that of a damped oscillator of ratio b = sqrt(0.8) xi as
+    far as it turns; e is what its spring then holds; 0 < e < 1, b below one."""
+
+    def left(b: float) -> float:
+        damped = math.sqrt(1 - b * b)
+        turning = brentq(
+            lambda t: damped * math.cos(damped * t) - b * math.sin(damped * t), 1e-12, math.pi / damped / 2
+        )
+        return math.exp(-b * turning) * math.sin(damped * turning) / damped
+
+    return float(brentq(lambda b: left(b) - restitution, 1e-9, 0.999, xtol=1e-15)) / math.sqrt(0.8)
+
+
+def bilinear_lines(law) -> tuple[float, float, float]:
+    """K1, K2 [N/m] and the yield closing dy [m] of a bilinear contact; its largest blow loses 1 - e^2 of its energy."""
+    effective = law.hertz_stiffness * math.sqrt(law.penetration)
+    lost = effective * law.penetration**2 * (1 - law.restitution**2) / (1 + law.restitution**2)
+    limit = law.yield_share * law.penetration
+    k1 = effective + lost / (limit * law.penetration)
+    return k1, (effective * law.penetration - k1 * limit) / (law.penetration - limit), limit
+
+
 @dataclass
 class Branches:
     """Which branch every storey and link is on; what `Laws` needs besides q and q'.
 
     storey : 0 elastic, +1 or -1 yielding that way; plastic : plastic drift [m] of an elastic storey
     link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap), "gaining"
-        (Hertz contact whose approach speed is the largest so far)
-    speed : largest approach speed of the present contact [m/s] by link, where it no longer grows
+        (Hertz contact whose approach speed is the largest so far), "parting" (of floors that approach no longer);
+        "yielding", "unloading", "returning" of a bilinear contact
+    speed : largest approach speed of the present contact [m/s] by link, where it no longer grows; of a bilinear
+        contact the closing at which it last turned [m] and its force there [N], as a pair
     """
 
     storey: np.ndarray
     plastic: np.ndarray
     link: list[str]
-    speed: dict[int, float] = field(default_factory=dict)
+    speed: dict[int, Any] = field(default_factory=dict)
 
 
 class Laws:
@@ -52,8 +79,8 @@ class Laws:
         self.scene = scene
         self.c: Coordinates = coordinates(scene)
         self.elastic = str(scene.analysis) == "elastic"
-        self.reduced = [0.0 if link.kind in HERTZ else reduced_mass(scene, e) for e, link in enumerate(scene.links)]
-        self.offset = np.array([e.gap if e.kind in ("pounding", *HERTZ) else 0.0 for e in scene.links])
+        self.reduced = [reduced_mass(scene, e) for e in range(len(scene.links))]
+        self.offset = np.array([e.gap if e.kind in ("pounding", "bilinear", *HERTZ) else 0.0 for e in scene.links])
 
     def begin(self) -> Branches:
         """At rest: nothing has yielded, only connectors act."""
@@ -76,7 +103,7 @@ class Laws:
         return np.where(b.storey == 0, k, a * k), still
 
     def link_law(
-        self, e: int, v: np.ndarray, rate: np.ndarray, branch: str, speed: dict[int, float] | None = None
+        self, e: int, v: np.ndarray, rate: np.ndarray, branch: str, speed: dict[int, Any] | None = None
     ) -> np.ndarray:
         """Force [N] of link e on a branch at v (gap subtracted for pounding) and v'; eqs (6), (9), (10), and Hertz:
         k v^1.5 (1 + zeta v' / v0)."""
@@ -85,8 +112,18 @@ class Laws:
             spring = link.hertz_stiffness * np.maximum(v, 0.0) ** 1.5
             if link.name == "hertz":
                 return spring
+            if link.name == "jankowski":
+                xi = jankowski_damping(link.restitution)
+                c = 2 * xi * np.sqrt(link.hertz_stiffness * np.sqrt(np.maximum(v, 0.0)) * self.reduced[e])
+                return spring + c * rate if branch == "on" else spring
             zeta = hertz_damping(link.restitution)
             return spring * (1 + zeta * (1.0 if branch == "gaining" else rate / (speed or {})[e]))
+        if link.name == "bilinear":
+            k1, k2, limit = bilinear_lines(link)
+            if branch == "unloading":
+                turned, there = (speed or {})[e]
+                return there + k1 * (v - turned)
+            return k1 * v if branch == "on" else k2 * v + (k1 - k2) * limit * (branch == "yielding")
         xi, m = link.damping_ratio, self.reduced[e]
         if link.name != "infill":
             return link.stiffness * v + 2 * xi * np.sqrt(link.stiffness * m) * rate
@@ -125,9 +162,9 @@ class Laws:
                 curved.append(e)
                 continue
             # Two values of a straight line give the line.
-            zero = float(self.link_law(e, 0.0, 0.0, b.link[e]))
-            spring = float(self.link_law(e, 1.0, 0.0, b.link[e])) - zero
-            dashpot = float(self.link_law(e, 0.0, 1.0, b.link[e])) - zero
+            zero = float(self.link_law(e, 0.0, 0.0, b.link[e], b.speed))
+            spring = float(self.link_law(e, 1.0, 0.0, b.link[e], b.speed)) - zero
+            dashpot = float(self.link_law(e, 0.0, 1.0, b.link[e], b.speed)) - zero
             pair = np.outer(c.closing[e], c.closing[e])
             k, damping = k + spring * pair, damping + dashpot * pair
             f = f + c.closing[e] * (zero - spring * self.offset[e])
@@ -142,6 +179,8 @@ class Laws:
                 link = self.scene.links[e].law
                 if link.name in HERTZ:
                     s = 1.5 * link.hertz_stiffness * PRESSED**0.5
+                elif link.name == "bilinear":
+                    s = bilinear_lines(link)[0]
                 else:
                     s = max(link.stiffness, link.impact_stiffness) if link.name == "infill" else link.stiffness
                 k = k + s * np.outer(c.closing[e], c.closing[e])
@@ -175,7 +214,12 @@ class Laws:
             out += [(("link", e, "open"), -v[e])]
             if damped:
                 out += self.hertz_guards(e, v_rate[e], b, acceleration)
-            if link.name in HERTZ:
+            if link.name == "jankowski":
+                approach = branch == "on"
+                out += [(("link", e, "parting" if approach else "on"), -v_rate[e] if approach else v_rate[e])]
+            if link.name == "bilinear":
+                out += self.bilinear_guards(e, v[e], v_rate[e], b)
+            if link.name in (*HERTZ, "bilinear"):
                 continue
             infill = link.name == "infill"
             if infill and branch == "on":
@@ -205,6 +249,19 @@ class Laws:
             return [(("link", e, "press"), -pulls)]
         return [(("link", e, "gaining"), v_rate - b.speed[e]), (("link", e, "cut"), pulls)]
 
+    def bilinear_guards(self, e: int, v: np.ndarray, v_rate: np.ndarray, b: Branches) -> list[tuple[tuple, np.ndarray]]:
+        """Up to the lines K1 v, K2 v + (K1 - K2) dy and K2 v, and back at turning points."""
+        branch, (k1, k2, limit) = b.link[e], bilinear_lines(self.scene.links[e].law)
+        if branch == "on":
+            return [(("link", e, "yielding"), v - limit)]
+        if branch == "unloading":
+            force = self.link_law(e, v, v_rate, branch, b.speed)
+            return [
+                (("link", e, "yielding"), (force - k2 * v - (k1 - k2) * limit) / k1),
+                (("link", e, "returning"), (k2 * v - force) / k1),
+            ]
+        return [(("link", e, "unloading"), -v_rate if branch == "yielding" else v_rate)]
+
     def apply(self, change: tuple, q: np.ndarray, rate: np.ndarray, b: Branches, acceleration) -> Branches:
         """The branches after a change, at q, q' and what `acceleration` gives, q''."""
         what, i, to = change
@@ -215,6 +272,9 @@ class Laws:
                 to = "on"
             if "gaining" in (to, b.link[i]) or b.link[i] == "open":
                 new.speed[i] = float(speed)
+        if to == "unloading":
+            turned = float(self.c.closing[i] @ q - self.offset[i])
+            new.speed[i] = turned, float(self.link_law(i, turned, 0.0, b.link[i], b.speed))
         if what == "storey":
             if to == 0:
                 new.plastic[i] = self.c.drift[i] @ q - b.storey[i] * self.c.yield_drift[i]

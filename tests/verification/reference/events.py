@@ -107,15 +107,15 @@ class _Run:
         shear = self.laws.shears(drift, self.b)
         return np.vstack((np.abs(shear), np.abs(drift), np.abs(total), u, -u, np.abs(force), closing))
 
-    def gather(self, t0: float, t1: float, y: np.ndarray, dense) -> None:
-        """Raise the peaks by what happens between t0 and t1; `y` holds the states at both ends."""
-        ends = self.quantities(np.array([t0, t1]), y)
+    def gather(self, begin: float, t0: float, t1: float, y: np.ndarray, dense) -> None:
+        """Raise the peaks by what happens between t0 and t1 after `begin`; `y` holds the states at both ends."""
+        ends = self.quantities(begin + np.array([t0, t1]), y)
         if self.peak is None:
             self.peak = ends[:, 0].copy()
         if not (ends.max(axis=1) > self.peak - 0.02 * np.abs(self.peak)).any():
             return
         t = t0 + FINE * (t1 - t0)
-        values = self.quantities(t, dense(t))
+        values = self.quantities(begin + t, dense(t))
         values[:, [0, -1]] = ends
         # The top of the parabola through the three values around the largest, kept between them.
         at, rows = np.clip(values.argmax(axis=1), 1, t.size - 2), np.arange(values.shape[0])
@@ -125,10 +125,10 @@ class _Run:
         best = middle + top * (right - left) / 2 + top**2 * bend / 2
         self.peak = np.maximum(self.peak, np.maximum(best, ends.max(axis=1)))
 
-    def due(self, t: np.ndarray, y: np.ndarray, dense) -> tuple[float, tuple] | None:
-        """The first change between t[0] and t[-1], with its time."""
+    def due(self, begin: float, t: np.ndarray, y: np.ndarray, dense) -> tuple[float, tuple] | None:
+        """The first change between t[0] and t[-1] after `begin`, with its time."""
         first = None
-        for number, (change, g) in enumerate(self.guards(t, y)):
+        for number, (change, g) in enumerate(self.guards(begin + t, y)):
             if not g.max() > FINEST:
                 continue
             if g[0] > 0:  # past zero by rounding: two changes at one instant, or one at the end of the last step
@@ -139,7 +139,7 @@ class _Run:
                 i = int(np.argmax((g[:-1] <= 0) & (g[1:] > 0)))
                 crossing = t[i]
                 if g[i] < 0:
-                    crossing = brentq(lambda x, n=number: self.guard(n, x, dense), t[i], t[i + 1], xtol=1e-16)
+                    crossing = brentq(lambda x, n=number: self.guard(n, begin, x, dense), t[i], t[i + 1], xtol=1e-16)
             if first is None or crossing < first[0]:
                 first = (crossing, change)
         return first
@@ -148,9 +148,9 @@ class _Run:
         q, rate = y[: self.n], y[self.n : 2 * self.n]
         return self.laws.guards(q, rate, self.b, lambda: self.acceleration(q, rate, self.ground(t)))
 
-    def guard(self, number: int, t: float, dense) -> float:
+    def guard(self, number: int, begin: float, t: float, dense) -> float:
         at = np.array([t])
-        return float(self.guards(at, dense(at))[number][1][0])
+        return float(self.guards(begin + at, dense(at))[number][1][0])
 
     def ground(self, t):
         """Acceleration of the ground [m/s2]."""
@@ -160,9 +160,11 @@ class _Run:
         """Integrate to `end` or to the next change; returns the time reached."""
         self.freeze()
         self.storey_slope, self.storey_still = self.laws.storey_lines(self.b)
+        # Time counts from here: a force with v^(1/4) begins with steps far below the spacing of numbers near t.
+        begin, end = t, end - t
         method = DOP853(
-            self.slope, t, self.y, end, rtol=self.rtol, atol=1e-16, max_step=self.longest,
-            first_step=min(self.longest, end - t),
+            lambda s, y: self.slope(begin + s, y), 0.0, self.y, end, rtol=self.rtol, atol=1e-16, max_step=self.longest,
+            first_step=min(self.longest, end),
         )  # fmt: skip
         while method.status == "running":
             message = method.step()
@@ -171,19 +173,19 @@ class _Run:
             times = method.t_old + PLACES * (method.t - method.t_old)
             y = dense(times)
             y[:, 0], y[:, -1] = self.y, method.y
-            event = self.due(times, y, dense)
+            event = self.due(begin, times, y, dense)
             stop = method.t if event is None else event[0]
             if event is not None:
                 y = dense(np.array([method.t_old, stop]))
             ends = np.column_stack((self.y, y[:, -1]))
-            self.gather(method.t_old, stop, ends, dense)
+            self.gather(begin, method.t_old, stop, ends, dense)
             acting = [e for e, branch in enumerate(self.b.link) if branch in ACTING]
             self.contact_time[acting] += stop - method.t_old
             self.y = ends[:, -1].copy()
             if event is not None:
-                self.change(stop, event[1])
-                return stop
-        return end
+                self.change(begin + stop, event[1])
+                return begin + stop
+        return begin + end
 
     def change(self, t: float, change: tuple) -> None:
         self.changes.append((t, change))

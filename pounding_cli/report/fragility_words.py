@@ -1,0 +1,138 @@
+"""Fragility curves in rows that people read: medians and spreads with their intervals, in the unit of the study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pounding_cli.fragility import CONFIDENCE, DRAWS, Outcome
+from pounding_cli.report.evidence import Tables
+from pounding_cli.store.answers import Answer
+from pounding_cli.store.fragility import ALONE
+from pounding_cli.study.fragility import INTENSITY_KEYS
+from pounding_cli.words import Unit, counted
+
+_WORDS = ("limit", "building", "case", "analysis")
+"""Columns of text."""
+
+
+def intensity_unit(answer: Answer) -> Unit:
+    """The unit of intensities; one without a name for a scale factor."""
+    return answer.units["median"]
+
+
+def table(answer: Answer, rows: pd.DataFrame) -> tuple[list[str], list[list[str]], int]:
+    """Headings, rows as texts with their intervals in brackets, and how many columns of text come first.
+
+    A case or an analysis that is the same in all rows is left out.
+    """
+    words = [name for name in _WORDS if name in _WORDS[:2] or len(set(rows[name])) > 1]
+    unit = f" [{name}]" if (name := intensity_unit(answer).name) else ""
+    heads = [
+        *words,
+        f"alone\nmedian{unit}",
+        "\nspread",
+        f"with pounding\nmedian{unit}",
+        "\nspread",
+        "ratio of\nmedians",
+    ]
+    found = []
+    for row in rows.to_dict("records"):
+        cells = [str(row[name]) for name in words]
+        for alone in (ALONE, ""):
+            cells += [median_text(answer, row, alone), _between(row, "spread", alone, Unit())]
+        found.append([*cells, _between(row, "ratio", "", Unit())])
+    return heads, found, len(words)
+
+
+def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "") -> str:
+    """A median with its interval; where there is none, what came of the fit and what is known."""
+    unit = intensity_unit(answer)
+    outcome = str(row.get("outcome" + alone, ""))
+    if not outcome:
+        return "-"
+    if row["median" + alone] == row["median" + alone]:
+        return _between(row, "median", alone, unit)
+    low, high = row["low" + alone], row["high" + alone]
+    if low > 0 and high < np.inf:
+        return f"{outcome}: {_text(low, unit)} to {_text(high, unit)}"
+    if low > 0 or high < np.inf:
+        return f"{outcome}: above {_text(low, unit)}" if low > 0 else f"{outcome}: below {_text(high, unit)}"
+    return outcome
+
+
+def _between(row: Mapping[Any, Any], name: str, alone: str, unit: Unit) -> str:
+    value = row.get(name + alone, np.nan)
+    if value != value:
+        return "-"
+    low, high = (_text(row[f"{name}_{end}{alone}"], unit) for end in ("low", "high"))
+    return f"{_text(value, unit)} ({low} to {high})"
+
+
+def _text(value: float, unit: Unit) -> str:
+    return f"{unit.number(value):.3g}" if np.isfinite(value) else "inf"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How the curves were asked for: method, intensity measure in words, confidence [-], draws of the bootstrap."""
+
+    method: str
+    measure: str
+    confidence: float
+    draws: int
+
+
+def asked_of(results: Tables) -> Asked:
+    """How the curves of a results file were asked for."""
+    spec = results.resolved.get("fragility") or {}
+    swept = next((name for key, name in INTENSITY_KEYS.items() if key in results.units), "pga")
+    measure = str(spec.get("intensity") or swept)
+    if measure == "sa":
+        scale = results.resolved["records"]["scale"]
+        measure = f"sa({scale['period']:g} s)" if isinstance(scale, dict) and "period" in scale else measure
+    words = _MEASURES.get(measure.partition("(")[0], measure)
+    period = measure.partition("(")[2].removesuffix(")")
+    return Asked(
+        str(spec.get("method", "ida")),
+        f"{words} at {period}" if period else words,
+        float(spec.get("confidence", CONFIDENCE)),
+        int(spec.get("draws", DRAWS)),
+    )
+
+
+_MEASURES = {
+    "pga": "peak ground acceleration", "pgv": "peak ground velocity", "sa": "pseudo-acceleration",
+    "factor": "scale factor",
+}  # fmt: skip
+
+
+def notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
+    """What a reader should know of the rows."""
+    both = [name for name in ("", ALONE) if "outcome" + name in rows]
+    said = [
+        f"In brackets: {100 * asked.confidence:.4g} % interval of {asked.draws} bootstrap draws of the motions, "
+        "the same draws alone and with pounding."
+    ]
+    if asked.method == "ida":
+        said.append(
+            "Every motion was bracketed between two neighbouring intensities of the study; the fit is of maximum "
+            "likelihood over these brackets."
+        )
+        returns = sum(int(rows[f"returns{name}"].fillna(0).sum()) for name in both if f"returns{name}" in rows)
+        if returns:
+            which = counted(returns, "motion holds", "motions hold")
+            said.append(f"{which} again above the first intensity that passes; the first one counts.")
+    failed = sum(int(rows[f"failed{name}"].fillna(0).sum()) for name in both)
+    if failed:
+        said.append(
+            f"{counted(failed, 'scene')} behind these rows failed: counted neither as holding nor as passing. "
+            "The table `scene` names them."
+        )
+    outcomes = dict.fromkeys(value for name in both for value in rows["outcome" + name] if value not in ("", "fitted"))
+    said += [f"{outcome}: {Outcome(outcome).meaning}." for outcome in outcomes]
+    return said

@@ -1,0 +1,89 @@
+"""The elements of a scene: everything that acts between its degrees of freedom, each with its terms.
+
+An element acts on v, a sum of weight x displacement: a storey on its drift, a link on the closing of two floors, a base
+on its sway or its angle, the drag of mass-proportional damping on the motion of a floor against its base. Its force
+goes back through the same weights, so that it puts in or takes out the work of that force and no other."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from pounding_cli.kernels.layout import Elements
+from pounding_cli.solve.arrays import Arrays
+
+Terms = list[tuple[int, float]]
+"""(degree of freedom, weight), ..."""
+
+
+@functools.lru_cache(maxsize=8)
+def elements_of(arrays: Arrays) -> Elements:
+    """All elements, in the order of `layout.Elements`."""
+    slots, foundations, links = arrays.slots, arrays.foundations, arrays.links
+    size, count = slots.size, foundations.number
+    rocks = np.isfinite(foundations.inertia)
+    on = {i: f for f in range(count) for i in range(foundations.first[f], foundations.stop[f])}
+    terms = [_storey_terms(arrays, i, on) for i in range(size)]
+    stiffness, dashpot = slots.stiffness.tolist(), slots.dashpot.tolist()
+    for f in np.flatnonzero(rocks):
+        terms.append([(size + int(f), 1.0)])
+        stiffness.append(foundations.stiffness[f])
+        dashpot.append(foundations.dashpot[f])
+    for i in range(size):
+        drag = (foundations.alpha[on[i]] if i in on else slots.alpha[i]) * slots.mass[i]
+        if drag > 0.0:
+            terms.append(_drag_terms(arrays, i, on))
+            stiffness.append(0.0)
+            dashpot.append(drag)
+    springs = len(terms)
+    terms += [[(int(links.left[e]), 1.0), (int(links.right[e]), -1.0)] for e in range(links.number)]
+    mass = np.concatenate((slots.mass, np.where(rocks, foundations.inertia, 1.0)))
+    inverse = np.concatenate((slots.inverse_mass, np.where(rocks, 1.0 / foundations.inertia, 0.0)))
+    each = [term for own in terms for term in own]
+    return Elements(
+        number=len(terms),
+        freedoms=size + count,
+        springs=springs,
+        first=np.concatenate(([0], np.cumsum([len(own) for own in terms]))).astype(np.int64),
+        freedom=np.array([freedom for freedom, _ in each], np.int64),
+        weight=np.array([weight for _, weight in each]),
+        stiffness=np.array(stiffness),
+        dashpot=np.array(dashpot),
+        mass=mass,
+        inverse_mass=inverse,
+        loaded=np.concatenate((slots.real, np.zeros(count))),
+    )
+
+
+def _storey_terms(arrays: Arrays, i: int, on: dict[int, int]) -> Terms:
+    """Of the spring below slot i: its drift, without what the rocking of its base adds."""
+    slots = arrays.slots
+    if not slots.real[i]:
+        return []
+    terms = [(i, 1.0)]
+    if slots.couple[i]:
+        terms.append((i - 1, -1.0))
+    if slots.rise[i]:
+        terms.append((slots.size + on[i], -float(slots.rise[i])))
+    return terms
+
+
+def _drag_terms(arrays: Arrays, i: int, on: dict[int, int]) -> Terms:
+    """Of the drag on slot i: its motion against a base that sways and rocks, or against the ground."""
+    terms = [(i, 1.0)]
+    if i in on:
+        f, foundations = on[i], arrays.foundations
+        if foundations.base[f] >= 0:
+            terms.append((int(foundations.base[f]), -1.0))
+        if np.isfinite(foundations.inertia[f]):
+            terms.append((arrays.slots.size + f, -float(arrays.slots.elevation[i])))
+    return terms
+
+
+def term_matrix(elements: Elements) -> np.ndarray:
+    """Rows that give what every element acts on from the displacements, shape (elements, freedoms)."""
+    matrix = np.zeros((elements.number, elements.freedoms))
+    owner = np.repeat(np.arange(elements.number), np.diff(elements.first))
+    np.add.at(matrix, (owner, elements.freedom), elements.weight)
+    return matrix

@@ -1,0 +1,175 @@
+"""Jankowski's contact: blows of two all but free masses in closed form, and buildings against the event-located
+reference."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from reference import events
+from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, gather, oscillator, shake, shear_building, still
+from scipy.integrate import solve_ivp
+
+from pounding_cli.laws.jankowski import Jankowski, JankowskiDamping, restitution_of
+from pounding_cli.model.links import Link
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import solve
+from pounding_cli.solve.assess import assess
+from pounding_cli.solve.histories import history
+
+M1, M2, K, V0, GAP = 2e5, 3e5, 2e9, 0.6, 0.01
+REDUCED = M1 * M2 / (M1 + M2)
+BUILDING = ("shear", "drift", "acceleration", "displacement_max", "displacement_min")
+LINK = ("peak_force", "max_closing", "impulse", "contact_time")
+
+
+def blow(law: Jankowski, accuracy: float, duration: float = 0.2):
+    """The link's peaks and the speed at which two all but free masses part [m/s]."""
+    masses = oscillator(M1, 1e-9), oscillator(M2, 1e-9)
+    scene = Scene(masses, (Link(0, 1, 1, law),), still(duration), ELASTIC)
+    found = solve(scene, accuracy, initial=([[0.0], [0.0]], [[V0], [0.0]]))
+    assert found.status == "done"
+    assert abs(found.energy["residual"]) < 1e-10
+    (_, (left,)), (_, (right,)) = found.final
+    return found.links, float(right - left)
+
+
+def jankowski_pair(gap, e, motion, analysis=ELASTIC, storeys=3, foundation=None, k=K) -> Scene:
+    two = shear_building(0.36, storeys, foundation), shear_building(0.60, storeys, foundation)
+    floors = range(1, storeys + 1)
+    return Scene(two, tuple(Link(0, j, j, Jankowski(gap, k, e)) for j in floors), motion, analysis)
+
+
+@pytest.mark.parametrize(("e", "accuracy"), [(0.05, 1e-6), (0.3, 1e-9), (0.5, 1e-6), (0.5, 1e-12), (0.99, 1e-6)])
+def test_the_restitution_asked_comes_out(e, accuracy):
+    """Fails if xi is the formula, the dashpot acts while the floors part, or its mass is not the reduced one."""
+    found, rebound = blow(Jankowski(GAP, K, e), accuracy, 1.0)
+    assert rebound == pytest.approx(e * V0, rel=1e-10)
+    assert found.impulse[0] == pytest.approx((1 + e) * REDUCED * V0, rel=1e-10)
+    assert found.impacts[0] == 1
+
+
+@pytest.mark.parametrize("xi", [0.05, 0.682, 1.0, 1.2, 5.0])
+def test_restitution_in_closed_form(xi):
+    """Against the blow as it is written, integrated by an independent method. Fails with another power of v."""
+
+    def slope(_, y):
+        v, r = max(y[0], 0.0), y[1]
+        return r, -(v**1.5 + 2 * xi * v**0.25 * max(r, 0.0))
+
+    parted = [lambda _, y: y[0] if y[1] < 0 else 1.0]
+    parted[0].terminal = True
+    run = solve_ivp(slope, (0, 500), (1e-30, 1.0), "DOP853", events=parted, rtol=1e-12, atol=1e-14, max_step=0.05)
+    assert -run.y[1, -1] == pytest.approx(restitution_of(xi), rel=1e-7)
+
+
+def test_his_formula_gives_what_it_gives():
+    """At e = 0.5 his formula is 0.682, which gives 0.494517."""
+    assert JankowskiDamping.JANKOWSKI.ratio(0.5) == pytest.approx(0.682, abs=5e-4)
+    assert restitution_of(0.682) == pytest.approx(0.494517, abs=5e-7)
+    law = Jankowski(GAP, K, 0.5, JankowskiDamping.JANKOWSKI)
+    assert blow(law, 1e-9)[1] == pytest.approx(restitution_of(law.damping_ratio) * V0, rel=1e-10)
+
+
+@pytest.mark.parametrize("e", [0.01, 0.3, math.exp(-1), 0.37, math.exp(-0.5), 0.61, 0.9, 0.999, 1 - 1e-9])
+def test_exact_damping_inverts_its_closed_form(e):
+    """Fails where one of the three ways of solving ends before the next begins."""
+    assert restitution_of(JankowskiDamping.EXACT.ratio(e)) == pytest.approx(e, rel=2e-15)
+
+
+def test_no_loss_at_a_restitution_of_one():
+    assert JankowskiDamping.EXACT.ratio(1.0) == JankowskiDamping.JANKOWSKI.ratio(1.0) == 0.0
+    assert blow(Jankowski(GAP, K, 1.0), 1e-9)[1] == pytest.approx(V0, rel=1e-12)
+
+
+def agree(scene: Scene, rel: float = 1e-7) -> None:
+    expected, found = events.integrate(scene), solve(scene, 1e-12)
+    assert found.status == "done"
+    for name in BUILDING:
+        assert gather(found, name) == pytest.approx(getattr(expected, name), rel=rel, abs=1e-13), name
+    for name in LINK:
+        value = getattr(expected, name)
+        assert getattr(found.links, name) == pytest.approx(value, rel=rel, abs=1e-8 * np.abs(value).max()), name
+    assert found.links.impacts.tolist() == expected.impacts.tolist()
+    assert expected.impacts.sum() > 0
+    assert abs(found.energy["residual"]) < 1e-9
+
+
+@pytest.mark.parametrize("analysis", [ELASTIC, INELASTIC])
+@pytest.mark.parametrize("gap", [0.0, 0.02])
+def test_five_storeys_against_the_reference(gap, analysis):
+    """Dormand-Prince 8 from event to event. Fails if the dashpot acts on after the floors have turned back."""
+    agree(jankowski_pair(gap, 0.5, shake(1.2, 9.0, 3), analysis, storeys=5))
+
+
+def test_rocking_foundations_against_the_reference():
+    agree(jankowski_pair(0.004, 0.4, shake(0.8), INELASTIC, foundation=FOUNDATION))
+
+
+@pytest.mark.parametrize("dt", [0.02, 0.05])
+@pytest.mark.parametrize("e", [0.01, 0.5])
+@pytest.mark.parametrize("k", [1e4, 1e8, 1e12])
+@pytest.mark.parametrize("gap", [0.0, 0.02])
+def test_hard_contacts(gap, k, e, dt):
+    """Soft as rubber to hard as rock, floors in touch from rest, samples far apart: an accuracy of 1e-6 is kept."""
+    scene = jankowski_pair(gap, e, shake(2.0, dt=dt), INELASTIC, k=k)
+    coarse, fine = solve(scene, 1e-6), solve(scene, 1e-10)
+    for found in (coarse, fine):
+        assert found.status == "done"
+        assert abs(found.energy["residual"]) < 1e-8
+    for name in ("drift", "acceleration"):
+        assert gather(coarse, name) == pytest.approx(gather(fine, name), rel=1e-5), name
+    assert coarse.links.impacts.tolist() == fine.links.impacts.tolist()
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.005])
+def test_a_chain_of_five_in_islands_equals_the_row(gap):
+    """Fails if an island that waits on a contact forgets on which branch it is."""
+    periods = (0.36, 0.60, 0.30, 0.60, 0.45)
+    joined = tuple(Link(left, j, j, Jankowski(gap, K, 0.4)) for left in range(4) for j in (1, 2, 3))
+    scene = Scene(tuple(map(shear_building, periods)), joined, shake(1.5, 5.0, dt=0.05), INELASTIC)
+    apart, whole = solve(scene, 1e-10), solve(scene, 1e-12, all_effects=True)
+    assert apart.status == whole.status == "done"
+    assert apart.links.impacts.tolist() == whole.links.impacts.tolist()
+    assert whole.links.impacts.sum() > 5
+    for name in BUILDING:
+        assert gather(apart, name) == pytest.approx(gather(whole, name), rel=1e-7), name
+
+
+def test_a_grazing_contact():
+    """A gap a thousandth, and a millionth of a thousandth, below the largest closing of floors that never meet."""
+    free = solve(jankowski_pair(1.0, 0.5, shake(1.0), ELASTIC), 1e-12)
+    most = free.links.max_closing.max()
+    assert solve(jankowski_pair(most * (1 + 1e-9), 0.5, shake(1.0)), 1e-12).links.impacts.sum() == 0
+    for part in (1e-3, 1e-6):
+        found = solve(jankowski_pair(most * (1 - part), 0.5, shake(1.0)), 1e-9)
+        assert found.status == "done"
+        assert found.links.impacts.sum() >= 1
+        assert found.links.max_closing.max() == pytest.approx(most, rel=2 * part)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.01])
+def test_the_error_estimate_covers_the_error(gap):
+    scene = jankowski_pair(gap, 0.5, shake(1.5), INELASTIC)
+    found, fine = assess(scene, solve(scene, 1e-6), 1e-6), solve(scene, 1e-12)
+    errors = [np.abs(gather(found, n) / gather(fine, n) - 1).max() for n in ("drift", "acceleration", "shear")]
+    assert found.error_estimate >= max(errors)
+    assert found.error_estimate < 1e-5
+
+
+@pytest.mark.parametrize("method", ["rk4-events", "rk4", "newmark", "central-difference"])
+def test_methods_that_do_not_follow_the_approach_refuse(method):
+    with pytest.raises(ValueError, match="jankowski depends on events before"):
+        solve(jankowski_pair(0.004, 0.5, shake(0.2)), 1e-6, method, time_step=1e-3)
+
+
+def test_histories():
+    """The force over time reaches the peak of the run. Fails if the branch is lost between output times."""
+    scene = jankowski_pair(0.004, 0.5, shake(0.8))
+    kept, found = history(scene, 1e-9, 2e-5), solve(scene, 1e-9)
+    force = kept.link_force.max(axis=0)
+    assert found.links.peak_force.max() > 0
+    assert force == pytest.approx(found.links.peak_force, rel=1e-4)
+    assert (force <= found.links.peak_force * (1 + 1e-9)).all()
+    assert kept.link_force.min() >= -1e-9 * force.max()
