@@ -266,16 +266,16 @@ _MEANINGS = {
     "ratio": "median with pounding over median alone",
 }
 _INTENSITIES = ("median", "low", "high")
+_WITH_INTERVAL = ("median", "spread", "ratio")
 
 
 def _columns(rows: list[dict[str, Any]], confidence: float, unit: Unit) -> Iterator[Column]:
-    known = dict.fromkeys(name for row in rows for name in row)
     order = [
-        name + ends + alone
+        name + end + alone
         for alone in ("", ALONE)
-        for base in _MEANINGS
-        for name, ends in ((base, ""), (base, "_low"), (base, "_high"))
-        if name + ends + alone in known
+        for name in _MEANINGS
+        for end in (("", "_low", "_high") if name in _WITH_INTERVAL else ("",))
+        if not (name == "ratio" and alone)
     ]
     for name in order:
         base = name.removesuffix(ALONE)
