@@ -31,7 +31,7 @@ def held_shear(slots, state, i, drift):
 def held_accelerations(slots, elements, links, state, u, v, ground, inelastic, out, drift, shear, force):
     """`forces.accelerations` with every storey and link on the branch that `state` gives it."""
     for i in range(elements.freedoms):
-        out[i] = 0.0
+        out[i] = -elements.drag[i] * v[i]
     for e in range(elements.number):
         d, rate = deformation(elements, e, u), deformation(elements, e, v)
         if e < slots.size:

@@ -10,24 +10,28 @@ from numba import njit
 from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import link_force
-from pounding_cli.kernels.storey_law import follow, shear_on
+from pounding_cli.kernels.storey_law import follow, shear_on, stays
 from pounding_cli.laws.program import MEMORIES
 
 
 @njit(**INLINE)
 def deformation(elements, e, u):
     """What element e acts on [m], from displacements; its rate from velocities."""
-    v = 0.0
-    for k in range(elements.first[e], elements.first[e + 1]):
-        v += elements.weight[k] * u[elements.freedom[k]]
+    v = elements.weight_one[e] * u[elements.one[e]] + elements.weight_other[e] * u[elements.other[e]]
+    if elements.more != 0:
+        for k in range(elements.first[e], elements.first[e + 1]):
+            v += elements.weight[k] * u[elements.freedom[k]]
     return v
 
 
 @njit(**INLINE)
 def apply(elements, e, force, out):
     """Add what a force of element e does to its degrees of freedom."""
-    for k in range(elements.first[e], elements.first[e + 1]):
-        out[elements.freedom[k]] -= elements.weight[k] * force
+    out[elements.one[e]] -= elements.weight_one[e] * force
+    out[elements.other[e]] -= elements.weight_other[e] * force
+    if elements.more != 0:
+        for k in range(elements.first[e], elements.first[e + 1]):
+            out[elements.freedom[k]] -= elements.weight[k] * force
 
 
 @njit(**INLINE)
@@ -43,8 +47,10 @@ def spring_force(slots, elements, storeys, e, d, rate, inelastic, drift, shear):
         return elements.stiffness[e] * d + elements.dashpot[e] * rate
     restoring = elements.stiffness[e] * d
     if inelastic and slots.branch[e] != t.NO_BRANCH:
-        b = follow(slots, int(storeys.branch[e]), storeys.before[e], d, storeys.memory, MEMORIES, e, slots.size)
-        storeys.branch[e] = b
+        b, before = int(storeys.branch[e]), storeys.before[e]
+        if not stays(slots, b, before, d, storeys.memory, e, slots.size):
+            b = follow(slots, b, before, d, storeys.memory, MEMORIES, e, slots.size)
+            storeys.branch[e] = b
         restoring = shear_on(slots, b, d, storeys.memory, e, slots.size)
     drift[e] = d
     shear[e] = restoring
@@ -59,7 +65,7 @@ def accelerations(slots, elements, links, storeys, u, v, ground, inelastic, out,
     Changes the branches of `storeys` where they end: call it once a step with the states of that step, in order.
     """
     for i in range(elements.freedoms):
-        out[i] = 0.0
+        out[i] = -elements.drag[i] * v[i]
     for e in range(elements.number):
         d, rate = deformation(elements, e, u), deformation(elements, e, v)
         if e < elements.springs:

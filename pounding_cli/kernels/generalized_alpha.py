@@ -91,16 +91,32 @@ def _unknown(slots, real, i):
 
 
 @njit(**INLINE)
+def _term(elements, e, k):
+    """(freedom, weight) of the k-th term of element e."""
+    if k == 0:
+        return elements.one[e], elements.weight_one[e]
+    if k == 1:
+        return elements.other[e], elements.weight_other[e]
+    at = elements.first[e] + k - 2
+    return elements.freedom[at], elements.weight[at]
+
+
+@njit(**INLINE)
 def _add_tangents(slots, elements, matrix, unknowns, real, tangent, dashpot, share, rate_share):
     """Add elements to the lower half of the matrix of a Newton iteration."""
     for e in range(elements.number):
         stiff = share * tangent[e] + rate_share * dashpot[e]
-        for k in range(elements.first[e], elements.first[e + 1]):
-            row = _unknown(slots, real, elements.freedom[k])
-            for m in range(elements.first[e], elements.first[e + 1]):
-                column = _unknown(slots, real, elements.freedom[m])
+        if stiff == 0.0:
+            continue
+        count = 2 + elements.first[e + 1] - elements.first[e]
+        for k in range(count):
+            one, weight_one = _term(elements, e, k)
+            row = _unknown(slots, real, one)
+            for m in range(count):
+                other, weight_other = _term(elements, e, m)
+                column = _unknown(slots, real, other)
                 if column <= row:
-                    matrix[row * unknowns + column] += stiff * elements.weight[k] * elements.weight[m]
+                    matrix[row * unknowns + column] += stiff * weight_one * weight_other
 
 
 @njit(**INLINE)

@@ -41,13 +41,14 @@ DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED = 0, 1, 2, 3, 4
 
 Slots = namedtuple(
     "Slots",
-    "size couple couple_right stiffness dashpot inverse_mass mass alpha real rise elevation branch branches guards "
-    "operations",
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha real rise elevation branch memories branches "
+    "guards operations",
 )
 """size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the
 foundation's), inverse_mass [1/kg], mass [kg], alpha [1/s] (0 over a foundation), real (1, padding 0), rise [m]
 (storey height where the building rocks, else 0), elevation [m], the first branch of its law (`law_table.NO_BRANCH` for
-a storey that stays elastic); the tables of branches, guards and operations (`law_table`)."""
+a storey that stays elastic), and how many memories these laws use; the tables of branches, guards and operations
+(`law_table`)."""
 
 Foundations = namedtuple("Foundations", "number first stop base inertia stiffness dashpot alpha")
 """number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway),
@@ -60,14 +61,19 @@ what its closing v leaves out of u_l - u_r [m]; its branches in the table of the
 the same tables."""
 
 Elements = namedtuple(
-    "Elements", "number freedoms springs first freedom weight stiffness dashpot mass inverse_mass loaded"
+    "Elements",
+    "number freedoms springs one other weight_one weight_other more first freedom weight stiffness dashpot mass "
+    "inverse_mass drag loaded",
 )
 """Everything that acts between degrees of freedom: springs of the slots (as many as slots), of rocking bases, dashpots
-that take mass-proportional damping, then the links. An element acts on v, the sum of weight x displacement over its
-terms, and its force goes back through the same weights. number of elements; freedoms: slots, then rocking angles;
-springs: elements before the links; first: by element, and one more, its first term; by term its freedom and weight;
-stiffness [N/m] and dashpot [N s/m] by element before the links; by freedom mass [kg, kg m2] and its inverse (0 where
-nothing moves it), and 1 where the ground's acceleration loads it, else 0."""
+of mass-proportional damping between floors and a base that moves, then the links. An element acts on v, the sum of
+weight x displacement over its terms, and its force goes back through the same weights.
+
+number of elements; freedoms: slots, then rocking angles; springs: elements before the links; by element the freedoms
+and weights of its first two terms (weight 0: none); whether some element has more, and then by element, and one more,
+the first of the others, and by term its freedom and weight; by element before the links stiffness [N/m] and dashpot
+[N s/m]; by freedom mass [kg, kg m2], its inverse (0 where nothing moves it), dashpot to the ground [N s/m], and 1 where
+the ground's acceleration loads it, else 0."""
 
 Row = namedtuple("Row", "number slots links links_per_side first_slot first_link slot_places link_places")
 """How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
@@ -105,7 +111,8 @@ def slot_pointers(a):
     return Slots(
         a.size, pointer(a.couple), pointer(a.couple_right), pointer(a.stiffness), pointer(a.dashpot),
         pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.real), pointer(a.rise),
-        pointer(a.elevation), pointer(a.branch), pointer(a.branches), pointer(a.guards), pointer(a.operations),
+        pointer(a.elevation), pointer(a.branch), a.memories, pointer(a.branches), pointer(a.guards),
+        pointer(a.operations),
     )  # fmt: skip
 
 
@@ -122,8 +129,10 @@ def foundation_pointers(a):
 def element_pointers(a):
     """Elements of pointers from Elements of arrays."""
     return Elements(
-        a.number, a.freedoms, a.springs, pointer(a.first), pointer(a.freedom), pointer(a.weight),
-        pointer(a.stiffness), pointer(a.dashpot), pointer(a.mass), pointer(a.inverse_mass), pointer(a.loaded),
+        a.number, a.freedoms, a.springs, pointer(a.one), pointer(a.other), pointer(a.weight_one),
+        pointer(a.weight_other), a.more, pointer(a.first), pointer(a.freedom), pointer(a.weight), pointer(a.stiffness),
+        pointer(a.dashpot), pointer(a.mass), pointer(a.inverse_mass), pointer(a.drag),
+        pointer(a.loaded),
     )  # fmt: skip
 
 

@@ -85,7 +85,7 @@ def begin_storeys(slots, p, q, inelastic):
         for i in range(slots.size):
             if slots.branch[i] != NO_BRANCH:
                 q.storeys.branch[i], q.storeys.before[i] = p.storeys.branch[i], p.drift[i]
-                for m in range(i, MEMORIES * slots.size, slots.size):
+                for m in range(i, slots.memories * slots.size, slots.size):
                     q.storeys.memory[m] = p.storeys.memory[m]
 
 

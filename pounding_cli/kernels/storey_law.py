@@ -23,7 +23,7 @@ MOST_EVENTS = 4
 
 @njit(**PART)
 def coefficient(laws, b, field, memory, place, stride):
-    """LINEAR [N/m] or OFFSET [N] of branch b: a number and a multiple of a memory."""
+    """LINEAR [N/m], OFFSET [N], LOW or HIGH [m] of branch b: a number and a multiple of a memory."""
     row = b * t.BRANCH_ROW + field
     return laws.branches[row] + laws.branches[row + 1] * memory[place + stride * int(laws.branches[row + 2])]
 
@@ -94,6 +94,14 @@ def turning_guard(laws, b, left, quantity):
             if t.guard(laws, g, t.QUANTITY) == t.CLOSING and int(t.guard(laws, g, t.NEXT)) == left:
                 return g  # fault: storey-turns-at-rest
     return 0
+
+
+@njit(**PART)
+def stays(laws, b, before, drift, memory, place, stride):
+    """Whether a storey that goes from the drift `before` to `drift` [m] on branch b surely meets no guard."""
+    low = coefficient(laws, b, t.LOW, memory, place, stride)
+    high = coefficient(laws, b, t.HIGH, memory, place, stride)
+    return low <= drift <= high and t.branch(laws, b, t.TURNS) * (drift - before) >= 0.0
 
 
 @njit(**CALLED)

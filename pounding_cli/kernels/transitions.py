@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
@@ -13,24 +12,8 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, set_law
 from pounding_cli.kernels.recurrence import update_stencils
 from pounding_cli.kernels.simd import no_inline
-from pounding_cli.kernels.storey_law import coefficient, guarded_drift, remember, turning_guard
+from pounding_cli.kernels.storey_law import coefficient, remember, turning_guard
 from pounding_cli.laws.program import MEMORIES
-
-
-@njit(**PART)
-def _storey_guards(run, i, b, place):
-    """The drifts between which storey i stays on its branch b, and whether it leaves it as its drift turns."""
-    slots = run.slots
-    low, high, turns = -np.inf, np.inf, 0.0
-    for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
-        side, shift, drift = guarded_drift(run, b, g, slots, place, 8)
-        if t.guard(run, g, t.QUANTITY) == t.RATE:
-            turns = side
-        elif side > 0.0:
-            low = max(low, drift + shift)
-        elif side < 0.0:
-            high = min(high, drift + shift)
-    slots[of(i, c.DRIFT_LOW)], slots[of(i, c.DRIFT_HIGH)], slots[of(i, c.TURNS)] = low, high, turns
 
 
 @njit(**CALLED)
@@ -51,7 +34,9 @@ def enter_storey_branch(run, i):
         lost, slope = part * offset, part * tangent
     slots[of(i, c.TANGENT)], slots[of(i, c.OFFSET)] = tangent, offset
     slots[of(i, c.LOST)], slots[of(i, c.LOST_SLOPE)] = lost, slope
-    _storey_guards(run, i, b, place)
+    slots[of(i, c.DRIFT_LOW)] = coefficient(run, b, t.LOW, slots, place, 8)
+    slots[of(i, c.DRIFT_HIGH)] = coefficient(run, b, t.HIGH, slots, place, 8)
+    slots[of(i, c.TURNS)] = t.branch(run, b, t.TURNS)
 
 
 @njit(**CALLED)

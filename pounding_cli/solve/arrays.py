@@ -91,6 +91,7 @@ def _without_links(
     if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
         for building, span in zip(buildings, floors, strict=True):
             laws[span] = (law if law.can_yield else None for law in building.laws)
+    slots = slots._replace(memories=law_tables.memories_of(laws))
     memory = np.zeros((MEMORIES, slots.size))
     for i, law in enumerate(laws):
         begin = law.memories_at_rest if law else ()
@@ -107,8 +108,8 @@ def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int
     padded = -(-count // LANES) * LANES
     nothing = np.zeros(0)
     slots = Slots(
-        padded, **rows(_BY_SLOT, padded), branch=np.zeros(padded, np.int64), branches=nothing, guards=nothing,
-        operations=nothing,
+        padded, **rows(_BY_SLOT, padded), branch=np.zeros(padded, np.int64), memories=0, branches=nothing,
+        guards=nothing, operations=nothing,
     )  # fmt: skip
     slots.real[:count] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):

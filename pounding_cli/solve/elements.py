@@ -31,27 +31,33 @@ def elements_of(arrays: Arrays) -> Elements:
         stiffness.append(foundations.stiffness[f])
         dashpot.append(foundations.dashpot[f])
     for i in range(size):
-        drag = (foundations.alpha[on[i]] if i in on else slots.alpha[i]) * slots.mass[i]
-        if drag > 0.0:
-            terms.append(_drag_terms(arrays, i, on))
+        if i in on and foundations.alpha[on[i]] > 0.0:
+            terms.append(_drag_terms(arrays, i, on[i]))
             stiffness.append(0.0)
-            dashpot.append(drag)
+            dashpot.append(foundations.alpha[on[i]] * slots.mass[i])
     springs = len(terms)
     terms += [[(int(links.left[e]), 1.0), (int(links.right[e]), -1.0)] for e in range(links.number)]
     mass = np.concatenate((slots.mass, np.where(rocks, foundations.inertia, 1.0)))
     inverse = np.concatenate((slots.inverse_mass, np.where(rocks, 1.0 / foundations.inertia, 0.0)))
-    each = [term for own in terms for term in own]
+    ends = np.array([_two(own) for own in terms])
+    each = [term for own in terms for term in own[2:]]
     return Elements(
         number=len(terms),
         freedoms=size + count,
         springs=springs,
-        first=np.concatenate(([0], np.cumsum([len(own) for own in terms]))).astype(np.int64),
+        one=ends[:, 0, 0].astype(np.int64),
+        other=ends[:, 1, 0].astype(np.int64),
+        weight_one=ends[:, 0, 1].copy(),
+        weight_other=ends[:, 1, 1].copy(),
+        more=int(len(each) > 0),
+        first=np.concatenate(([0], np.cumsum([len(own[2:]) for own in terms]))).astype(np.int64),
         freedom=np.array([freedom for freedom, _ in each], np.int64),
         weight=np.array([weight for _, weight in each]),
         stiffness=np.array(stiffness),
         dashpot=np.array(dashpot),
         mass=mass,
         inverse_mass=inverse,
+        drag=np.concatenate((slots.alpha * slots.mass, np.zeros(count))),
         loaded=np.concatenate((slots.real, np.zeros(count))),
     )
 
@@ -69,21 +75,31 @@ def _storey_terms(arrays: Arrays, i: int, on: dict[int, int]) -> Terms:
     return terms
 
 
-def _drag_terms(arrays: Arrays, i: int, on: dict[int, int]) -> Terms:
-    """Of the drag on slot i: its motion against a base that sways and rocks, or against the ground."""
-    terms = [(i, 1.0)]
-    if i in on:
-        f, foundations = on[i], arrays.foundations
-        if foundations.base[f] >= 0:
-            terms.append((int(foundations.base[f]), -1.0))
-        if np.isfinite(foundations.inertia[f]):
-            terms.append((arrays.slots.size + f, -float(arrays.slots.elevation[i])))
+def _drag_terms(arrays: Arrays, i: int, f: int) -> Terms:
+    """Of the drag on slot i: its motion against foundation f, which sways or rocks."""
+    terms, foundations = [(i, 1.0)], arrays.foundations
+    if foundations.base[f] >= 0:
+        terms.append((int(foundations.base[f]), -1.0))
+    if np.isfinite(foundations.inertia[f]):
+        terms.append((arrays.slots.size + f, -float(arrays.slots.elevation[i])))
     return terms
+
+
+def _two(terms: Terms) -> Terms:
+    """The first two terms; where there is one, the other weighs nothing on the same freedom, so that what grows without
+    bound there stays there."""
+    one = terms[0] if terms else (0, 0.0)
+    return [one, terms[1] if len(terms) > 1 else (one[0], 0.0)]
 
 
 def term_matrix(elements: Elements) -> np.ndarray:
     """Rows that give what every element acts on from the displacements, shape (elements, freedoms)."""
     matrix = np.zeros((elements.number, elements.freedoms))
-    owner = np.repeat(np.arange(elements.number), np.diff(elements.first))
-    np.add.at(matrix, (owner, elements.freedom), elements.weight)
+    each = np.arange(elements.number)
+    for owner, freedom, weight in (
+        (each, elements.one, elements.weight_one),
+        (each, elements.other, elements.weight_other),
+        (np.repeat(each, np.diff(elements.first)), elements.freedom, elements.weight),
+    ):
+        np.add.at(matrix, (owner, freedom), weight)
     return matrix

@@ -153,7 +153,7 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         v = deformed[:, elements.springs + e] - arrays.links.offset[e]
         on = s.link_branch[:, e], v, rate[:, elements.springs + e], s.link_memory[:, e]
         links[:, e] = law_tables.force_over_time(arrays.links, *on)
-    acceleration = -(force @ terms)[:, :size] * arrays.slots.inverse_mass
+    acceleration = -(force @ terms + elements.drag * velocity)[:, :size] * arrays.slots.inverse_mass
     kinetic = 0.5 * (velocity**2 @ elements.mass)
     stored += 0.5 * (deformed[:, springs] ** 2 @ elements.stiffness[springs])
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.layout import Links
-from pounding_cli.laws.law import Branch, Guard, LinkLaw
+from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity
 from pounding_cli.laws.program import GIVEN, carried_out, kept, operations, straight
 from pounding_cli.laws.storey import StoreyBranch, StoreyLaw
 from pounding_cli.model.building import Building
@@ -46,6 +46,13 @@ class Tables:
     def rows(self) -> Rows:
         """Branches, guards and operations."""
         return np.concatenate(self.branches), np.concatenate(self.guards), np.concatenate(self.steps)
+
+
+def memories_of(laws: Sequence[StoreyLaw | None]) -> int:
+    """How many memories these laws use."""
+    given = [law for law in laws if law is not None]
+    kept_by = {number for law in {*given} for branch in law.branches() for g in branch.guards for number, _ in g.sets}
+    return max((*(number + 1 for number in kept_by), *(len(law.memories_at_rest) for law in given)), default=0)
 
 
 def storey_rows(laws: Sequence[StoreyLaw | None]) -> tuple[Rows | None, np.ndarray]:
@@ -176,6 +183,18 @@ def _storey_row(branch: StoreyBranch, stiffness: float) -> np.ndarray:
     row[t.LINEAR : t.LINEAR + 3] = straight(branch.stiffness)
     row[t.OFFSET : t.OFFSET + 3] = straight(branch.offset)
     row[t.CLOSED] = row[t.ACTS] = 1.0
+    row[t.LOW], row[t.HIGH] = -np.inf, np.inf
+    unsettled = False  # whether guards have to be asked wherever the drift is
+    for guard in branch.guards:
+        bound = t.LOW if guard.side > 0 else t.HIGH
+        if guard.quantity is Quantity.RATE:
+            row[t.TURNS] = guard.side
+        elif guard.quantity is Quantity.CLOSING and np.isinf(row[bound]):
+            row[bound : bound + 3] = guard.at, guard.of_memory, guard.memory
+        else:
+            unsettled = True
+    if unsettled:
+        row[t.LOW : t.LOW + 3] = np.inf, 0.0, 0.0
     row[t.LOST] = 0.0 if branch.lost is None else branch.lost
     row[t.GIVES_BACK] = stiffness if branch.lost is None else 0.0
     return row

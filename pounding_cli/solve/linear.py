@@ -39,6 +39,7 @@ def matrices(arrays: Arrays) -> Matrices:
     springs, closing = rows[: elements.springs], rows[elements.springs :]
     stiffness = springs.T @ (elements.stiffness[:, None] * springs)
     damping = springs.T @ (elements.dashpot[:, None] * springs)
+    damping[np.diag_indices(len(kept))] += elements.drag[kept]
     mass = elements.mass[kept]
     return Matrices(mass, damping, stiffness, springs[:n], closing, mass * elements.loaded[kept])
 
