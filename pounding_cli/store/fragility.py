@@ -133,7 +133,7 @@ def fragility_tables(plan: Plan, read: Read) -> list[Table]:
         alone.append(other)
     where = _where(plan, question, layout, places)
     return [
-        Table(CURVES, [*where, *_curves(plan, question, with_pounding, alone)]),
+        Table(CURVES, [[*where, *_curves(plan, question, with_pounding, alone)]]),
         _motions(plan, question, where, with_pounding, alone),
     ]
 
@@ -321,12 +321,12 @@ def _motions(
             ):
                 data = np.concatenate([pair[column] for pair in pairs])
                 columns.append(Column(name + suffix, data, meaning + words, si, unit))
-        return Table(MOTIONS, columns)
+        return Table(MOTIONS, [columns])
     columns.append(Column("intensity", np.concatenate([s.intensity.ravel() for s in with_pounding]), "", si, unit))
     for suffix, samples in (("", with_pounding), (ALONE, alone)):
         data = np.concatenate([(nothing if s is None else s.demand).ravel() for s in samples])
         columns.append(Column("demand" + suffix, data, "demand over limit; empty where the scene failed", "1"))
-    return Table(MOTIONS, columns)
+    return Table(MOTIONS, [columns])
 
 
 def _si(unit: Unit) -> str:
