@@ -150,9 +150,9 @@ def _links(plan: Plan, case: str, width: Unit, strength: Unit) -> str:
 
 
 def _stiffness(law: LinkLaw, unit: Unit) -> str:
-    """The stiffness of a law; of one that has none in N/m, the first parameter per power of m."""
+    """The stiffness of a law; of one that has none in N/m, its first parameter besides the gap that has a unit."""
     units = {name: each.metadata["parameter"].unit for name, each in law.parameters().items()}
-    other = next((name for name, of in units.items() if of.startswith("N/m^")), None)
-    if other is None or "stiffness" in units:
+    other = next((name for name, of in units.items() if name != "gap" and of != "-"), None)
+    if "stiffness" in units or other is None:
         return unit.text(law.initial_stiffness, 4)
     return f"{getattr(law, other):.4g} {units[other]}"

@@ -10,6 +10,7 @@ from importlib import metadata
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.connector import Connector
+from pounding_cli.laws.damper import Damper
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
 from pounding_cli.laws.jankowski import Jankowski
@@ -22,6 +23,7 @@ BUILT_IN: tuple[type[Law], ...] = (
     Pounding,
     Infill,
     Connector,
+    Damper,
     Hertz,
     HertzDamp,
     Jankowski,

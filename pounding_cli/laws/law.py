@@ -9,9 +9,10 @@ law (its series, tangent, events, stored energy, histories) follows from this.""
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from enum import IntEnum
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, ClassVar
 
 from pounding_cli.laws.program import CLOSING, RATE, Expression, work
@@ -246,16 +247,21 @@ class Law:
         """Whether a parameter may be infinite."""
         return False
 
-    @property
+    @cached_property
     def words(self) -> str:
         """Name and every parameter in a line: two laws with one line act alike."""
         values = (getattr(self, each.name) for each in fields(self))
         return " ".join((self.name, *(repr(v) if isinstance(v, float) else str(v) for v in values)))
 
     @classmethod
-    def parameters(cls) -> dict[str, Field]:
+    def parameters(cls) -> Mapping[str, Field]:
         """Fields that are parameters, by name."""
-        return {each.name: each for each in fields(cls) if "parameter" in each.metadata}
+        return _parameters(cls)  # type: ignore[arg-type]  # classes are hashable
+
+
+@cache
+def _parameters(law: type[Law]) -> Mapping[str, Field]:
+    return {each.name: each for each in fields(law) if "parameter" in each.metadata}
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,8 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
         joined.setdefault((link.left, link.left_floor, link.right_floor), []).append(number)
     names = [""] * len(links)
     for several in joined.values():
-        plain = next((number for number in several if links[number].law.subtracts_gap), several[0])
+        strike = (number for number in several if links[number].law.subtracts_gap)  # fault: link-that-strikes
+        plain = next(strike, several[0])
         count: Counter[str] = Counter()
         for number in several:
             if number != plain:

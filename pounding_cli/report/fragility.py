@@ -71,10 +71,8 @@ def _sentence(answer: Answer, row: Mapping[Any, Any]) -> str:
     low, high = row["ratio_low"], row["ratio_high"]
     if low <= 1 <= high:
         return f"{said}; a difference that may be chance in {counted(int(row['motions']), 'motion')}."
-    less = "a weaker" if row["ratio"] < 1 else "a stronger"
-    return (
-        f"{said}; with pounding {less} motion is enough, by a factor of {row['ratio']:.3g} ({low:.3g} to {high:.3g})."
-    )
+    motion = "a weaker motion is enough" if row["ratio"] < 1 else "it takes a stronger motion"
+    return f"{said}; with pounding {motion}, by a factor of {row['ratio']:.3g} ({low:.3g} to {high:.3g})."
 
 
 @styled
@@ -117,7 +115,7 @@ def draw_curves(answer: Answer, asked: Asked, rows: pd.DataFrame, motions: pd.Da
 
 def _dots(method: str) -> str:
     return {
-        "ida": "Dots: the motions, each at the intensity where it first passes.",
+        "ida": "Dots: the share of motions that have passed by that intensity.",
         "stripes": "Dots: the share of motions that pass at each intensity.",
     }.get(method, "Curves from a line through the cloud of demands.")
 
@@ -148,7 +146,7 @@ def _panel(
             up = 0.04 + 0.08 * len(ax.texts)  # one line a curve
             ax.text(0.98, up, said, transform=ax.transAxes, ha="right", fontsize=7.5, color=look.color)
         at, share = _points(mine, suffix, asked.method)
-        ax.plot(at / factor, share, ls="", marker=look.marker, ms=3.2, color=look.color, alpha=0.75)
+        ax.plot(at / factor, share, ls="", marker=look.marker, ms=3.2, color=look.color, alpha=0.75, clip_on=False)
 
 
 def _right(curves: list[tuple[str, Any, pd.DataFrame, str, Look]]) -> float:
@@ -165,12 +163,12 @@ def _right(curves: list[tuple[str, Any, pd.DataFrame, str, Look]]) -> float:
 
 
 def _points(rows: pd.DataFrame, suffix: str, method: str) -> tuple[np.ndarray, np.ndarray]:
-    """What the motions say: of `ida` their capacities in order, of `stripes` the shares, of a cloud nothing."""
+    """What the motions say: the share that has passed by an intensity (`ida`) or passes at it (`stripes`)."""
     if method == "ida":
         held, passed = rows["held" + suffix].to_numpy(float), rows["passed" + suffix].to_numpy(float)
-        known = (held > 0) | (passed < np.inf)
-        inside = np.sort(np.where(held > 0, np.sqrt(held * passed), passed)[known & (passed < np.inf)])
-        return inside, (np.arange(len(inside)) + 0.5) / max(1, int(known.sum()))
+        passed = passed[(held > 0) | (passed < np.inf)]  # of the motions that say anything
+        at = np.unique(passed[np.isfinite(passed)])
+        return at, np.searchsorted(np.sort(passed), at, side="right") / max(1, len(passed))
     if method == "stripes":
         done = rows[rows["demand" + suffix].notna()]
         shares = (done["demand" + suffix] > 1).groupby(done["intensity"]).agg(["mean", "size"])

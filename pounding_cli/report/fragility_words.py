@@ -120,8 +120,8 @@ def notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
     ]
     if asked.method == "ida":
         said.append(
-            "Every motion was bracketed between two neighbouring intensities of the study; the fit is of maximum "
-            "likelihood over these brackets."
+            "Every motion that passes is bracketed between two neighbouring intensities of the study, further apart "
+            "only where a scene failed; the fit is of maximum likelihood over these brackets."
         )
         returns = sum(int(rows[f"returns{name}"].fillna(0).sum()) for name in both if f"returns{name}" in rows)
         if returns:

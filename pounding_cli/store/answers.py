@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import h5py
 import numpy as np
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 GROUP = "answer"
 """Group of the results file that holds them, one group for each table."""
+
+CHUNK = 4096
+"""Rows of a compressed piece."""
 
 Read = Callable[[str], np.ndarray]
 """read(variable of `store.layout`) -> its values over the study, shape (swept axes, dimensions of the variable)."""
@@ -46,10 +49,15 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A table: its name and its columns, all of one length."""
+    """A table.
+
+    name : of the table
+    blocks : its rows, some at a time so that a table of any length takes little memory; every block has the same
+        columns, each of one length
+    """
 
     name: str
-    columns: Sequence[Column]
+    blocks: Iterable[Sequence[Column]]
 
 
 def place_columns(plan: Plan, places: Sequence[tuple[int, ...]]) -> list[Column]:
@@ -69,24 +77,43 @@ def place_columns(plan: Plan, places: Sequence[tuple[int, ...]]) -> list[Column]
     return columns
 
 
-def write_tables(file: h5py.File, tables: Sequence[Table]) -> None:
+def write_tables(file: h5py.File, tables: Iterable[Table]) -> None:
     """Write tables into a results file: a dataset a column, by its number; of texts the codes, and each text once."""
     for table in tables:
         group = file.create_group(f"{GROUP}/{table.name}")
-        group.attrs["columns"] = json.dumps([column.name for column in table.columns])
-        for number, column in enumerate(table.columns):
-            data = column.data
-            if data.dtype == object:
-                texts, data = np.unique(data.astype(str), return_inverse=True)
-                group.create_dataset(_texts(number), data=texts.astype(object), dtype=h5py.string_dtype())
-                data = data.astype(np.int32)
-            packed: dict[str, Any] = {"compression": "gzip", "shuffle": True} if data.size else {}
-            dataset = group.create_dataset(str(number), data=data, **packed)
-            dataset.attrs["long_name"] = column.text
-            if column.unit:
-                dataset.attrs["units"] = column.unit
-            if column.shown is not None:
-                describe_unit(dataset, column.shown)
+        known: dict[int, dict[str, int]] = {}
+        rows = 0
+        for block in table.blocks:
+            if not rows:
+                group.attrs["columns"] = json.dumps([column.name for column in block])
+            for number, column in enumerate(block):
+                data = column.data
+                if data.dtype == object:
+                    data = _codes(data, known.setdefault(number, {}))
+                if str(number) not in group:
+                    _create(group, number, column, data.dtype)
+                dataset = group[str(number)]
+                dataset.resize(rows + data.size, axis=0)
+                dataset[rows:] = data
+            rows += block[0].data.size if block else 0
+        for number, texts in known.items():
+            group.create_dataset(_texts(number), data=np.array(list(texts), object), dtype=h5py.string_dtype())
+
+
+def _create(group: h5py.Group, number: int, column: Column, kind: np.dtype) -> None:
+    dataset = group.create_dataset(
+        str(number), (0,), kind, maxshape=(None,), chunks=(CHUNK,), compression="gzip", shuffle=True
+    )
+    dataset.attrs["long_name"] = column.text
+    if column.unit:
+        dataset.attrs["units"] = column.unit
+    if column.shown is not None:
+        describe_unit(dataset, column.shown)
+
+
+def _codes(texts: np.ndarray, known: dict[str, int]) -> np.ndarray:
+    """The number of every text among all known so far, to which new ones are added."""
+    return np.array([known.setdefault(text, len(known)) for text in texts.tolist()], np.int32)
 
 
 def _texts(number: int) -> str:

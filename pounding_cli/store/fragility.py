@@ -133,7 +133,7 @@ def fragility_tables(plan: Plan, read: Read) -> list[Table]:
         alone.append(other)
     where = _where(plan, question, layout, places)
     return [
-        Table(CURVES, [*where, *_curves(plan, question, with_pounding, alone)]),
+        Table(CURVES, [[*where, *_curves(plan, question, with_pounding, alone)]]),
         _motions(plan, question, where, with_pounding, alone),
     ]
 
@@ -266,16 +266,16 @@ _MEANINGS = {
     "ratio": "median with pounding over median alone",
 }
 _INTENSITIES = ("median", "low", "high")
+_WITH_INTERVAL = ("median", "spread", "ratio")
 
 
 def _columns(rows: list[dict[str, Any]], confidence: float, unit: Unit) -> Iterator[Column]:
-    known = dict.fromkeys(name for row in rows for name in row)
     order = [
-        name + ends + alone
+        name + end + alone
         for alone in ("", ALONE)
-        for base in _MEANINGS
-        for name, ends in ((base, ""), (base, "_low"), (base, "_high"))
-        if name + ends + alone in known
+        for name in _MEANINGS
+        for end in (("", "_low", "_high") if name in _WITH_INTERVAL else ("",))
+        if not (name == "ratio" and alone)
     ]
     for name in order:
         base = name.removesuffix(ALONE)
@@ -321,12 +321,12 @@ def _motions(
             ):
                 data = np.concatenate([pair[column] for pair in pairs])
                 columns.append(Column(name + suffix, data, meaning + words, si, unit))
-        return Table(MOTIONS, columns)
+        return Table(MOTIONS, [columns])
     columns.append(Column("intensity", np.concatenate([s.intensity.ravel() for s in with_pounding]), "", si, unit))
     for suffix, samples in (("", with_pounding), (ALONE, alone)):
         data = np.concatenate([(nothing if s is None else s.demand).ravel() for s in samples])
         columns.append(Column("demand" + suffix, data, "demand over limit; empty where the scene failed", "1"))
-    return Table(MOTIONS, columns)
+    return Table(MOTIONS, [columns])
 
 
 def _si(unit: Unit) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 EXACT = "exact"
 """Name among the rules of what is required: the largest closing over time, located within the step it lies in."""
 
+BLOCK_ROWS = 200_000
+"""Widths of single motions that are looked at together, about."""
+
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
 
@@ -52,11 +55,29 @@ class Rule:
 
 def gap_tables(plan: Plan, read: Read) -> list[Table]:
     """The table `gap` of a plan of `pound gap`."""
-    wanted = plan.study.model.gap  # type: ignore[attr-defined]  # a section that the registry adds
+    return [Table("gap", _blocks(plan, read))]
+
+
+def _blocks(plan: Plan, read: Read) -> Iterator[list[Column]]:
+    """The table, some points of the sweep at a time."""
     places = sorted({(link.left, link.left_floor, link.right_floor) for row in plan.rows for link in row.links})
     points = list(np.ndindex(*(len(axis.values) for axis in plan.axes)))
+    # what the scenes did, points first, without the one case
+    whole = {name: read(name) for name in ("max_closing", "displacement", "error_estimate")}
+    whole = {name: array.reshape(len(points), *array.shape[len(plan.axes) + 1 :]) for name, array in whole.items()}
+    step = max(1, BLOCK_ROWS // (len(places) * len(plan.analyses) * max(10, len(plan.records))))
+    for begin in range(0, len(points), step):
+        here = slice(begin, begin + step)
+        yield _block(plan, points[here], places, {name: array[here] for name, array in whole.items()})
+
+
+def _block(
+    plan: Plan, points: list[tuple[int, ...]], places: list[Facing], found: Mapping[str, np.ndarray]
+) -> list[Column]:
+    """The rows at some points; `found` : variables, shape (points, analyses, ...)."""
+    wanted = plan.study.model.gap  # type: ignore[attr-defined]  # a section that the registry adds
     facts = _Facts(plan, points, places)
-    parts = [_statistics(rule, wanted) for rule in _rules(plan, read, facts, wanted)]
+    parts = [_statistics(rule, wanted) for rule in _rules(plan, found, facts, wanted)]
     exact = parts[0]
     for part in parts:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -83,10 +104,10 @@ def gap_tables(plan: Plan, read: Read) -> list[Table]:
     ]
     width = plan.study.unit("gap")
     for name, text in _meanings(wanted).items():
-        whole = np.stack([part[name] for part in parts], axis=-1)[index]
+        values = np.stack([part[name] for part in parts], axis=-1)[index]
         is_length = name not in ("motions", "dispersion", "over_exact")
-        columns.append(Column(name, whole, text, "m" if is_length else "1", width if is_length else None))
-    return [Table("gap", columns)]
+        columns.append(Column(name, values, text, "m" if is_length else "1", width if is_length else None))
+    return columns
 
 
 def _meanings(wanted: GapSpec) -> dict[str, str]:
@@ -157,13 +178,10 @@ class _Facts:
                 self.code[number, column] = one[left_floor - 1] + other[right_floor - 1]
 
 
-def _rules(plan: Plan, read: Read, facts: _Facts, wanted: GapSpec) -> Iterator[Rule]:
+def _rules(plan: Plan, found: Mapping[str, np.ndarray], facts: _Facts, wanted: GapSpec) -> Iterator[Rule]:
     """The exact separations first, then the rules that say something here."""
-    analyses, motions = len(plan.analyses), len(plan.records)
-    count = len(facts.faces)
-    exact = read("max_closing").reshape(count, analyses, motions, -1)
-    peaks = read("displacement").reshape(count, analyses, motions, len(plan.buildings), -1)
-    relative = read("error_estimate").reshape(count, analyses, motions, 1)
+    analyses = len(plan.analyses)
+    exact, peaks, relative = found["max_closing"], found["displacement"], found["error_estimate"][..., None]
     left, left_floor, right_floor = (np.array(column) for column in zip(*facts.places, strict=True))
     a, b = peaks[..., left, left_floor - 1], peaks[..., left + 1, right_floor - 1]
     reach = relative * absolute_sum(

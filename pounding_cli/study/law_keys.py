@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Literal, get_type_hints
@@ -25,8 +26,13 @@ FROM_BUILDING = ("stiffness", "yield_shear", "hardening")
 """Parameters of storeys that other keys of a building give."""
 
 
-def own_parameters(law: type[Law]) -> dict[str, Parameter]:
+def own_parameters(law: type[Law]) -> Mapping[str, Parameter]:
     """The parameters of a law that no other key of a study gives, by name."""
+    return _own_parameters(law)  # type: ignore[arg-type]  # classes are hashable
+
+
+@functools.cache
+def _own_parameters(law: type[Law]) -> Mapping[str, Parameter]:
     shared = FROM_BUILDING if law.acts_on == "storey" else (*FROM_CASE, *FROM_IMPACT)
     return {name: each.metadata["parameter"] for name, each in law.parameters().items() if name not in shared}
 

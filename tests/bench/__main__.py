@@ -1,4 +1,4 @@
-"""`python -m tests.bench [--only PART ...] [--huge]`, from the repository root; `make bench` runs all parts."""
+"""`python -m tests.bench [--only PART ...] [--huge] [--periods N]`, from the repository root; `make bench` runs all."""
 
 from __future__ import annotations
 
@@ -30,12 +30,13 @@ def main() -> None:
         "profile": removal.measure,
         "sampled": sampling.measure,
         "growth": lambda: list(growth.measure()),
-        "batch": lambda: batch.parts(batch.measure()),
+        "batch": lambda: batch.parts(batch.measure(options.periods)),
         "sweeps": lambda: sweeps((HUGE,) if options.huge else SWEEPS),
     }
     parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
     parser.add_argument("--only", nargs="+", choices=parts, default=list(parts), help="parts to measure")
     parser.add_argument("--huge", action="store_true", help=f"the sweep of {HUGE} scenes instead of the smaller ones")
+    parser.add_argument("--periods", type=int, default=20, help="periods of the second building in the part batch")
     parser.add_argument("--draw", action="store_true", help="measure nothing: write page and figure anew")
     options = parser.parse_args()
     for name in () if options.draw else options.only:

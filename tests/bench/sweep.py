@@ -1,9 +1,12 @@
-"""A sweep of many scenes by `pound run`: time and memory of all its processes together."""
+"""A sweep of many scenes by `pound run`: time and memory of all its processes together.
+
+`python -m tests.bench.sweep gap 100000` does the same with required gaps, every scene another pair of buildings."""
 
 from __future__ import annotations
 
 import os
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -28,18 +31,36 @@ sweep:
   cases.gap.gap: [{second}]
 """
 
+GAP = """\
+records: {{use: [elcentro], duration: 2 s}}
+buildings:
+  stiff: {{storeys: 5, period: 0.36 s}}
+  soft:  {{storeys: 5, period: 0.60 s}}
+group: [stiff, soft]
+cases: {{any: {{link: none}}}}
+analyses: [elastic]
+estimate: none
+sweep:
+  buildings.stiff.period: [{first}]
+  buildings.soft.period: [{second}]
+"""
 
-def run(count: int) -> dict:
-    """Sweep `count` scenes; memory is the largest sum over the processes, shared pages counted once [bytes]."""
+
+def run(count: int, command: str = "run") -> dict:
+    """Sweep `count` scenes; memory is the largest sum over the processes, shared pages counted once [bytes].
+
+    command : "run" or "gap"
+    """
     first = round(count**0.5)
     while count % first:
         first -= 1
     with tempfile.TemporaryDirectory() as folder:
         study = Path(folder) / "sweep.yaml"
-        study.write_text(STUDY.format(first=numbers(0.3, 0.7, first), second=numbers(0.0, 0.04, count // first)))
+        text, ranges = (STUDY, ((0.3, 0.7), (0.0, 0.04))) if command == "run" else (GAP, ((0.2, 1.0), (0.3, 2.0)))
+        study.write_text(text.format(first=numbers(*ranges[0], first), second=numbers(*ranges[1], count // first)))
         load, begin = f"{os.getloadavg()[0]:.1f}", time.perf_counter()
         process = subprocess.Popen(
-            [*pound(), "run", str(study), "-o", f"{folder}/sweep.h5", "-q"], cwd=ROOT, stdout=subprocess.DEVNULL
+            [*pound(), command, str(study), "-o", f"{folder}/sweep.h5", "-q"], cwd=ROOT, stdout=subprocess.DEVNULL
         )
         watcher = Watcher(process.pid)
         watcher.start()
@@ -47,7 +68,7 @@ def run(count: int) -> dict:
         wall = time.perf_counter() - begin
         watcher.join()
         if code:
-            raise RuntimeError(f"pound run ended with {code}")
+            raise RuntimeError(f"pound {command} ended with {code}")
         size = (Path(folder) / "sweep.h5").stat().st_size
     return {"scenes": count, "wall": wall, "memory": watcher.largest, "file": size, "load": load}
 
@@ -83,3 +104,7 @@ def family_memory(pid: int) -> int:
             continue
         total += sum(1024 * int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:"))
     return total
+
+
+if __name__ == "__main__":
+    print(run(int(sys.argv[2]), sys.argv[1]))

@@ -171,6 +171,9 @@ def test_the_page_and_the_summary_answer_first(pound):
     assert 'id="figure-required-gap"' in page
     assert 'id="figure-required-gap-sweep"' in page
     assert 'id="explore"' not in page
+    assert "none: the buildings stand alone" in page
+    assert "gap nan" not in page
+    assert "pound accuracy two.yaml -o" in page
     summary = Path("results/two-gap/summary.md").read_text(encoding="utf-8")
     assert summary.index("required-gap.png") < summary.index("## Motions")
     assert "NZS 1170.5" in summary

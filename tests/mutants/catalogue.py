@@ -56,6 +56,36 @@ LINKS = [
         f"{HERTZ}::test_a_force_at_rest_needs_no_approach_speed",
     ),
     Mutant(
+        "jankowski-release",
+        "the dashpot acts while the floors part",
+        ("force=self.spring, regular=2", "force=self.spring + dashpot * RATE, regular=4"),
+        f"{VERIFICATION}/test_jankowski.py::test_the_restitution_asked_comes_out",
+    ),
+    Mutant(
+        "bilinear-return",
+        "a bilinear contact comes back along its stiff line over twice its yield closing",
+        ("-limit, 1.0", "-2 * limit, 1.0"),
+        f"{VERIFICATION}/test_bilinear_contact.py::test_the_restitution_asked_comes_out_of_the_blow_it_is_laid_out_for",
+    ),
+    Mutant(
+        "bilinear-turns-up",
+        "floors that press again within a bilinear contact yield too early",
+        ("limit - apart", "0.5 * limit"),
+        f"{VERIFICATION}/test_bilinear_contact.py::test_five_storeys_against_the_reference",
+    ),
+    Mutant(
+        "damper",
+        "a damper of half its dashpot",
+        ("dashpot=self", "dashpot=0.5 * self"),
+        f"{VERIFICATION}/test_damper.py::test_two_free_masses",
+    ),
+    Mutant(
+        "link-that-strikes",
+        "of links between the same floors the first keeps the row of the floors, whatever it is",
+        ("if links[number].law.subtracts_gap", "if True"),
+        f"{UNIT}/study/test_several_links.py::test_rows_of_tables",
+    ),
+    Mutant(
         "pressed-from-rest",
         "floors that rest in touch are asked whether they press in the last step of a segment only",
         "pressed = finished and _presses(run, p)",

@@ -17,11 +17,16 @@ class Accuracy:
     command: str
 
 
-def accuracy_beside(path: Path | None, title: str) -> Accuracy:
-    """Look for `<results>-accuracy/accuracy.md` beside a results file; an answer to another study does not count."""
+def accuracy_beside(path: Path | None, title: str, study: str = "") -> Accuracy:
+    """Look for `<results>-accuracy/accuracy.md` beside a results file; an answer to another study does not count.
+
+    study : the name of the study's file; that of the results file with another suffix unless given
+    """
     stem = path.stem if path is not None else "STUDY"
     folder = path.parent / f"{stem}-accuracy" if path is not None else Path()
-    command = f"pound accuracy {stem}.yaml -o {folder}" if path is not None else "pound accuracy STUDY.yaml"
+    command = (
+        f"pound accuracy {study or f'{stem}.yaml'} -o {folder}" if path is not None else "pound accuracy STUDY.yaml"
+    )
     answer = folder / "accuracy.md"
     if path is None or not answer.is_file():
         return Accuracy((), (), command)

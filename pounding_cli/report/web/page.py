@@ -109,7 +109,9 @@ def write_page(
         "runs": len(scene),
         "scenes": results.attrs.get("scenes"),
         "trust": story.trust(shown.scene),
-        "accuracy": accuracy_beside(getattr(results, "path", None), results.title),
+        "accuracy": accuracy_beside(
+            getattr(results, "path", None), results.title, Path(str(results.attrs.get("study_file", ""))).name
+        ),
         "motions": story.motions(shown),
         "spectrum": match.words if (match := results.spectrum_match) is not None else "",
         "players": data["players"],

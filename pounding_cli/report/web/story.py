@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from pounding_cli.model.links import APART
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
 from pounding_cli.words import Unit, counted
@@ -98,9 +99,10 @@ def cases(evidence: Evidence) -> Grid:
     rows = []
     for case in evidence.cases:
         links = evidence.link[evidence.link["case"] == case].drop_duplicates("link")
-        counted = Counter((row["kind"], row["gap"]) for row in links.to_dict("records"))
+        between = links[links["kind"] != APART]
+        counted = Counter((row["kind"], row["gap"]) for row in between.to_dict("records"))
         words = [f"{count} × {kind}, gap {unit.text(gap)}" for (kind, gap), count in counted.items()]
-        where = _floors(links)
+        where = _floors(between)
         rows.append([case, "; ".join(words) or "none: the buildings stand alone", where])
     return Grid(("case", "links", "at floors"), rows)
 

@@ -32,7 +32,8 @@ def refine(plan, responses):
 def tables(plan, read):
     number = np.arange(len(plan.records), dtype=float)
     largest = np.nanmax(read("drift"), axis=(0, 1, 3, 4))
-    return [Table("test", [Column("number", number, "of the motion", "1"), Column("drift", largest, "largest", "m")])]
+    columns = [Column("number", number, "of the motion", "1"), Column("drift", largest, "largest", "m")]
+    return [Table("test", [columns])]
 
 
 def three_motions(count):
@@ -86,7 +87,7 @@ def test_a_table_that_a_file_lacks_is_asked_of_its_command(workflow, tmp_path):
 
 def test_columns_of_two_lengths_are_refused(workflow, tmp_path, monkeypatch):
     def uneven(plan, read):
-        return [Table("test", [Column("a", np.zeros(2), "", "1"), Column("b", np.zeros(3), "", "1")])]
+        return [Table("test", [[Column("a", np.zeros(2), "", "1"), Column("b", np.zeros(3), "", "1")]])]
 
     monkeypatch.setattr(sys.modules[__name__], "tables", uneven)
     run_plan(three_motions(1), tmp_path / "r.h5", solve=known)
@@ -98,8 +99,11 @@ def test_codes_of_texts_that_are_not_there_are_refused(workflow, tmp_path, monke
     """A file made to mislead: a code beyond the texts. Fails if it reaches numpy."""
     from pounding_cli.store import answers
 
+    def named(*names):
+        return [Column("name", np.array(names, object), "")]
+
     with h5py.File(tmp_path / "forged.h5", "w") as file:
-        answers.write_tables(file, [Table("test", [Column("name", np.array(["a", "b", "a"], object), "")])])
+        answers.write_tables(file, [Table("test", [named("a", "b"), named("a")])])
         assert answers.read_table(file, "test").frame["name"].tolist() == ["a", "b", "a"]
         file["answer/test/0"][1] = 7
         with pytest.raises(InputError, match="is no column of texts"):

@@ -22,6 +22,19 @@ def test_correlation_of_two_oscillators(left, right, rho):
     assert cross_correlation(left, right) == pytest.approx(rho, abs=5e-5)
 
 
+@pytest.mark.parametrize(("periods", "damping"), [((0.36, 0.6), (0.02, 0.10)), ((1.0, 0.9), (0.08, 0.03))])
+def test_correlation_is_that_under_white_noise(periods, damping):
+    """The integral over the frequencies of both transfer functions. Fails if the two damping ratios change places."""
+    w = np.linspace(0.0, 2000.0, 4_000_001)
+    one, other = (
+        1 / ((2 * np.pi / period) ** 2 - w**2 + 2j * ratio * 2 * np.pi / period * w)
+        for period, ratio in zip(periods, damping, strict=True)
+    )
+    across = (one * other.conj()).real.sum()
+    alone = np.sqrt((abs(one) ** 2).sum() * (abs(other) ** 2).sum())
+    assert cross_correlation(*periods, *damping) == pytest.approx(across / alone, rel=1e-4)
+
+
 def test_correlation_does_not_depend_on_which_is_left():
     assert cross_correlation(0.36, 0.6, 0.02, 0.05) == pytest.approx(cross_correlation(0.6, 0.36, 0.05, 0.02))
 

@@ -85,7 +85,7 @@ class Laws:
     def begin(self) -> Branches:
         """At rest: nothing has yielded, only connectors act."""
         storeys = self.c.stiffness.size
-        links = ["on" if e.kind == "connector" else "open" for e in self.scene.links]
+        links = ["on" if e.kind in ("connector", "damper") else "open" for e in self.scene.links]
         return Branches(np.zeros(storeys, int), np.zeros(storeys), links)
 
     def shears(self, drift: np.ndarray, b: Branches) -> np.ndarray:
@@ -118,6 +118,8 @@ class Laws:
                 return spring + c * rate if branch == "on" else spring
             zeta = hertz_damping(link.restitution)
             return spring * (1 + zeta * (1.0 if branch == "gaining" else rate / (speed or {})[e]))
+        if link.name == "damper":
+            return link.damping_coefficient * rate + 0.0 * v
         if link.name == "bilinear":
             k1, k2, limit = bilinear_lines(link)
             if branch == "unloading":
@@ -181,6 +183,8 @@ class Laws:
                     s = 1.5 * link.hertz_stiffness * PRESSED**0.5
                 elif link.name == "bilinear":
                     s = bilinear_lines(link)[0]
+                elif link.name == "damper":
+                    s = 0.0
                 else:
                     s = max(link.stiffness, link.impact_stiffness) if link.name == "infill" else link.stiffness
                 k = k + s * np.outer(c.closing[e], c.closing[e])
@@ -205,7 +209,7 @@ class Laws:
         v, v_rate = c.closing @ q - self.offset[:, None], c.closing @ rate
         for e, link in enumerate(each.law for each in self.scene.links):
             branch = b.link[e]
-            if link.name == "connector":
+            if link.name in ("connector", "damper"):
                 continue
             damped = link.name == "hertz-damp"
             if branch == "open":
