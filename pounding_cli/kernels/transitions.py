@@ -64,6 +64,7 @@ def _storey_event(run, i):
     rests = run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g
     pinned = guard_at_rest(run, b, left, t.guard(run, g, t.QUANTITY), rests)
     run.storeys[of_storey(run, i, c.STOREY_PINNED)] = pinned
+    run.storeys[of_storey(run, i, c.STOREY_EVENTS)] += 1
     enter_storey_branch(run, i)  # fault: storey-unloads
     update_stencils(run, i)
     if i >= 1:
@@ -117,3 +118,4 @@ def unpin(run):
         run.links[of_link(e, c.EVENTS_AT_INSTANT)] = 0.0
     for i in range(run.slot_start, run.slot_stop):
         run.storeys[of_storey(run, i, c.STOREY_PINNED)] = 0
+        run.storeys[of_storey(run, i, c.STOREY_EVENTS)] = 0

@@ -15,6 +15,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import METHODS, solve
 from pounding_cli.solve.histories import history
+from tests.hard.random_scenes import random_scene
 
 M, K, VY, A, V0 = 2e5, 2e7, 3e5, 0.1, 0.25
 
@@ -184,3 +185,14 @@ def test_history_and_largest_values_agree():
     spent = sum(kept.energy[key] for key in ("kinetic", "stored", "damping", "hysteresis", "links"))
     assert np.abs(spent - kept.energy["input"]).max() < 1e-9 * kept.energy["input"].max()
     assert np.all(np.diff(kept.energy["hysteresis"]) > -1e-9 * kept.energy["input"].max())
+
+
+def test_a_storey_without_shear_at_rest_goes_on():
+    """A storey on a base that hardly moves, where its shear and its rate are last digits and both decide its branch.
+    Fails if such events at one instant have no end."""
+    scene, _ = random_scene(887)
+    buildings = tuple(peak_oriented(building) for building in scene.buildings)
+    scene = dataclasses.replace(scene, buildings=buildings, analysis=INELASTIC)
+    run = solve(scene, 1e-6, bounds=(300_000, 60_000))
+    assert run.status == "done"
+    assert abs(run.energy["residual"]) < 1e-8
