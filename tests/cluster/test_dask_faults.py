@@ -13,6 +13,7 @@ import threading
 import time
 
 import dask.config
+import distributed  # noqa: F401  its defaults have to stand before a test sets one and takes it back
 import pytest
 from conftest import IMPORTED, AfterSome
 from slow_solver import solve_slowly
