@@ -374,6 +374,12 @@ _BRACKET_FORM = {
     "title": "Bracket",
     "examples": ["impact.stiffness"],
 }
+_UNCERTAIN_FORM = {
+    "type": "object",
+    "additionalProperties": {"anyOf": [{"const": "any"}, {"type": "object", "minProperties": 1, "maxProperties": 1}]},
+    "title": "Uncertain",
+    "examples": [{"impact.restitution": {"uniform": {"from": 0.4, "to": 0.65}}, "motion": "any"}],
+}
 
 
 class _StudyModel(Model):
@@ -414,6 +420,11 @@ class _StudyModel(Model):
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = optional(
         None,
         description="axes: dotted keys with the values they take; the keys of one list entry move together",
+    )
+    uncertain: Annotated[Any, WithJsonSchema(_UNCERTAIN_FORM)] = optional(
+        None,
+        description="dotted keys with the distribution of each: `uniform`, `normal`, `lognormal`, `triangular` or "
+        "`choice`; `motion: any` chooses one of the motions",
     )
     bracket: Annotated[Any, WithJsonSchema(_BRACKET_FORM)] = optional(
         None,
