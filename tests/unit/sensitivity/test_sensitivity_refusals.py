@@ -39,7 +39,8 @@ UNCERTAIN = STUDY[STUDY.index("uncertain:") : STUDY.index("sensitivity:")]
             "uniform",
         ),
         (
-            HARDENING, "buildings.A.hardening: {uniform: {low: 0.1, to: 0.2}}", 13, 37, "unknown key 'low'", "known: from",
+            HARDENING, "buildings.A.hardening: {uniform: {low: 0.1, to: 0.2}}", 13, 37, "unknown key 'low'",
+            "known: from",
         ),
         (HARDENING, "buildings.A.hardening: 0.1", 13, 26, "has no distribution", "write one of uniform"),
         (HARDENING, "buildings.A.hardening: {choice: [0.5, 50 %]}", 13, 41, "50 % and 0.5 are one value", "remove"),
