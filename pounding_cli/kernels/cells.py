@@ -29,9 +29,9 @@ from pounding_cli.laws.program import MEMORIES
     PEAK_ACCELERATION, MAX_DISPLACEMENT, MIN_DISPLACEMENT, INPUT_ENERGY, DASHPOT_ENERGY, DRAG_ENERGY,
     HYSTERESIS_ENERGY, SPRING_FORCE,
     EVENT_ROOT, TERM_TOLERANCE, V1, DRIFT0, DRIFT1, DRIFT_RATE0, DRIFT_RATE1, TOTAL_ACCELERATION0, TOTAL_ACCELERATION1,
-    V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION,
-) = range(0, 8 * 52, 8)  # fmt: skip
-_SLOT_FIELDS = 53  # one more than there are: an odd number of cache lines spreads them over the cache
+    V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION, GEOMETRIC,
+) = range(0, 8 * 53, 8)  # fmt: skip
+_SLOT_FIELDS = 53  # an odd number of cache lines spreads them over the cache
 SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, SPRING_FORCE  # fault: island-slots-restored
 """The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
@@ -179,6 +179,7 @@ def take_slots(run, row, slots, state, peaks, ledger):
         c[of(i, MASS)] = slots.mass[slot]
         c[of(i, ALPHA)] = slots.alpha[slot]
         c[of(i, LOADED)] = slots.loaded[slot]
+        c[of(i, GEOMETRIC)] = slots.geometric[slot]
         run.W[i - run.padded] = state.u[slot]
         run.W[i] = state.v[slot]
         for m in range(MEMORIES):

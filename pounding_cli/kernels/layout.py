@@ -45,12 +45,13 @@ DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED = 0, 1, 2, 3, 4
 
 Slots = namedtuple(
     "Slots",
-    "size couple couple_right stiffness dashpot inverse_mass mass alpha loaded branch memories branches guards "
-    "operations",
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha loaded geometric branch memories "
+    "branches guards operations",
 )
 """size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the
 foundation's), inverse_mass [1/kg] and mass [kg] (0 of points and padding), alpha [1/s] (0 over a foundation), loaded
-(1 where the ground's acceleration loads it, else 0), the first branch of its law (`law_table.NO_BRANCH` for a storey
+(1 where the ground's acceleration loads it, else 0), geometric (P / h of P-Delta, what it takes from the stiffness
+[N/m]), the first branch of its law (`law_table.NO_BRANCH` for a storey
 that stays elastic), and how many memories these laws use; the tables of branches, guards and operations
 (`law_table`)."""
 
@@ -118,8 +119,8 @@ def slot_pointers(a):
     """Slots of pointers from Slots of arrays."""
     return Slots(
         a.size, pointer(a.couple), pointer(a.couple_right), pointer(a.stiffness), pointer(a.dashpot),
-        pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.loaded), pointer(a.branch), a.memories,
-        pointer(a.branches), pointer(a.guards), pointer(a.operations),
+        pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.loaded), pointer(a.geometric),
+        pointer(a.branch), a.memories, pointer(a.branches), pointer(a.guards), pointer(a.operations),
     )  # fmt: skip
 
 

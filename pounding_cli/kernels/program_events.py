@@ -35,6 +35,7 @@ from pounding_cli.kernels.program_series import (
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.storey_law import guarded_drift
 from pounding_cli.kernels.summary import drifts, rate_term
+from pounding_cli.kernels.terms import end_points
 
 UNEVEN = 1e-14
 """Part of a segment [-] by which a step may miss its end."""
@@ -229,7 +230,7 @@ def find_end(run, p, inelastic):
 
 
 @njit(**CALLED)
-def reach_end(run, p):
+def reach_end(run, terms, p):
     """Displacements, velocities, drifts and total accelerations at the step's end; the time that it took goes to H,
     where the ground then is to GROUND_CHANGE. Returns that time [s]."""
     no_inline()
@@ -250,6 +251,7 @@ def reach_end(run, p):
         slots[of(i, c.V1)] = v
         slots[of(i, c.TOTAL_ACCELERATION0)] = p.A[i] + run.clock[GROUND]
         slots[of(i, c.TOTAL_ACCELERATION1)] = a + ground
+    end_points(run, terms)
     drifts(run)
     run.clock[H] = duration / end if end > 0.0 else 0.0
     run.clock[INVERSE_H] = 1.0 / run.clock[H] if duration > 0.0 else 0.0

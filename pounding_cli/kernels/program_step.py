@@ -68,7 +68,7 @@ def program_step(run, terms, programs, settings):
         if has_terms:
             rescale_springs(run, terms, order, ratio)
     storeys, link, finished = find_end(run, p, inelastic)
-    reach_end(run, p)
+    reach_end(run, terms, p)
     account(run, terms, p, settings.nodes, settings.weights, inelastic, has_terms)
     track(run, p, inelastic)
     if settings.use_islands > 0:

@@ -13,10 +13,11 @@ from pounding_cli.kernels.cells import at, of
 from pounding_cli.kernels.clock import END, GROUND, GROUND_CHANGE, INVERSE_H, H
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.simd import from_left, fused, greater, load, magnitude, minimum, no_inline, splat, store
+from pounding_cli.kernels.terms import end_points
 
 
 @njit(**CALLED)
-def summarise(run, order):
+def summarise(run, terms, order):
     """Displacement, velocity, drift, drift rate and total acceleration of every slot at the step's end, the last three
     at its start too, and chord deviations."""
     no_inline()
@@ -58,6 +59,7 @@ def summarise(run, order):
         store(run.ends, padded + b, bend * eighth)
         store(slots, at(b, c.V_CHORD_DEVIATION), v_deviation * 0.125)
         store(slots, at(b, c.TOTAL_ACCELERATION_CHORD_DEVIATION), acceleration_deviation * (per_h * 0.125))
+    end_points(run, terms)
     drifts(run)
     _sum_chord_deviations(run)
 
@@ -98,7 +100,7 @@ def drifts(run):
 
 
 @njit(**CALLED)
-def end_at_event(run, order):
+def end_at_event(run, terms, order):
     """Replace the values at s = 1 by those at END, where an event was found; the chord deviations stay bounds."""
     no_inline()
     padded = run.padded
@@ -125,6 +127,7 @@ def end_at_event(run, order):
         store(run.ends, b, u)
         store(slots, at(b, c.V1), v)
         store(slots, at(b, c.TOTAL_ACCELERATION1), fused(acceleration, per_h, ground))
+    end_points(run, terms)
     drifts(run)
 
 

@@ -106,7 +106,7 @@ from pounding_cli.kernels.recurrence import expand, renew_scale, rescale, shrink
 from pounding_cli.kernels.simd import further, load, no_inline, pointer, splat, store
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.summary import end_at_event, summarise
-from pounding_cli.kernels.terms import follow_points, rescale_springs, room_for_terms, start_points, terms_frame
+from pounding_cli.kernels.terms import rescale_springs, room_for_terms, start_points, terms_frame
 from pounding_cli.kernels.transitions import initialise_branches, link_event, storey_events, unpin
 
 MAX_ORDER = 30
@@ -274,11 +274,11 @@ def _plain_step(run, terms, settings, pinned_at_event):
         if not ratio > SHORTEST:
             return STEP_BOUND if np.isfinite(ratio) else NOT_FINITE, False, False, False
         whole = whole and ratio >= 1.0
-    summarise(run, order)
+    summarise(run, terms, order)
     storeys = inelastic and first_storey_event(run)
     link = linked and first_link_event(run)
     if clock[END] < 1.0:
-        end_at_event(run, order)
+        end_at_event(run, terms, order)
     else:
         clock[END] = 1.0
     account(run, terms, settings.nodes, settings.weights, order, any_closed, curved, inelastic, has_terms)
@@ -319,9 +319,6 @@ def _march(other_step, run, terms, programs, settings, pinned_at_event):
         for b in range(run.slot_start, run.slot_stop, 8):
             store(run.W, b - run.padded, load(run.ends, b))
             store(run.W, b, load(run.slots, at(b, V1)))
-        if terms.points > 0:
-            follow_points(run, terms, run.W, -run.padded)
-            follow_points(run, terms, run.W, 0)
     return status, pinned_at_event
 
 

@@ -77,6 +77,29 @@ def follow_points(run, terms, values, row):
                 values[row + terms.place[p]] = terms.sums[p - b]  # fault: point-follows
 
 
+@njit(**PART)
+def end_points(run, terms):
+    """Displacements and velocities of the points at a step's end, from those of their degrees of freedom: what is known
+    exactly of a drift or a closing then, the next step finds unchanged."""
+    if terms.points > 0:
+        _end_points(run, terms)
+
+
+@njit(**CALLED)
+def _end_points(run, terms):
+    no_inline()
+    padded = (terms.points + 7) & -8
+    for p in range(terms.points):
+        i = terms.place[p]
+        if _in_range(run, i):
+            u, v = 0.0, 0.0
+            for j in range(p, terms.point_terms * padded, padded):
+                u += terms.weight[j] * run.ends[terms.freedom[j]]
+                v += terms.weight[j] * run.slots[of(terms.freedom[j], c.V1)]
+            run.ends[i] = u
+            run.slots[of(i, c.V1)] = v
+
+
 @njit(**CALLED)
 def hand_on(run, terms, accelerations, row):
     """Pass what pushes the points on to their degrees of freedom, and let the points move as these do.

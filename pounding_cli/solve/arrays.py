@@ -22,7 +22,7 @@ from pounding_cli.solve.blank import LANES, Blank, aligned
 from pounding_cli.solve.places import Places, Struck, places_of, points_of, springs_of, struck_between_floors
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
-_BY_SLOT = Slots._fields[1:9]
+_BY_SLOT = Slots._fields[1:10]
 """What is given of every slot (`layout.Slots`)."""
 
 Masses = tuple[float, float]
@@ -129,6 +129,8 @@ def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:
         slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
         slots.mass[span] = building.mass
         slots.loaded[span] = 1.0  # fault: ground-pushes-floors
+        if building.gravity_load is not None and rock < 0:
+            slots.geometric[span] = building.gravity_load / building.height
         if foundation is None:
             slots.alpha[span] = building.alpha  # fault: mass-damping
         if foundation is not None and base >= 0:

@@ -1,8 +1,9 @@
 """The elements of a scene: everything that acts between its degrees of freedom, each with its terms.
 
 An element acts on v, a sum of weight x displacement: a storey on its drift, a link on the closing of two floors, a base
-on its sway or its rocking, the drag of mass-proportional damping on the motion of a floor against its base. Its force
-goes back through the same weights, so that it puts in or takes out the work of that force and no other."""
+on its sway or its rocking, the drag of mass-proportional damping on the motion of a floor against its base, P-Delta on
+the difference of two floors' displacements, what rocking adds included: by that the columns lean. Its force goes back
+through the same weights, so that it puts in or takes out the work of that force and no other."""
 
 from __future__ import annotations
 
@@ -22,6 +23,9 @@ def elements_of(arrays: Arrays) -> Elements:
     size = slots.size
     at_point = dict(zip(arrays.points.slot.tolist(), listed(arrays.points), strict=False))
     terms = [_storey_terms(arrays, i, at_point) for i in range(size)] + listed(springs)
+    leaning = np.flatnonzero(slots.geometric)
+    terms += [[(i, 1.0), (i - 1, -1.0)] if slots.couple[i] else [(i, 1.0)] for i in leaning.tolist()]
+    springs_end = len(terms)
     for left, right in zip(links.left[: links.number].tolist(), links.right[: links.number].tolist(), strict=True):
         terms.append(_resolved(left, 1.0, at_point) + _resolved(right, -1.0, at_point))
     moves = slots.mass > 0.0
@@ -30,7 +34,7 @@ def elements_of(arrays: Arrays) -> Elements:
     return Elements(
         number=len(terms),
         freedoms=size,
-        springs=size + springs.number,
+        springs=springs_end,
         one=ends[:, 0, 0].astype(np.int64),
         other=ends[:, 1, 0].astype(np.int64),
         weight_one=ends[:, 0, 1].copy(),
@@ -39,8 +43,8 @@ def elements_of(arrays: Arrays) -> Elements:
         first=np.concatenate(([0], np.cumsum([len(own[2:]) for own in terms]))).astype(np.int64),
         freedom=np.array([freedom for freedom, _ in more], np.int64),
         weight=np.array([weight for _, weight in more]),
-        stiffness=np.concatenate((slots.stiffness, springs.stiffness[: springs.number])),
-        dashpot=np.concatenate((slots.dashpot, springs.dashpot[: springs.number])),
+        stiffness=np.concatenate((slots.stiffness, springs.stiffness[: springs.number], -slots.geometric[leaning])),
+        dashpot=np.concatenate((slots.dashpot, springs.dashpot[: springs.number], np.zeros(leaning.size))),
         unknown=np.where(moves, np.cumsum(moves) - 1, -1),
         inverse_mass=slots.inverse_mass,
         drag=slots.alpha * slots.mass,

@@ -91,25 +91,28 @@ def _between_floors(places: Places, building: Building, b: int, floor: int, at: 
 
 def springs_of(buildings: Sequence[Building], places: Places) -> Springs:
     """Dashpots of mass-proportional damping between the floors of founded buildings and their base, which sways or
-    rocks."""
-    all_terms: list[Terms] = []
-    dashpots: list[float] = []
+    rocks; P-Delta of storeys that lean with their base."""
+    given: list[tuple[float, float, Terms]] = []
     for b, building in enumerate(buildings):
-        if building.foundation is None or building.alpha == 0.0:
+        if building.foundation is None:
             continue
-        for floor in range(1, building.storeys + 1):
-            terms = [(places.floor(b, floor), 1.0)]
-            if places.bases[b] >= 0:
-                terms.append((places.bases[b], -1.0))  # fault: base-drag
-            if places.rocks[b] >= 0:
-                terms.append((places.rocks[b], -float(building.elevation[floor - 1] / building.elevation[-1])))
-            all_terms.append(terms)
-            dashpots.append(building.alpha * float(building.mass[floor - 1]))
-    number, size = len(all_terms), _padded(len(all_terms))
-    freedom, weight = _in_lanes(all_terms)
-    dashpot = np.zeros(size)
-    dashpot[:number] = dashpots
-    return Springs(number, size, len(freedom), 0, np.zeros(size), dashpot, freedom, weight)
+        for j in range(building.storeys):
+            floor, below = places.floor(b, j + 1), places.floor(b, j)
+            if building.alpha > 0.0:
+                terms = [(floor, 1.0)]
+                if places.bases[b] >= 0:
+                    terms.append((places.bases[b], -1.0))  # fault: base-drag
+                if places.rocks[b] >= 0:
+                    terms.append((places.rocks[b], -float(building.elevation[j] / building.elevation[-1])))
+                given.append((0.0, building.alpha * float(building.mass[j]), terms))
+            if building.gravity_load is not None and places.rocks[b] >= 0:
+                lean = [(floor, 1.0), (below, -1.0)] if below >= 0 else [(floor, 1.0)]
+                given.append((-float(building.gravity_load[j] / building.height[j]), 0.0, lean))
+    number, size = len(given), _padded(len(given))
+    stiffness, dashpot = np.zeros((2, size))
+    stiffness[:number], dashpot[:number] = [k for k, _, _ in given], [c for _, c, _ in given]
+    freedom, weight = _in_lanes([terms for _, _, terms in given])
+    return Springs(number, size, len(freedom), int(np.any(stiffness)), stiffness, dashpot, freedom, weight)
 
 
 def points_of(places: Places, mass: np.ndarray) -> Points:

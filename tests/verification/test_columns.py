@@ -64,7 +64,7 @@ def test_program_steps_take_points():
     assert abs(fine.energy["residual"]) < 1e-9
     assert fine.links.impacts.sum() > 2
     for name in ("shear", "drift", "acceleration"):
-        assert gather(coarse, name) == pytest.approx(gather(fine, name), rel=1e-5)
+        assert gather(coarse, name) == pytest.approx(gather(fine, name), rel=1e-9)
 
 
 @pytest.mark.parametrize("name", [name for name, method in METHODS.items() if method.takes_step])
