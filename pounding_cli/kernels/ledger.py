@@ -3,7 +3,7 @@
 Powers are integrated over the step by Gauss-Legendre points on the step's own polynomials. A third as many points as
 the series has orders, and one, integrate two thirds of it exactly; of what a term beyond that adds, 4^-order is lost,
 so where the series leaves 1e-6 of a step the rule leaves less than 1e-9 of its energy. Hysteresis needs no points: on
-a yield line the storey dissipates (1 - a) Vy per unit of drift."""
+every branch the lost part of a storey's shear is a straight line in the drift."""
 
 from __future__ import annotations
 
