@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pounding_cli.cli.answering import FEW_POINTS, answer_command, print_outcome, print_table
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.batch import Outcome
@@ -32,7 +32,7 @@ def command(path: Path, outcome: Outcome) -> None:
       pound show results/study-gap.h5 gap
       pound report results/study-gap.h5
     """
-    from pounding_cli.report.gap_words import error_sentence, governing, headings, numbers, pair_heading
+    from pounding_cli.report.gap_text import error_sentence, governing, headings, numbers, pair_heading
     from pounding_cli.store import open_results
     from pounding_cli.store.gap import CONFIDENCE
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pounding_cli.cli.answering import FEW_POINTS, answer_command, print_outcome, print_table
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.batch import Outcome
@@ -32,7 +32,7 @@ def command(path: Path, outcome: Outcome) -> None:
       pound show results/study-sensitivity.h5 sensitivity
       pound report results/study-sensitivity.h5
     """
-    from pounding_cli.report.sensitivity_words import cells, heads, method_of, notes, parts, spread_sentence
+    from pounding_cli.report.sensitivity_text import cells, heads, method_of, notes, parts, spread_sentence
     from pounding_cli.store import open_results
     from pounding_cli.store.sensitivity import INDICES, OUTPUTS
 

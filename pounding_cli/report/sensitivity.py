@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.sensitivity_words import Part, cells, heads, method_of, notes, parts, sentence, spread_sentence
+from pounding_cli.report.sensitivity_text import Part, cells, heads, method_of, notes, parts, sentence, spread_sentence
 from pounding_cli.report.style import caption, new_figure, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 from scipy.special import ndtr, ndtri
 
-from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.rules import StiffnessRule, read_stiffness
 from pounding_cli.study.source import Node
 from pounding_cli.study.units import Quantity, written_unit
@@ -72,31 +72,31 @@ class Distribution:
 
 
 class DistributionReader:
-    """Reads the distribution of one key; what is wrong is noted in `faults`.
+    """Reads the distribution of one key; what is wrong is noted in `problems`.
 
     quantity : what the key takes; None where it takes no number
     """
 
-    def __init__(self, key: str, quantity: Quantity | None, faults: Faults) -> None:
-        self.key, self.quantity, self.faults = key, quantity, faults
+    def __init__(self, key: str, quantity: Quantity | None, problems: Problems) -> None:
+        self.key, self.quantity, self.problems = key, quantity, problems
 
     def read(self, name: str, node: Node) -> Distribution | None:
         """The distribution; None where something is wrong."""
-        before = len(self.faults.problems)
+        before = len(self.problems.found)
         self._check_fields(name, node)
-        if len(self.faults.problems) > before:
+        if len(self.problems.found) > before:
             return None
         rule = self._rule(node)
         quantity = self.quantity
         if rule is not None:
             quantity = Quantity("multiple of a storey's stiffness", "", "20 x stiffest storey", 0.0, open_low=True)
-        elif quantity is None and len(self.faults.problems) == before:
+        elif quantity is None and len(self.problems.found) == before:
             hint = f"write the values to choose from: `{self.key}: {{choice: [...]}}`"
-            self.faults.add(node.mark, f"'{self.key}' takes no number that could be drawn from a distribution", hint)
-        if len(self.faults.problems) > before or quantity is None:
+            self.problems.add(node.mark, f"'{self.key}' takes no number that could be drawn from a distribution", hint)
+        if len(self.problems.found) > before or quantity is None:
             return None
         fields = {field: self._number(field, each, quantity, rule) for field, each in node.value.items()}
-        if len(self.faults.problems) > before:
+        if len(self.problems.found) > before:
             return None
         spacing = node.get("spacing")
         numbers = {field: value for field, value in fields.items() if value is not None}
@@ -106,18 +106,18 @@ class DistributionReader:
     def _check_fields(self, name: str, node: Node) -> None:
         example = f"write `{self.key}: {EXAMPLES[name]}`"
         if not node.is_mapping:
-            self.faults.add(node.mark, f"'{name}' is not a mapping", example)
+            self.problems.add(node.mark, f"'{name}' is not a mapping", example)
             return
         known = (*NEEDED[name], *_MORE[name])
         for field in node.value:
             if field not in known:
-                self.faults.at(node, (field,), f"unknown key '{field}' in {name}", nearest(field, known), key=True)
+                self.problems.at(node, (field,), f"unknown key '{field}' in {name}", nearest(field, known), key=True)
         for field in NEEDED[name] if set(node.value) <= set(known) else ():
             if field not in node.value:
-                self.faults.at(node, (), f"'{name}' lacks '{field}'", example)
+                self.problems.at(node, (), f"'{name}' lacks '{field}'", example)
         spacing = node.get("spacing")
         if spacing is not None and spacing.value not in ("linear", "log"):
-            self.faults.add(spacing.mark, f"spacing: '{spacing.text}' is not known", "write linear or log")
+            self.problems.add(spacing.mark, f"spacing: '{spacing.text}' is not known", "write linear or log")
 
     def _rule(self, node: Node) -> StiffnessRule | None:
         """The storey whose stiffness the values are multiples of; None where they are none."""
@@ -133,7 +133,7 @@ class DistributionReader:
         if len({(rule.which, rule.building) for rule in rules}) > 1 or len(said) < len(numbers):
             other = next((each for each in numbers if each not in said), said[-1])
             what = "all values of a distribution are multiples of one storey's stiffness, or none is"
-            self.faults.add(other.mark, what, f"write e.g. `{said[0].text}` for each of them")
+            self.problems.add(other.mark, what, f"write e.g. `{said[0].text}` for each of them")
         return rules[0]
 
     def _number(self, field: str, node: Node, quantity: Quantity, rule: StiffnessRule | None) -> float | None:
@@ -151,30 +151,30 @@ class DistributionReader:
                 return found.factor if isinstance(found, StiffnessRule) else None
             if lacks_unit(node, kind):
                 hint = f"write its unit too, e.g. {quantity.example}; without one it would be {node.text} {kind.si}"
-                self.faults.add(node.mark, f"'{self.key}': {node.text} has no unit", hint)
+                self.problems.add(node.mark, f"'{self.key}': {node.text} has no unit", hint)
                 return None
             value = kind.read(node.plain())
         except PydanticCustomError as error:
             self._refused(node, error)
             return None
         if isinstance(value, str):
-            self.faults.add(node.mark, f"'{value}' is no number", quantity.wanted)
+            self.problems.add(node.mark, f"'{value}' is no number", quantity.wanted)
             return None
         return float(value)
 
     def _refused(self, node: Node, error: PydanticCustomError) -> None:
         context = error.context or {}
-        self.faults.add(node.mark, str(context.get("message", error)), str(context.get("hint", "")))
+        self.problems.add(node.mark, str(context.get("message", error)), str(context.get("hint", "")))
 
     def _is_sound(self, found: Distribution, node: Node, quantity: Quantity) -> bool:
         """Whether the fields fit together and the range keeps within the limits of the key."""
         low, high = found.fields.get("from", -np.inf), found.fields.get("to", np.inf)
         if not (max(low, 0.0) if found.name == "lognormal" else low) < high:
-            self.faults.at(node, ("to",), "the range ends where it begins, or before", "write `to:` above `from:`")
+            self.problems.at(node, ("to",), "the range ends where it begins, or before", "write `to:` above `from:`")
         elif not low <= found.fields.get("mode", low) <= high:
-            self.faults.at(node, ("mode",), "the mode lies outside the range", "write it between `from:` and `to:`")
+            self.problems.at(node, ("mode",), "the mode lies outside the range", "write it between `from:` and `to:`")
         elif found.is_log and low <= 0:
-            self.faults.at(node, ("from",), "a logarithmic range cannot reach zero", "begin above zero")
+            self.problems.at(node, ("from",), "a logarithmic range cannot reach zero", "begin above zero")
         else:
             first, last = found(np.array([0.0, 1.0])).tolist()
             if first < quantity.low or (first == quantity.low and quantity.open_low):
@@ -184,13 +184,13 @@ class DistributionReader:
             elif np.isfinite([first, last]).all() and first < last:
                 return True
             else:
-                self.faults.at(node, (), "the range has next to no probability", "move its ends towards the mean")
+                self.problems.at(node, (), "the range has next to no probability", "move its ends towards the mean")
         return False
 
     def _leaves(self, found: Distribution, node: Node, end: str, reached: float, quantity: Quantity) -> None:
         message = f"'{self.key}': this {found.name} distribution reaches {reached:.3g} {quantity.si}".rstrip()
         limits = f"the {quantity.name} must be {quantity.range}"
-        self.faults.at(node, (), f"{message}, but {limits}", f"write `{end}:` in it")
+        self.problems.at(node, (), f"{message}, but {limits}", f"write `{end}:` in it")
 
 
 def lacks_unit(node: Node, quantity: Quantity) -> bool:

@@ -14,7 +14,7 @@ from pounding_cli.study.expand import expand
 from pounding_cli.study.expression import Expression, NotUnderstood, read_expression
 from pounding_cli.study.load import Study
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.problems import Faults
+from pounding_cli.study.problems import Problems
 from pounding_cli.study.resolve import places
 from pounding_cli.study.sampled import at_points, distinct
 from pounding_cli.study.sensitivity_keys import SensitivitySpec
@@ -142,51 +142,51 @@ def expand_sensitivity(study: Study) -> Plan:
 def question_of(study: Study) -> Question:
     """What a study asks.  Raises `InputError` as `expand_sensitivity`, but for samples that are not sound."""
     spec: SensitivitySpec = study.model.sensitivity  # type: ignore[attr-defined]  # a section that the registry adds
-    faults, root = Faults(study.resolver.file), study.resolver.root
+    problems, root = Problems(study.resolver.file), study.resolver.root
     node = root.get("uncertain")
-    factors = read_uncertain(node, root, faults) if node is not None and node.value is not None else []
+    factors = read_uncertain(node, root, problems) if node is not None and node.value is not None else []
     motions = tuple(study.motions(study.resolver.base))
-    if len(factors) < 2 and not faults.problems:
+    if len(factors) < 2 and not problems.found:
         what = (
             "nothing is uncertain" if not factors else f"'{factors[0].key}' alone is uncertain: it decides everything"
         )
         hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
-        faults.at(root, ("uncertain",), what, hint, key=True)
+        problems.at(root, ("uncertain",), what, hint, key=True)
     for factor in factors:
         if factor.key == MOTION and len(motions) < 2:
-            faults.add(
+            problems.add(
                 factor.mark, "the study has one motion: there is nothing to choose", "name more under `records:`"
             )
     if study.model.keep is not None:
         what = "histories cannot be kept of samples"
-        faults.at(root, ("keep",), what, "remove `keep:`; `pound run` keeps those of chosen points", key=True)
-    outputs = expressions(study, "sensitivity", "outputs", spec.outputs, faults)
+        problems.at(root, ("keep",), what, "remove `keep:`; `pound run` keeps those of chosen points", key=True)
+    outputs = expressions(study, "sensitivity", "outputs", spec.outputs, problems)
     question = Question(spec, tuple(factors), outputs, motions)
     if factors:
-        _check_samples(question, root, faults)
-    faults.refuse()
+        _check_samples(question, root, problems)
+    problems.refuse()
     return question
 
 
-def _check_samples(question: Question, root: Any, faults: Faults) -> None:
+def _check_samples(question: Question, root: Any, problems: Problems) -> None:
     at, number = ("sensitivity", "samples"), question.samples
     if question.spec.method == "sobol" and number & (number - 1):
         low = 1 << (number.bit_length() - 1)
         what = f"{number} samples: Sobol's sequence is even only at powers of 2"
-        faults.at(root, at, what, f"write {low} or {2 * low}")
+        problems.at(root, at, what, f"write {low} or {2 * low}")
     points = number * (len(question.factors) + (2 if question.spec.method == "sobol" else 1))
     if points > MOST_POINTS:
-        faults.at(root, at, f"{number} samples make {points} points", f"keep it to {MOST_POINTS}: write fewer")
+        problems.at(root, at, f"{number} samples make {points} points", f"keep it to {MOST_POINTS}: write fewer")
 
 
 def expressions(
-    study: Study, section: str, key: str, texts: Sequence[str], faults: Faults, example: str = "[largest mu]"
+    study: Study, section: str, key: str, texts: Sequence[str], problems: Problems, example: str = "[largest mu]"
 ) -> tuple[Expression, ...]:
     """The expressions of a section, over the tables of this study."""
     root, found = study.resolver.root, {}
     node = root.get(section, key)
     if not texts:
-        faults.at(
+        problems.at(
             root, (section,), f"`{section}:` lacks '{key}'", f"write e.g. `{section}: {{{key}: {example}}}`", key=True
         )
     names = places(study.model.group)
@@ -195,10 +195,10 @@ def expressions(
         try:
             expression = read_expression(text, names)
         except NotUnderstood as error:
-            faults.at(root, path, *error.args)
+            problems.at(root, path, *error.args)
             continue
         if expression.text in found:
-            faults.at(root, path, f"'{expression}' stands twice", "remove one of the two")
+            problems.at(root, path, f"'{expression}' stands twice", "remove one of the two")
         for part in expression.quantities:
             tall = [
                 study.building((0,) * len(study.axes), place).storeys
@@ -206,6 +206,6 @@ def expressions(
             ]
             if part.level > max(tall):
                 what = f"'{expression}': the highest is {max(tall)}"
-                faults.at(root, path, what, f"write a number from 1 to {max(tall)}")
+                problems.at(root, path, what, f"write a number from 1 to {max(tall)}")
         found[expression.text] = expression
     return tuple(found.values())

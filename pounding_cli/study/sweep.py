@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pounding_cli.study.problems import Faults, keys_at, nearest
+from pounding_cli.numbers import Unit
+from pounding_cli.study.problems import Problems, keys_at, nearest
 from pounding_cli.study.ranges import axis_values
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Mark, Node
-from pounding_cli.words import Unit
 from pounding_cli.workflows import WORKFLOWS
 
 FIXED = (
@@ -53,7 +53,7 @@ class SweepAxis:
         return len(self.nodes)
 
 
-def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
+def read_axes(root: Node, problems: Problems) -> tuple[SweepAxis, ...]:
     """The axes under `sweep:`: each key of a mapping is one; keys of one entry of a list move together."""
     sweep = root.get("sweep")
     if sweep is None or sweep.value is None:
@@ -65,17 +65,17 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
         holders = [node for node in sweep.value if node.is_mapping and node.value]
         for node in sweep.value:
             if not (node.is_mapping and node.value):
-                faults.add(
+                problems.add(
                     node.mark,
                     "an axis is a mapping of keys to lists",
                     "write `- {impact.restitution: [0.4, 0.5]}`",
                 )
         groups = [list(holder.value) for holder in holders]
     else:
-        faults.add(sweep.mark, "'sweep' is not a mapping", "write `sweep: {impact.restitution: [0.4, 0.5]}`")
+        problems.add(sweep.mark, "'sweep' is not a mapping", "write `sweep: {impact.restitution: [0.4, 0.5]}`")
         return ()
     if len(groups) > MOST_AXES:
-        faults.add(sweep.mark, f"the sweep has {len(groups)} axes", f"keep it to {MOST_AXES}")
+        problems.add(sweep.mark, f"the sweep has {len(groups)} axes", f"keep it to {MOST_AXES}")
         return ()
     axes: list[SweepAxis] = []
     seen: dict[str, int] = {}
@@ -83,10 +83,10 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
         columns: list[list[Node]] = []
         for name in names:
             mark = (holder.keys or {})[name]
-            known = is_sweepable(name, mark, root, faults)
-            values = axis_values(name, holder.value[name], StudyModel, faults)
+            known = is_sweepable(name, mark, root, problems)
+            values = axis_values(name, holder.value[name], StudyModel, problems)
             if name in seen:
-                faults.add(mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two")
+                problems.add(mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two")
             elif known and values is not None:
                 columns.append(values)
             seen.setdefault(name, mark[0])
@@ -94,7 +94,7 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
             continue
         if len({len(column) for column in columns}) > 1:
             lengths = ", ".join(f"{name} has {len(column)}" for name, column in zip(names, columns, strict=True))
-            faults.add(
+            problems.add(
                 holder.mark,
                 f"keys that move together need as many values each: {lengths}",
                 "give as many values of each",
@@ -105,7 +105,7 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
     for axis in axes:
         points *= len(axis)
     if points > MOST_POINTS:
-        faults.add(
+        problems.add(
             sweep.mark,
             f"the sweep has {points} points",
             f"keep it to {MOST_POINTS}: make axes shorter, or let keys move together in a list entry",
@@ -114,7 +114,7 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
     return tuple(axes)
 
 
-def is_sweepable(name: str, mark: Mark, root: Node, faults: Faults, what: str = "sweep axis") -> bool:
+def is_sweepable(name: str, mark: Mark, root: Node, problems: Problems, what: str = "sweep axis") -> bool:
     """Whether a dotted key can take other values at other points; why it cannot is noted at `mark`.
 
     what : what the messages call it
@@ -125,7 +125,7 @@ def is_sweepable(name: str, mark: Mark, root: Node, faults: Faults, what: str = 
     )
     if path[0] in FIXED or path[:2] == ("records", "use") or path[-1] == "like":
         cannot = "be an axis" if what == "sweep axis" else "vary"
-        faults.add(mark, f"'{name}' cannot {cannot}: it is one for the whole study", "run one study for each value")
+        problems.add(mark, f"'{name}' cannot {cannot}: it is one for the whole study", "run one study for each value")
         return False
     for place, step in enumerate(path):
         known = keys_at(StudyModel, path[:place], root)
@@ -135,10 +135,10 @@ def is_sweepable(name: str, mark: Mark, root: Node, faults: Faults, what: str = 
         if step not in known:
             before = ".".join(path[:place])
             where = f" under '{before}'" if before else ""
-            faults.add(mark, f"{what} '{name}': no key '{step}'{where}", nearest(step, known))
+            problems.add(mark, f"{what} '{name}': no key '{step}'{where}", nearest(step, known))
             return False
     if whole:
-        faults.add(
+        problems.add(
             mark,
             f"{what} '{name}' is a whole section",
             f"name one value in it, e.g. `{name}.{_first(name, root)}`",

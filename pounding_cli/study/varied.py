@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.numbers import Unit
 from pounding_cli.study.distributions import EXAMPLES, NEEDED, DistributionReader, lacks_unit
-from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.ranges import number_node
 from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.schema import StudyModel
@@ -18,7 +19,6 @@ from pounding_cli.study.source import Mark, Node
 from pounding_cli.study.sweep import is_sweepable
 from pounding_cli.study.units import Quantity
 from pounding_cli.study.written import quantity_of, unit_of
-from pounding_cli.words import Unit
 
 MOTION = "motion"
 """The key that stands for the choice among the motions of the study."""
@@ -54,42 +54,44 @@ def choice_of(u: np.ndarray, options: int) -> np.ndarray:
     return np.minimum((np.asarray(u) * options).astype(int), options - 1)
 
 
-def read_uncertain(node: Node, root: Node, faults: Faults) -> list[Factor]:
-    """The keys under `uncertain:`; what is wrong is noted in `faults`."""
+def read_uncertain(node: Node, root: Node, problems: Problems) -> list[Factor]:
+    """The keys under `uncertain:`; what is wrong is noted in `problems`."""
     found = []
-    for key, mark, value in _keys("uncertain", node, root, faults, EXAMPLES["uniform"]):
+    for key, mark, value in _keys("uncertain", node, root, problems, EXAMPLES["uniform"]):
         if key == MOTION:
             if value.value == "any":
                 found.append(_motion(mark, value))
             else:
-                faults.add(value.mark, f"motion: '{value.text}' is not known", "write `motion: any`: each is as likely")
-        elif is_sweepable(key, mark, root, faults, "the key"):
-            found += _factor(key, mark, value, faults)
+                problems.add(
+                    value.mark, f"motion: '{value.text}' is not known", "write `motion: any`: each is as likely"
+                )
+        elif is_sweepable(key, mark, root, problems, "the key"):
+            found += _factor(key, mark, value, problems)
     return found
 
 
-def read_searched(section: str, node: Node, root: Node, faults: Faults) -> list[Factor]:
+def read_searched(section: str, node: Node, root: Node, problems: Problems) -> list[Factor]:
     """Keys that are searched over a range, or chosen: {from: 1, to: 5}, {choice: [1, 2]}; wrong ones are noted."""
     found = []
-    for key, mark, value in _keys(section, node, root, faults, "{from: 0.3, to: 0.6}"):
-        if not is_sweepable(key, mark, root, faults, "the key"):
+    for key, mark, value in _keys(section, node, root, problems, "{from: 0.3, to: 0.6}"):
+        if not is_sweepable(key, mark, root, problems, "the key"):
             continue
         if value.get(CHOICE) is None:  # a range is what a uniform distribution is drawn from
             value = Node({"uniform": value}, value.mark, value.text, {"uniform": value.mark})
-        found += _factor(key, mark, value, faults)
+        found += _factor(key, mark, value, problems)
     return found
 
 
-def _keys(section: str, node: Node, root: Node, faults: Faults, example: str) -> list[tuple[str, Mark, Node]]:
+def _keys(section: str, node: Node, root: Node, problems: Problems, example: str) -> list[tuple[str, Mark, Node]]:
     """The keys of a section that are not swept too."""
     if not node.is_mapping:
-        faults.add(node.mark, f"'{section}' is not a mapping of keys", f"write `impact.restitution: {example}`")
+        problems.add(node.mark, f"'{section}' is not a mapping of keys", f"write `impact.restitution: {example}`")
         return []
     swept, found = _swept(root), []
     for key, value in node.value.items():
         mark = (node.keys or {})[key]
         if key in swept:
-            faults.add(mark, f"'{key}' is also in line {swept[key]}, under `sweep:`", "vary it in one of the two")
+            problems.add(mark, f"'{key}' is also in line {swept[key]}, under `sweep:`", "vary it in one of the two")
         else:
             found.append((key, mark, value))
     return found
@@ -107,21 +109,21 @@ def _motion(mark: Mark, node: Node) -> Factor:
     return Factor(MOTION, mark, 0, Unit(), lambda u: u, lambda u: node)
 
 
-def _factor(key: str, mark: Mark, node: Node, faults: Faults) -> list[Factor]:
+def _factor(key: str, mark: Mark, node: Node, problems: Problems) -> list[Factor]:
     names = list(node.value) if node.is_mapping else []
     if len(names) != 1:
         what = "has more than one distribution" if names else "has no distribution"
         hint = f"write one of {', '.join(DISTRIBUTIONS)}, e.g. `{key}: {EXAMPLES['uniform']}`"
-        faults.add(node.mark, f"'{key}' {what}", hint)
+        problems.add(node.mark, f"'{key}' {what}", hint)
         return []
     name, below = names[0], node.value[names[0]]
     if name not in DISTRIBUTIONS:
-        faults.add((node.keys or {})[name], f"no distribution '{name}' is known", nearest(name, DISTRIBUTIONS))
+        problems.add((node.keys or {})[name], f"no distribution '{name}' is known", nearest(name, DISTRIBUTIONS))
         return []
     quantity = quantity_of(StudyModel, key.split("."))
     if name == CHOICE:
-        return _choice(key, mark, below, quantity, faults)
-    found = DistributionReader(key, quantity, faults).read(name, below)
+        return _choice(key, mark, below, quantity, problems)
+    found = DistributionReader(key, quantity, problems).read(name, below)
     if found is None:
         return []
     if found.rule is not None:
@@ -137,21 +139,21 @@ def _factor(key: str, mark: Mark, node: Node, faults: Faults) -> list[Factor]:
     return [Factor(key, mark, 0, unit, found, lambda u: number_node(unit.number(float(found(u))), unit.name, mark))]
 
 
-def _choice(key: str, mark: Mark, node: Node, quantity: Quantity | None, faults: Faults) -> list[Factor]:
+def _choice(key: str, mark: Mark, node: Node, quantity: Quantity | None, problems: Problems) -> list[Factor]:
     if not node.is_list or len(node.value) < 2:
         hint = f"write `{key}: {EXAMPLES[CHOICE]}`"
-        faults.add(node.mark, f"'{key}': a choice is a list of two values or more", hint)
+        problems.add(node.mark, f"'{key}': a choice is a list of two values or more", hint)
         return []
     options: Sequence[Node] = list(node.value)
     seen: dict[Any, str] = {}
     for option in options:
         same = _same(option, quantity)
         if same in seen:
-            faults.add(option.mark, f"'{key}': {option.text} and {seen[same]} are one value", "remove one of the two")
+            problems.add(option.mark, f"'{key}': {option.text} and {seen[same]} are one value", "remove one of the two")
             return []
         if quantity is not None and lacks_unit(option, quantity):
             hint = f"write its unit too, e.g. {quantity.example}"
-            faults.add(option.mark, f"'{key}': {option.text} has no unit", hint)
+            problems.add(option.mark, f"'{key}': {option.text} has no unit", hint)
             return []
         seen[same] = option.text
     unit = unit_of(StudyModel, key.split("."), options)

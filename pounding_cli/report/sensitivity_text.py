@@ -8,10 +8,10 @@ from typing import Any
 
 import pandas as pd
 
+from pounding_cli.numbers import counted
 from pounding_cli.report.evidence import Tables
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.sensitivity import FOUND, INDICES, PERCENTILES
-from pounding_cli.words import counted
 
 _HEADS = {
     "sobol": ("key", "first order", "total", "output at its low end", "at its high end"),
