@@ -98,7 +98,8 @@ def test_viscous_of_two_free_masses(a):
 def test_five_storeys_against_the_reference(law, gap, analysis):
     """Dormand-Prince 8 from event to event, the viscous damper by its power as it is written, split where its rate
     changes sign; alone and beside pounding."""
-    scene = joined(law, 5, gap, analysis=analysis)
+    motion = shake(0.7 if law is VISCOUS else 1.2, 9.0, 3)  # its reference takes many steps
+    scene = joined(law, 5, gap, motion, analysis)
     expected, found = events.integrate(scene), solve(scene, 1e-12)
     assert found.status == "done"
     for name in ("shear", "drift", "acceleration", "displacement_max", "displacement_min"):
@@ -185,8 +186,8 @@ def test_nothing_moves_at_rest(law):
 @pytest.mark.parametrize("method", ["rk4", "rk4-events", "newmark", "central-difference"])
 def test_methods_run_a_viscous_damper(method):
     """It remembers nothing. Fails if the force of an expression of the rate is lost."""
-    scene = joined(Viscous(0.05, 1e5, 0.5, 1e-3), motion=shake(0.6))
-    exact, found = solve(scene, 1e-10, "taylor"), solve(scene, 1e-6, method, time_step=2e-5)
+    scene = joined(Viscous(0.05, 1e5, 0.5, 1e-2), motion=shake(0.4))
+    exact, found = solve(scene, 1e-10, "taylor"), solve(scene, 1e-6, method, time_step=1e-4)
     assert found.status == "done"
     rel = 1e-6 if method.startswith("rk4") else 2e-3
     assert gather(found, "drift") == pytest.approx(gather(exact, "drift"), rel=rel)
