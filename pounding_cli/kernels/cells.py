@@ -29,9 +29,9 @@ from pounding_cli.laws.program import MEMORIES
     PEAK_ACCELERATION,
     MAX_DISPLACEMENT, MIN_DISPLACEMENT, INPUT_ENERGY, DASHPOT_ENERGY, DRAG_ENERGY, HYSTERESIS_ENERGY, FOUNDATION_FORCE,
     EVENT_ROOT, TERM_TOLERANCE, V1, DRIFT0, DRIFT1, DRIFT_RATE0, DRIFT_RATE1, TOTAL_ACCELERATION0, TOTAL_ACCELERATION1,
-    V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION,
-) = range(0, 8 * 54, 8)  # fmt: skip
-_SLOT_FIELDS = 55  # one more than there are: an odd number of cache lines spreads them over the cache
+    V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION, GEOMETRIC,
+) = range(0, 8 * 55, 8)  # fmt: skip
+_SLOT_FIELDS = 55  # an odd number of cache lines spreads them over the cache
 SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, FOUNDATION_FORCE  # fault: island-slots-restored
 """The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
@@ -183,6 +183,7 @@ def take_slots(run, row, slots, state, peaks, ledger):
         c[of(i, REAL)] = slots.real[slot]
         c[of(i, RISE)] = slots.rise[slot]
         c[of(i, ELEVATION)] = slots.elevation[slot]
+        c[of(i, GEOMETRIC)] = slots.geometric[slot]
         run.W[i - run.padded] = state.u[slot]
         run.W[i] = state.v[slot]
         for m in range(MEMORIES):

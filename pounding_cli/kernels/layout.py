@@ -41,12 +41,13 @@ DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED = 0, 1, 2, 3, 4
 
 Slots = namedtuple(
     "Slots",
-    "size couple couple_right stiffness dashpot inverse_mass mass alpha real rise elevation branch memories branches "
-    "guards operations",
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha real rise elevation geometric branch memories "
+    "branches guards operations",
 )
 """size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the
 foundation's), inverse_mass [1/kg], mass [kg], alpha [1/s] (0 over a foundation), real (1, padding 0), rise [m]
-(storey height where the building rocks, else 0), elevation [m], the first branch of its law (`law_table.NO_BRANCH` for
+(storey height where the building rocks, else 0), elevation [m], geometric (P / h of P-Delta, what it takes from the
+stiffness [N/m]), the first branch of its law (`law_table.NO_BRANCH` for
 a storey that stays elastic), and how many memories these laws use; the tables of branches, guards and operations
 (`law_table`)."""
 
@@ -111,8 +112,8 @@ def slot_pointers(a):
     return Slots(
         a.size, pointer(a.couple), pointer(a.couple_right), pointer(a.stiffness), pointer(a.dashpot),
         pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.real), pointer(a.rise),
-        pointer(a.elevation), pointer(a.branch), a.memories, pointer(a.branches), pointer(a.guards),
-        pointer(a.operations),
+        pointer(a.elevation), pointer(a.geometric), pointer(a.branch), a.memories, pointer(a.branches),
+        pointer(a.guards), pointer(a.operations),
     )  # fmt: skip
 
 

@@ -42,15 +42,16 @@ FORGET = 0.9
 @njit(**PART)
 def update_stencils(run, i):
     """Renew what depends on the branch of slot i: its own stencils (acceleration per displacement and per velocity of
-    itself and its neighbours) and the push of the offsets [m/s2]."""
+    itself and its neighbours) and the push of the offsets [m/s2]. P-Delta acts on the difference of two displacements,
+    so it is taken from the tangent here and nowhere else: shears and what rocking adds are the law's."""
     slots = run.slots
-    below = slots[of(i, c.TANGENT)]
+    below = slots[of(i, c.TANGENT)] - slots[of(i, c.GEOMETRIC)]  # fault: p-delta-below
     above = 0.0
     above_dashpot = 0.0
     above_offset = 0.0
     if i + 1 < run.padded:
         coupled = slots[of(i, c.COUPLE_RIGHT)]
-        above = coupled * slots[of(i + 1, c.TANGENT)]
+        above = coupled * (slots[of(i + 1, c.TANGENT)] - slots[of(i + 1, c.GEOMETRIC)])
         above_dashpot = coupled * slots[of(i + 1, c.DASHPOT)]
         above_offset = coupled * slots[of(i + 1, c.OFFSET)]
     inverse = slots[of(i, c.INVERSE_MASS)]

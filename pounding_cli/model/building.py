@@ -18,6 +18,15 @@ from pounding_cli.words import counted
 _LAW_FIELDS = "storey_law", "law_parameters"
 
 
+class UnstableError(ValueError):
+    """A building that its own weight overturns from rest."""
+
+
+def weight_above(mass: np.ndarray) -> np.ndarray:
+    """Weight [N] of the floors that every storey carries, from the floor masses [kg], shape (n,)."""
+    return GRAVITY * np.cumsum(mass[::-1])[::-1]
+
+
 @dataclass(frozen=True, eq=False)
 class Building:
     """n floors on n storeys (paper, Fig. 1 and eqs 1-4); arrays run from the ground up, shape (n,).
@@ -34,10 +43,13 @@ class Building:
     foundation : None for a fixed base
     storey_law : how storeys yield, of `laws.storey_laws()`
     law_parameters : (name, value) of the parameters it has beyond stiffness, yield shear and hardening [SI]
+    gravity_load : P of P-Delta [N], what every storey carries, >= 0, shape (n,): as its floors move apart by v, P v / h
+        pushes them on; None without P-Delta
 
     Raises
     ------
     ValueError : an array has another shape, a value is outside its range, or the law has no such parameter
+    UnstableError : P-Delta leaves it no stiffness at rest
     """
 
     name: str
@@ -51,9 +63,11 @@ class Building:
     foundation: Foundation | None = None
     storey_law: type[StoreyLaw] = Bilinear
     law_parameters: tuple[tuple[str, float], ...] = ()
+    gravity_load: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        for key in ("mass", "height", "stiffness", "yield_shear", "hardening"):
+        loads = () if self.gravity_load is None else ("gravity_load",)
+        for key in ("mass", "height", "stiffness", "yield_shear", "hardening", *loads):
             array = np.array(getattr(self, key), dtype=float)
             array.setflags(write=False)
             object.__setattr__(self, key, array)
@@ -65,11 +79,32 @@ class Building:
             self._check(key, lambda x: np.isfinite(x) & (x > 0), "must be finite and above zero")
         self._check("yield_shear", lambda x: x > 0, "must be above zero; inf for a storey that cannot yield")
         self._check("hardening", lambda x: (x >= 0) & (x < 1), "must be at least 0 and below 1")
-        for key in ("alpha", "beta"):
+        for key in ("alpha", "beta", *loads):
             self._check(key, lambda x: np.isfinite(x) & (x >= 0), "must be finite and not negative")
         unknown = [key for key, _ in self.law_parameters if key not in self.storey_law.parameters()]
         if unknown:
             raise ValueError(f"{self.name}: the storey law '{self.storey_law.name}' has no parameter '{unknown[0]}'")
+        if self.gravity_load is not None:
+            self._check_stability()
+
+    def _check_stability(self) -> None:
+        """Refuse a building without stiffness at rest: the least energy of the storeys at a rocking angle phi is
+        -sum P h / (1 - theta) phi^2 / 2, which the rocking spring must outweigh."""
+        theta = self.stability_coefficient
+        wrong = np.flatnonzero(theta >= 1)  # fault: unstable-at-rest
+        if wrong.size:
+            raise UnstableError(
+                f"{self.name}: P-Delta leaves storey {wrong[0] + 1} no stiffness: theta = P / (k h) is "
+                f"{theta[wrong[0]]:.3g}; it must be below 1"
+            )
+        if self.foundation is not None and self.foundation.rocks:
+            moment = float(np.sum(self.gravity_load * self.height / (1 - theta)))
+            if moment >= self.foundation.rocking_stiffness:
+                raise UnstableError(
+                    f"{self.name}: its weight overturns it on its rocking foundation: rocking_stiffness is "
+                    f"{self.foundation.rocking_stiffness:.3g} N m; it must be above {moment:.3g} N m, "
+                    "the sum of P h / (1 - theta)"
+                )
 
     def _check(self, key: str, holds: Callable[[np.ndarray], np.ndarray], rule: str) -> None:
         values = np.atleast_1d(getattr(self, key))
@@ -95,6 +130,12 @@ class Building:
     def yield_drift(self) -> np.ndarray:
         """Storey drift at first yield [m], shape (n,)."""
         return self.yield_shear / self.stiffness
+
+    @property
+    def stability_coefficient(self) -> np.ndarray:
+        """theta = P / (k h) of P-Delta [-], 0 without it, shape (n,)."""
+        loads = np.zeros(self.storeys) if self.gravity_load is None else self.gravity_load
+        return loads / (self.stiffness * self.height)
 
     @cached_property
     def laws(self) -> tuple[StoreyLaw, ...]:
@@ -133,7 +174,11 @@ class Building:
             value = getattr(self, field.name)
             if field.name == "name" or (field.name in _LAW_FIELDS and self.storey_law is Bilinear):
                 continue  # bilinear storeys have the digest that they had before there were others
+            if field.name == "gravity_load" and value is None:
+                continue  # nor does P-Delta change the digests of buildings without it
             if field.name == "storey_law":
                 value = self.storey_law.name
+            if field.name == "gravity_load":
+                sha.update(b"gravity_load")
             sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
         return sha.hexdigest()

@@ -46,6 +46,8 @@ def effects_of(scene: Scene) -> Effects:
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )
     decide(any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed")
+    loaded = any(b.gravity_load is not None and b.gravity_load.any() for b in buildings)
+    decide(loaded, "P-Delta", "no building has it")
     decide(any(b.alpha > 0 for b in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(b.beta > 0 for b in buildings), "stiffness-proportional damping", "beta is 0")
     for kind in link_laws():

@@ -21,7 +21,7 @@ from pounding_cli.solve import law_tables
 from pounding_cli.solve.blank import LANES, Blank, aligned
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
-_BY_SLOT = Slots._fields[1:11]
+_BY_SLOT = Slots._fields[1:12]
 """What is given of every slot (`layout.Slots`)."""
 
 
@@ -119,6 +119,8 @@ def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int
         slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
         slots.mass[span] = building.mass
         slots.elevation[span] = building.elevation
+        if building.gravity_load is not None:
+            slots.geometric[span] = building.gravity_load / building.height
         if foundation is None:
             slots.alpha[span] = building.alpha  # fault: mass-damping
         elif foundation.rocks:

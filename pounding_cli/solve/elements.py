@@ -1,7 +1,8 @@
 """The elements of a scene: everything that acts between its degrees of freedom, each with its terms.
 
 An element acts on v, a sum of weight x displacement: a storey on its drift, a link on the closing of two floors, a base
-on its sway or its angle, the drag of mass-proportional damping on the motion of a floor against its base. Its force
+on its sway or its angle, the drag of mass-proportional damping on the motion of a floor against its base, P-Delta on
+the difference of two floors' displacements, what rocking adds included: by that the columns lean. Its force
 goes back through the same weights, so that it puts in or takes out the work of that force and no other."""
 
 from __future__ import annotations
@@ -35,6 +36,10 @@ def elements_of(arrays: Arrays) -> Elements:
             terms.append(_drag_terms(arrays, i, on[i]))
             stiffness.append(0.0)
             dashpot.append(foundations.alpha[on[i]] * slots.mass[i])
+    for i in np.flatnonzero(slots.geometric).tolist():
+        terms.append([(i, 1.0), (i - 1, -1.0)] if slots.couple[i] else [(i, 1.0)])
+        stiffness.append(-float(slots.geometric[i]))
+        dashpot.append(0.0)
     springs = len(terms)
     terms += [[(int(links.left[e]), 1.0), (int(links.right[e]), -1.0)] for e in range(links.number)]
     mass = np.concatenate((slots.mass, np.where(rocks, foundations.inertia, 1.0)))

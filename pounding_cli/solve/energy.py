@@ -15,8 +15,8 @@ AT_REST = {"kinetic": 0.0, "stored": 0.0, "links_stored": 0.0}
 
 
 def held(scene: Scene, arrays: Arrays, state: State, ledger: Ledger | None = None) -> dict[str, float]:
-    """Energy in the scene now [J]: kinetic, stored in storeys and foundations, stored in links. What storeys hold is in
-    the ledger of a run that has come to this state."""
+    """Energy in the scene now [J]: kinetic, stored in storeys and foundations less what their weights have lost by
+    leaning (P-Delta), stored in links. What storeys hold is in the ledger of a run that has come to this state."""
     foundations = arrays.foundations
     kinetic = 0.5 * float(arrays.slots.mass @ state.v**2)
     if ledger is None or not arrays.slots.branch.any():
@@ -28,6 +28,8 @@ def held(scene: Scene, arrays: Arrays, state: State, ledger: Ledger | None = Non
         if np.isfinite(foundations.inertia[f]):
             kinetic += 0.5 * float(foundations.inertia[f]) * float(state.phi_v[f]) ** 2
             stored += 0.5 * float(foundations.stiffness[f]) * float(state.phi[f]) ** 2
+    leans = state.u - arrays.slots.couple * np.concatenate(([0.0], state.u[:-1]))
+    stored -= 0.5 * float(arrays.slots.geometric @ leans**2)  # fault: p-delta-energy
     return {"kinetic": kinetic, "stored": stored, "links_stored": _in_links(scene, arrays, state)}
 
 
@@ -44,7 +46,8 @@ def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State
     """The ledger [J]; `residual` is what is missing over the largest entry [-].
 
     input : work of the ground, plus what the scene held at the start
-    kinetic, stored, links_stored : held at the end
+    kinetic, stored, links_stored : held at the end; of P-Delta what the weights have lost in height counts as stored
+        less than nothing
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
     now = held(scene, arrays, state, ledger)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.laws import storey_laws
-from pounding_cli.model.building import Building
+from pounding_cli.model.building import Building, UnstableError, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
@@ -21,7 +21,7 @@ from pounding_cli.words import counted
 FLOOR_TOLERANCE = 1e-3
 """Floors of two buildings within this difference in elevation face each other [m]."""
 
-_PER_STOREY = ("mass", "height", "hardening", "stiffness", "yield_shear")
+_PER_STOREY = ("mass", "height", "hardening", "stiffness", "yield_shear", "p_delta")
 
 
 def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> Building | None:
@@ -43,6 +43,9 @@ def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, faults: 
     if not faults.problems and storeys is not None:
         try:
             built = _derived(name, spec, storeys, design, foundation, parameters)
+        except UnstableError as error:
+            hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
+            faults.at(root, (*path, "p_delta"), str(error), hint)
         except (ValueError, FloatingPointError) as error:
             faults.at(root, path, str(error), "check the building's masses, heights, period and stiffness")
     told.extend(faults.problems)
@@ -60,7 +63,8 @@ def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) 
                 root,
                 (*path, key),
                 f"{key} has {counted(length, 'value')} for {counted(storeys, 'storey')}",
-                f"write {counted(storeys, 'value')} from the ground up, or one for all",
+                f"write {counted(storeys, 'value')} from the ground up, or "
+                + ("`true` for the weight of the floors above" if key == "p_delta" else "one for all"),
             )
     return storeys
 
@@ -160,7 +164,10 @@ def _derived(
         alpha, beta = rayleigh_factors(mass, stiffness, spec.damping)
     law = storey_laws()[spec.storey_law]
     alpha, beta = float(alpha), float(beta)
-    return Building(name, mass, height, stiffness, yield_shear, hardening, alpha, beta, foundation, law, parameters)
+    load = (weight_above(mass) if spec.p_delta else None) if isinstance(spec.p_delta, bool) else np.array(spec.p_delta)
+    return Building(
+        name, mass, height, stiffness, yield_shear, hardening, alpha, beta, foundation, law, parameters, load
+    )
 
 
 def _filled(value: Any, storeys: int) -> np.ndarray:

@@ -127,6 +127,7 @@ class Study:
                 "alpha": building.alpha,
                 "beta": building.beta,
                 "period": float(building.periods[0]),
+                **({} if building.gravity_load is None else {"theta": building.stability_coefficient.tolist()}),
             }
         plain["places"] = list(places(self.model.group))
         gaps = self.separations(base)[:-1].tolist()

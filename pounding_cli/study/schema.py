@@ -66,6 +66,9 @@ YieldShears = Annotated[
     Annotated[tuple[Force, ...], _STOREYS, Tag("list")] | Annotated[Literal["never"], Tag("one")], _EITHER
 ]
 
+StoreyLoad = Annotated[float, limited(units.FORCE, name="weight on a storey", example="9000 kN", open_low=False)]
+PDelta = Annotated[Annotated[tuple[StoreyLoad, ...], _STOREYS, Tag("list")] | Annotated[bool, Tag("one")], _EITHER]
+
 
 Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
 
@@ -195,6 +198,11 @@ class _BuildingSpec(Model):
         None, description="storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
     storey_law: StoreyKind = optional("bilinear", description="how storeys yield and unload")
+    p_delta: PDelta = optional(
+        False,
+        description="P-Delta, the push of the weight on a storey that drifts: `true` for the weight of "
+        "the floors above, or the weight on every storey [N], a list",
+    )
     foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
 
 

@@ -20,6 +20,7 @@ CONNECTED = f"{VERIFICATION}/test_connected_pair.py::test_two_free_masses_on_a_c
 THROW = f"{VERIFICATION}/test_hysteresis.py::test_throw_of_an_undamped_storey"
 EVENTS = f"{VERIFICATION}/test_event_reference.py::test_pounding"
 YIELDING = f"{VERIFICATION}/test_event_reference.py::test_yielding_connected_pair_with_a_tail"
+P_DELTA = f"{VERIFICATION}/test_p_delta.py"
 LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
 FOUNDED = f"{VERIFICATION}/test_foundation.py::test_shaken_building_against_exact_stepping"
 ENERGIES = f"{VERIFICATION}/test_energy.py"
@@ -174,6 +175,24 @@ STOREYS = [
         "a storey keeps the stiffness of the branch that it leaves",
         "pass",
         THROW,
+    ),
+    Mutant(
+        "p-delta-below",
+        "P-Delta stiffens a storey",
+        (" - slots[of(i, c.GEOMETRIC)]", " + slots[of(i, c.GEOMETRIC)]"),
+        f"{P_DELTA}::test_slope_after_yield",
+    ),
+    Mutant(
+        "p-delta-energy",
+        "what the weights lose in height is counted twice",
+        ("0.5 * ", ""),
+        f"{P_DELTA}::test_slope_after_yield",
+    ),
+    Mutant(
+        "unstable-at-rest",
+        "a storey without any stiffness left is run",
+        ("theta >= 1", "theta > 1"),
+        f"{P_DELTA}::test_unstable_at_rest_is_refused",
     ),
     Mutant("storey-remembers", "plastic drift of the wrong side", ("DRIFT + limit", "DRIFT - limit"), THROW),
     Mutant(

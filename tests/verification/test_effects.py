@@ -69,6 +69,8 @@ RIGID = Foundation(2e5, 1e19, 0.0, 1e6, 1e21, 0.0)
 NEUTRAL = {
     "yielding storeys": (_rebuilt(yield_shear=lambda b: b.yield_shear * np.inf), _linked(), INELASTIC,
                          _rebuilt(yield_shear=lambda b: b.yield_shear * 1e6), _linked()),
+    "P-Delta": ((STIFF, SOFT), _linked(), INELASTIC,
+                _rebuilt(gravity_load=lambda b: 1e-12 * b.stiffness * b.height), _linked()),
     "foundation motions": ((STIFF, SOFT), _linked(), INELASTIC, _rebuilt(foundation=lambda b: RIGID), _linked()),
     "mass-proportional damping": (_rebuilt(alpha=lambda b: 0.0), _linked(), ELASTIC,
                                   _rebuilt(alpha=lambda b: 1e-14), _linked()),

@@ -50,6 +50,9 @@ MOTION = Motion("still", 0.01, np.zeros(3))
         ({"alpha": -1.0}, "alpha is -1"),
         ({"beta": math.inf}, "beta"),
         ({"height": [3.0]}, "shape"),
+        ({"gravity_load": [4e6]}, "gravity_load has shape"),
+        ({"gravity_load": [4e6, -2e6]}, "gravity_load of storey 2"),
+        ({"gravity_load": [4e6, 3e8]}, "leaves storey 2 no stiffness: theta"),
         ({k: [] for k in ("mass", "height", "stiffness", "yield_shear", "hardening")}, "no storeys"),
     ],
 )

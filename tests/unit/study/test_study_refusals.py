@@ -81,6 +81,31 @@ CASES = {
         "mass has 2 values for 3 storeys",
         "write 3 values",
     ),
+    "weights of another building": (
+        STIFF,
+        "stiff: {storeys: 3, period: 0.36 s, p_delta: §[9 MN, 6 MN]}",
+        "p_delta has 2 values for 3 storeys",
+        "write 3 values from the ground up, or `true`",
+    ),
+    "negative weight": (
+        STIFF,
+        "stiff: {storeys: 3, period: 0.36 s, p_delta: [9 MN, 6 MN, §-3 MN]}",
+        "the weight on a storey is -3e+06 N",
+        "e.g. 9000 kN",
+    ),
+    "unstable at rest": (
+        STIFF,
+        "stiff: {storeys: 3, period: 8 s, mass: 200 t, p_delta: §true}",
+        "stiff: P-Delta leaves storey 1 no stiffness: theta = P / (k h) is ",
+        "make it, or its foundation, stiffer",
+    ),
+    "overturned on its foundation": (
+        SOFT,
+        "soft: {like: stiff, period: 0.60 s, p_delta: §true, "
+        "foundation: {inertia: 100 t m2, rocking_stiffness: 3e7 N m}}",
+        "soft: its weight overturns it on its rocking foundation",
+        "make it, or its foundation, stiffer",
+    ),
     "stiffness beside period": (
         STIFF,
         "stiff: {storeys: 3, period: 0.36 s, §stiffness: [3e9, 2e9, 1e9]}",

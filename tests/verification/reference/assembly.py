@@ -17,7 +17,7 @@ class Coordinates:
     drift : all storeys of all buildings from all coordinates, shape (storeys, N)
     closing : u_left - u_right of every link, shape (links, N)
     mass, damping : M (diagonal entries, (N,)) and C of buildings and foundations without the links, (N, N)
-    springs : foundation springs, (N, N)
+    springs : foundation springs, and the weights that lean on the columns (P-Delta), (N, N)
     loaded : -a_g loaded is the force of the ground, (N,)
     stiffness, yield_drift, hardening : of every storey, in the order of `drift`
     """
@@ -68,6 +68,11 @@ def coordinates(scene: Scene) -> Coordinates:
         storeys = deformation.copy()
         storeys[1:] -= deformation[:-1]
         rows.append(storeys)
+        if b.gravity_load is not None:
+            above = np.eye(total)[at]
+            below = np.vstack((np.zeros(total) if base is None else np.eye(total)[base], above[:-1]))
+            for load, h, lean in zip(b.gravity_load, b.height, above - below, strict=True):
+                springs -= load / h * np.outer(lean, lean)  # the top of a column is lower by lean^2 / (2 h)
         fixed = sum(k * np.outer(r, r) for k, r in zip(b.stiffness, storeys[:, at], strict=True))
         rayleigh = b.alpha * np.diag(b.mass) + b.beta * fixed  # eq. (4), on the deformations of eq. (2)
         damping += deformation.T @ rayleigh @ deformation
