@@ -53,7 +53,7 @@ Scene = namedtuple("Scene", "slots elements links state peaks")
 """The arrays of a scene as pointers (`layout`)."""
 
 Point = namedtuple("Point", "u v a drift shear storeys force")
-"""A state and what it causes: by freedom u, v, a [m, m/s, m/s2; rad of rocking angles]; by slot drift and shear
+"""A state and what it causes: by slot u, v, a [m, m/s, m/s2]; by slot drift and shear
 [m, N] and the storeys' branches (`storey_law.Storeys`); by element its force with its dashpot's [N]."""
 
 _BY_FREEDOM, _BY_SLOT = 3, 4 + MEMORIES
@@ -119,11 +119,9 @@ def _raise_ends(scene, p, ground):
     for i in range(size):
         peaks.drift[i] = max(peaks.drift[i], abs(p.drift[i]))
         peaks.shear[i] = max(peaks.shear[i], abs(p.shear[i]))
-        peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.real[i]))
+        peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.loaded[i]))
         peaks.displacement_max[i] = max(peaks.displacement_max[i], p.u[i])
         peaks.displacement_min[i] = min(peaks.displacement_min[i], p.u[i])
-    for f in range(elements.freedoms - size):
-        peaks.rocking[f] = max(peaks.rocking[f], abs(p.u[size + f]))
     for e in range(links.number):
         peaks.closing[e] = max(peaks.closing[e], deformation(elements, elements.springs + e, p.u))
         peaks.force[e] = max(peaks.force[e], abs(p.force[elements.springs + e]))
@@ -185,7 +183,7 @@ def march(
     """
     slots, elements, links = slot_pointers(slot_arrays), element_pointers(element_arrays), link_pointers(link_arrays)
     scene = Scene(slots, elements, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
-    state, size, count = scene.state, slots.size, elements.freedoms - slots.size
+    state, size = scene.state, slots.size
     place = pointer(memory)
     each = point_size(slots, elements)
     p, out = point(place, slots, elements), point(further(place, each), slots, elements)
@@ -196,8 +194,6 @@ def march(
         p.storeys.branch[i] = state.storey_branch[i]
     for m in range(MEMORIES * size):
         p.storeys.memory[m] = state.storey_memory[m]
-    for f in range(count):
-        p.u[size + f], p.v[size + f] = state.phi[f], state.phi_v[f]
     for i in range(size):
         p.drift[i] = deformation(elements, i, p.u)
     whole = dt / parts
@@ -249,8 +245,6 @@ def march(
             state.storey_branch[i] = int(p.storeys.branch[i])
             for m in range(i, MEMORIES * size, size):
                 state.storey_memory[m] = p.storeys.memory[m]
-    for f in range(count):
-        state.phi[f], state.phi_v[f] = p.u[size + f], p.v[size + f]
     return DONE, steps, tally[EVENTS], tally[ITERATIONS], starts.size * dt
 
 

@@ -167,7 +167,7 @@ class Prepared:
                 f"the motion would grow without bound: take a time step below {self.limit:.2g} s, or method: taylor"
             )
         if outcome != "done":  # no number of a run that failed is ever shown
-            for numbers in (*peaks[1:-1], state.u, state.v, state.phi):
+            for numbers in (*peaks[1:-1], state.u, state.v):
                 numbers.fill(np.nan)
         buildings, links = unpack(scene, arrays, state, peaks)
         note = self.code.note(steps, events)
