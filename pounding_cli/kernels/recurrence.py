@@ -136,6 +136,12 @@ def _judged(small, exceeding, k):
     return small, small > 1 and k >= MIN_ORDER
 
 
+@njit(**PART)
+def no_orders():
+    """(0, 0) to count from: with a plain 0 numba would compile what is given the number twice."""
+    return np.int64(0), np.int64(0)
+
+
 @njit(**CALLED)
 def _expand_all(run, terms, any_closed, curved, cut, pinned_at_event, max_order, has_terms):
     """The series of any number of slots."""
@@ -145,9 +151,8 @@ def _expand_all(run, terms, any_closed, curved, cut, pinned_at_event, max_order,
     zero = splat(0.0)
     h = splat(run.clock[H])
     ground = splat(run.clock[GROUND])
-    small = 0
+    small, k = no_orders()
     before = splat(1.0)
-    k = 0
     while True:
         after = h * run.reciprocal[k + 1]
         if any_closed != 0:
@@ -204,9 +209,8 @@ def _expand_one(run, max_order):
     u = load(run.W, a - run.padded)
     u_left, u_right = from_left(zero, u), from_right(u, zero)
     w = load(run.W, a)
-    small = 0
+    small, k = no_orders()
     before = splat(1.0)
-    k = 0
     while True:
         after = h * run.reciprocal[k + 1]
         w_left, w_right = from_left(zero, w), from_right(w, zero)  # fault: alone-neighbours-rates
@@ -243,9 +247,8 @@ def _expand_two(run, any_closed, curved, pinned_at_event, max_order):
     v = zero
     if any_closed != 0:
         v = load(run.series, c.at_term(run, 0, e, c.CLOSING_TERM))
-    small = 0
+    small, k = no_orders()
     before = splat(1.0)
-    k = 0
     while True:
         after = h * run.reciprocal[k + 1]
         w_left, w_right, y_left, y_right = from_left(zero, w), from_right(w, y), from_left(w, y), from_right(y, zero)

@@ -170,6 +170,44 @@ def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
 
 
 @njit(**INLINE)
+def _begin(scene, p):
+    """The point p at the state that the run starts from."""
+    state, size = scene.state, scene.slots.size
+    for i in range(size):
+        p.u[i], p.v[i] = state.u[i], state.v[i]
+        p.storeys.branch[i] = state.storey_branch[i]
+    for m in range(MEMORIES * size):
+        p.storeys.memory[m] = state.storey_memory[m]
+    for i in range(size):
+        p.drift[i] = deformation(scene.elements, i, p.u)
+
+
+@njit(**INLINE)
+def _end(scene, p, located):
+    """The state at the point p, where the run ends."""
+    state, size = scene.state, scene.slots.size
+    for i in range(size):
+        state.u[i], state.v[i] = p.u[i], p.v[i]
+        if not located:
+            state.storey_branch[i] = int(p.storeys.branch[i])
+            for m in range(i, MEMORIES * size, size):
+                state.storey_memory[m] = p.storeys.memory[m]
+
+
+@njit(**INLINE)
+def _observe(scene, scratch, p, out, h, ground, last, slope, between, located):
+    """What a step from p to `out` adds to peaks, impulses, contact times and impacts."""
+    if h > 0.0:
+        # Accelerations jump with the contact forces: a parabola over a jump has peaks that are not there.
+        smooth = located or not _passes_over_contact(scene.elements, scene.links, scene.peaks, p, out)
+        if between:
+            _raise_inside(scene, scratch, p, out, h, ground, h * slope, located, smooth)
+        else:
+            _hold_links(scene, p, out, h)
+    _raise_ends(scene, out, last)
+
+
+@njit(**INLINE)
 def march(
     advance, after, between, located, inelastic, slot_arrays, element_arrays, link_arrays, state_arrays,
     peak_arrays, memory, tally, starts, slopes, dt, parts, max_events,
@@ -183,19 +221,12 @@ def march(
     """
     slots, elements, links = slot_pointers(slot_arrays), element_pointers(element_arrays), link_pointers(link_arrays)
     scene = Scene(slots, elements, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
-    state, size = scene.state, slots.size
     place = pointer(memory)
     each = point_size(slots, elements)
     p, out = point(place, slots, elements), point(further(place, each), slots, elements)
     scratch = further(place, 2 * each)
     own = further(scratch, POLYNOMIAL_SIZE)
-    for i in range(size):
-        p.u[i], p.v[i] = state.u[i], state.v[i]
-        p.storeys.branch[i] = state.storey_branch[i]
-    for m in range(MEMORIES * size):
-        p.storeys.memory[m] = state.storey_memory[m]
-    for i in range(size):
-        p.drift[i] = deformation(elements, i, p.u)
+    _begin(scene, p)
     whole = dt / parts
     steps = 0
     events_at_instant = 0
@@ -218,33 +249,21 @@ def march(
                     return verdict, steps, tally[EVENTS], tally[ITERATIONS], segment * dt + part * whole
                 steps += 1
                 last = ground + h * slope
-                if h > 0.0:
-                    events_at_instant = 0
-                    # Accelerations jump with the contact forces: a parabola over a jump has peaks that are not there.
-                    smooth = located or not _passes_over_contact(elements, links, scene.peaks, p, out)
-                    if between:
-                        _raise_inside(scene, scratch, p, out, h, ground, h * slope, located, smooth)
-                    else:
-                        _hold_links(scene, p, out, h)
-                _raise_ends(scene, out, last)
+                events_at_instant = 0 if h > 0.0 else events_at_instant
+                _observe(scene, scratch, p, out, h, ground, last, slope, between, located)
                 p, out = out, p
                 gone += h
                 if after(scene, p, own, h > 0.0, last, inelastic):
                     fill_forces(scene, p, last, inelastic, located)
                     _raise_ends(scene, p, last)
                     events_at_instant += 1
-                    if events_at_instant > 20 + 4 * (size + links.size):
+                    if events_at_instant > 20 + 4 * (slots.size + links.size):
                         return STALLED, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
                 if tally[EVENTS] > max_events:
                     return EVENT_BOUND, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
             if not np.isfinite(p.u[0] + p.v[0]) or abs(p.u[0]) > DIVERGED:
                 return NOT_FINITE, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
-    for i in range(size):
-        state.u[i], state.v[i] = p.u[i], p.v[i]
-        if not located:
-            state.storey_branch[i] = int(p.storeys.branch[i])
-            for m in range(i, MEMORIES * size, size):
-                state.storey_memory[m] = p.storeys.memory[m]
+    _end(scene, p, located)
     return DONE, steps, tally[EVENTS], tally[ITERATIONS], starts.size * dt
 
 

@@ -307,7 +307,7 @@ def _march(other_step, run, terms, programs, settings, pinned_at_event):
         renew_scale(run)
         if pinned_at_event and clock[END] > 0.0:
             unpin(run)
-            pinned_at_event = False
+            pinned_at_event = np.bool_(False)
         if link:
             link_event(run)
         elif storeys:
@@ -368,14 +368,14 @@ def _guess_islands(run, row, use_islands):
 def _solve_islands(solve_island, run, row, terms, programs, settings):
     """Solve every island that is not solved yet; returns an outcome, or -1."""
     notes = row.notes
-    left = 0
+    left = np.int64(0)  # with a plain 0 numba would compile what is given the number twice
     while left < row.number:
         right = last_of(notes, left)
         if notes[left * NOTE_COUNT + SOLVED] == 0:
             select_island(run, row, left, right)
             if left > 0 or right + 1 < row.number:
                 save_checkpoint(run, row)
-            pinned_at_event = False
+            pinned_at_event = np.bool_(False)  # likewise
             for b in range(left, right + 1):
                 pinned_at_event = pinned_at_event or notes[b * NOTE_COUNT + PINNED] > 0
             for b in range(run.slot_start, run.slot_stop, 8):
@@ -460,7 +460,7 @@ def _integrate(
     run.clock[SEGMENT_LENGTH] = length
     run.clock[LEAST_SCALE] = least_scale
     status = -1
-    segment = 0
+    segment = np.int64(0)  # likewise
     while segment < starts.size:
         run.tally[SEGMENT] = segment
         if history.segments > 0:

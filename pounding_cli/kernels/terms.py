@@ -6,6 +6,7 @@ one by one, since several may push one degree of freedom."""
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit, types
 
 from pounding_cli.kernels import cells as c
@@ -59,7 +60,7 @@ def start_points(run, terms):
         run.slots[of(i, c.MASS)] = terms.mass[p]
         run.slots[of(i, c.INVERSE_MASS)] = 1.0 / terms.mass[p]
     follow_points(run, terms, run.W, -run.padded)
-    follow_points(run, terms, run.W, 0)
+    follow_points(run, terms, run.W, np.int64(0))
 
 
 @njit(**CALLED)

@@ -229,7 +229,8 @@ CASES = {
         GAP,
         "gap: §{gap: 5 cm}",
         "'link' is missing",
-        "`link: pounding`, infill, connector, damper, hertz, hertz-damp, jankowski, bilinear or none",
+        "`link: pounding`, infill, connector, damper, viscous, maxwell, friction, hertz, hertz-damp, jankowski, "
+        "bilinear or none",
     ),
     "case without gap": (GAP, "gap: §{link: pounding}", "'gap' is missing", "gap: 0 cm"),
     "unknown link": (GAP, "gap: {link: §bumper, gap: 5 cm}", "'bumper' is not known", "'pounding', 'infill'"),
