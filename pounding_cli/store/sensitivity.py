@@ -120,7 +120,7 @@ def _rows(question: Question, found: _Outputs) -> Iterator[_Row]:
     for place in found.places:
         y = found.values[place]
         failed = int(np.isnan(y).sum())
-        outcome = FOUND if not failed else f"refused: {failed} of {y.size} samples gave no number"  # fault: no-index
+        outcome = FOUND if not failed else f"refused: {failed} of {y.size} samples gave no number"
         if not failed and np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0):
             outcome = CONSTANT
         numbers: list[dict[str, float]] = [{} for _ in question.factors]
