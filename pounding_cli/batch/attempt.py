@@ -94,7 +94,7 @@ class Task:
             problem = refused.problems[0]
             return self.without(scene, f"refused: {problem.message}", problem.hint)
         except Exception as error:  # one scene must not take the others with it
-            advice = "this is a fault of the program: please report it with the study file"
+            advice = "this is an internal error: please report it with the study file"
             return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
 
     def _respond_or_prove(self, scene: Scene) -> Response:

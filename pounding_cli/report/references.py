@@ -107,6 +107,26 @@ REFERENCES = {
             "non-linear viscoelastic model of structural pounding", _EESD, "35(4)", "517--524", "10.1002/eqe.537",
         ),
         _article(
+            "zhang2000", "Zhang, W. S. & Xu, Y. L.", 2000,
+            "Vibration analysis of two buildings linked by Maxwell model-defined fluid dampers",
+            "Journal of Sound and Vibration", "233(5)", "775--796", "10.1006/jsvi.1999.2735",
+        ),
+        _article(
+            "lin2002", "Lin, W.-H. & Chopra, A. K.", 2002,
+            "Earthquake response of elastic SDF systems with non-linear fluid viscous dampers", _EESD, "31(9)",
+            "1623--1642", "10.1002/eqe.179",
+        ),
+        _article(
+            "pall1982", "Pall, A. S. & Marsh, C.", 1982,
+            "Response of friction damped braced frames", "Journal of the Structural Division, ASCE", "108(6)",
+            "1313--1323",
+        ),
+        _article(
+            "bhaskararao2006", "Bhaskararao, A. V. & Jangid, R. S.", 2006,
+            "Seismic analysis of structures connected with friction dampers", "Engineering Structures", "28(5)",
+            "690--703", "10.1016/j.engstruct.2005.09.020",
+        ),
+        _article(
             "ye2009", "Ye, K., Li, L. & Zhu, H.", 2009,
             "A note on the Hertz contact model with nonlinear damping for pounding simulation", _EESD, "38",
             "1135--1142", "10.1002/eqe.883",

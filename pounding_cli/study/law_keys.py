@@ -79,7 +79,8 @@ def _kind(laws: Mapping[str, type[Law]], law: type[Law], name: str, given: Any, 
         known = dict.fromkeys(words_of(one, name) for one in laws.values() if name in own_parameters(one))
         choice: Any = Literal[tuple(dict.fromkeys(str(word) for some in known for word in some or ()))]
         # Laws of one key that know different words for it: whoever builds the law picks its own.
-        return Annotated[choice, AfterValidator(given)] if len(known) == 1 else choice
+        # A function: from Python 3.12 on pydantic takes the signature of an Enum for that of another kind of validator.
+        return Annotated[choice, AfterValidator(lambda word: given(word))] if len(known) == 1 else choice
     if declared.unit == "N/m":
         return Annotated[float | StiffnessRule, STIFFNESS_FORM]
     unit = "" if declared.unit == "-" else declared.unit

@@ -235,7 +235,9 @@ class _LinkSpec(Model):
     link: LinkKind | None = optional(None, description="what stands between the floors")
     gap: Gap | None = optional(None, description="initial distance d [m]", examples=["5 cm", "0 cm"])
     stiffness: LinkStiffness | None = optional(
-        None, description="s_imp, s_mat or s_con [N/m]; infill and connector: 1/5 mean storey unless given"
+        None,
+        description="s_imp, s_mat, s_con or k [N/m]; unless given 1/5 mean storey of infill and connector, "
+        "1 x mean storey of maxwell and friction",
     )
     restitution: Restitution | None = optional(None, description="coefficient of restitution e [-]")
     damping_ratio: DampingShare | None = optional(None, description="damping ratio [-], instead of restitution")

@@ -82,6 +82,30 @@ LINKS = [
         f"{VERIFICATION}/test_damper.py::test_two_free_masses",
     ),
     Mutant(
+        "friction-slips",
+        "a friction damper that slips pushes half as much",
+        ("offset=force", "offset=0.5 * force"),
+        f"{VERIFICATION}/test_connectors.py::test_friction_of_two_free_masses",
+    ),
+    Mutant(
+        "maxwell",
+        "a Maxwell damper whose dashpot takes the rate of the spring alone",
+        ("(k / c)", "(0.5 * k / c)"),
+        f"{VERIFICATION}/test_connectors.py::test_maxwell_of_two_free_masses",
+    ),
+    Mutant(
+        "memory-flows",
+        "the memory of a Maxwell damper moves by the first order of its rate",
+        ("product_term(p.B, rate, k - 1)", "product_term(p.B, rate, 0)"),
+        f"{VERIFICATION}/test_connectors.py::test_maxwell_of_two_free_masses",
+    ),
+    Mutant(
+        "viscous",
+        "the power of a viscous damper is that of the square root of the rate",
+        ("0.25 * (a - 1.0)", "0.125 * (a - 1.0)"),
+        f"{VERIFICATION}/test_connectors.py::test_viscous_of_two_free_masses",
+    ),
+    Mutant(
         "link-that-strikes",
         "of links between the same floors the first keeps the row of the floors, whatever it is",
         ("if links[number].law.subtracts_gap", "if True"),
