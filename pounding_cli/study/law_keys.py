@@ -87,3 +87,18 @@ def _kind(laws: Mapping[str, type[Law]], law: type[Law], name: str, given: Any, 
     words = name.replace("_", " ")
     low, high, ends = declared.low, declared.high, (declared.open_low, declared.open_high)
     return Annotated[float, Quantity(words, unit, f"1 {unit}".strip(), low, high, *ends)]
+
+
+def quantity_of(law: type[Law], name: str, example: str, absent: bool = False) -> Quantity:
+    """How a study writes a parameter that a law declares; `absent`: 0 stands for what is not there."""
+    declared: Parameter = law.parameters()[name].metadata["parameter"]
+    words = name.replace("_", " ")
+    unit = declared.unit.removesuffix("/rad")
+    return Quantity(
+        words, unit, example, declared.low, declared.high, declared.open_low and not absent, declared.open_high
+    )
+
+
+def words_about(law: type[Law], name: str) -> str:
+    """What a parameter that a law declares means, with its unit."""
+    return law.parameters()[name].metadata["parameter"].words
