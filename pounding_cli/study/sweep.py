@@ -111,8 +111,8 @@ def read_axes(root: Node, problems: Problems) -> tuple[SweepAxis, ...]:
 def _key(name: str, holder: Node, root: Node, problems: Problems) -> bool:
     mark = (holder.keys or {})[name]
     path = tuple(name.split("."))
-    whole = path[0] in ("records", "buildings", "impact", "cases") and len(path) < (
-        3 if path[0] in ("buildings", "cases") else 2
+    whole = path[0] in ("records", "buildings", "impact", "cases", "laws") and len(path) < (
+        3 if path[0] in ("buildings", "cases", "laws") else 2
     )
     if path[0] in FIXED or path[:2] == ("records", "use") or path[-1] == "like":
         problems.add(mark, f"'{name}' cannot be an axis: it is one for the whole study", "run one study for each value")
