@@ -1,4 +1,4 @@
-"""The laws of links and storeys, one file each. A new law is a file here and a line in `BUILT_IN`.
+"""The laws of links, storeys and foundation springs, one file each. A new law is a file here and a line in `BUILT_IN`.
 
 Other packages add laws of theirs by an entry point of the group `pounding_cli.laws` that names the law's class."""
 
@@ -11,6 +11,7 @@ from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.damper import Damper
+from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.laws.friction import Friction
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
@@ -36,6 +37,8 @@ BUILT_IN: tuple[type[Law], ...] = (
     BilinearContact,
     Bilinear,
     PeakOriented,
+    Sway,
+    Rocking,
 )
 """In the order in which reference pages list them."""
 

@@ -170,6 +170,21 @@ REFERENCES = {
             "efron1993", "book", "Efron, B. & Tibshirani, R. J.", 1993, "An introduction to the bootstrap",
             (("publisher", "Chapman & Hall"), ("address", "New York")),
         ),
+        _article(
+            "saltelli2010", "Saltelli, A., Annoni, P., Azzini, I., Campolongo, F., Ratto, M. & Tarantola, S.", 2010,
+            "Variance based sensitivity analysis of model output. Design and estimator for the total sensitivity index",
+            "Computer Physics Communications", "181(2)", "259--270", "10.1016/j.cpc.2009.09.018",
+        ),
+        _article(
+            "campolongo2007", "Campolongo, F., Cariboni, J. & Saltelli, A.", 2007,
+            "An effective screening design for sensitivity analysis of large models",
+            "Environmental Modelling & Software", "22(10)", "1509--1518", "10.1016/j.envsoft.2006.10.004",
+        ),
+        _article(
+            "iwanaga2022", "Iwanaga, T., Usher, W. & Herman, J.", 2022,
+            "Toward SALib 2.0: advancing the accessibility and interpretability of global sensitivity analyses",
+            "Socio-Environmental Systems Modelling", "4", "18155", "10.18174/sesmo.18155",
+        ),
         Reference(
             "asce2010", "manual", "American Society of Civil Engineers", 2010,
             "Minimum design loads for buildings and other structures, ASCE/SEI 7-10",

@@ -30,6 +30,7 @@ ARIAS = f"{UNIT}/records/test_intensity.py::test_arias_of_a_triangle_is_exact"
 SCALING = f"{UNIT}/records/test_scaling.py::test_arias_factor_reaches_the_target_motion"
 CODE = f"{UNIT}/model/test_code_design.py"
 STIFFNESS = f"{UNIT}/model/test_stiffness.py"
+SENSITIVITY = f"{UNIT}/sensitivity/test_sensitivity_runs.py"
 
 LINKS = [
     Mutant("dashpot-mass", "eq. (7) with m' upside-down, as printed", ("is DashpotLaw", "is not DashpotLaw"), IMPACT),
@@ -646,4 +647,21 @@ HISTORIES = [
     ),
 ]
 
-MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + METHODS + DESIGN + GROUND + OTHERS + PRUNING + HISTORIES
+ANSWERS = [
+    Mutant(
+        "harder-try",
+        "a scene that failed is not solved more finely",
+        ("task._caught(scene, task.respond, scene, False)", "response"),
+        f"{SENSITIVITY}::test_scenes_that_a_harder_try_cures_cost_no_index",
+    ),
+    Mutant(
+        "level-of-morris",
+        "a level of Morris stands for the low end of its share of the probability",
+        ("+ 0.5", "+ 0.0"),
+        f"{SENSITIVITY}::test_morris_ranks_the_keys",
+    ),
+]
+
+MUTANTS: list[Mutant] = [
+    *LINKS, *STOREYS, *MOTION, *ENERGY, *METHODS, *DESIGN, *GROUND, *OTHERS, *PRUNING, *HISTORIES, *ANSWERS,
+]  # fmt: skip

@@ -175,7 +175,7 @@ CASES = {
         "'inertia' is missing: 'rocking_stiffness' needs it",
         "above 0",
     ),
-    "group of strangers": (
+    "group of unknown names": (
         GROUP,
         "group: [stiff, §sofft]",
         "no building 'sofft' is defined",
@@ -598,7 +598,7 @@ def test_problem_inside_a_record_file_keeps_its_own_place(refused, tmp_path):
 
 
 def test_everything_in_one_go(refused):
-    """Problems in six sections, of the file, of its meaning and of its sweep: none hides another."""
+    """Problems in six sections, in syntax, values and sweep, are all reported."""
     problems = refused(
         ("taft", "tafft"),
         ("0.36 s", "0.36 kg"),
