@@ -9,6 +9,7 @@ from numba import njit
 
 from pounding_cli.kernels import program_peaks, program_series
 from pounding_cli.kernels.clock import ORDER
+from pounding_cli.kernels.collapse import first_collapse_on_program
 from pounding_cli.kernels.layout import CALLED, NOT_FINITE, PART, STEP_BOUND
 from pounding_cli.kernels.program_events import find_end, reach_end
 from pounding_cli.kernels.program_peaks import account, track
@@ -65,6 +66,8 @@ def program_step(run, foundations, programs, settings):
     if ratio < 1.0:
         program_series.rescale(run, foundations, p, order, ratio, founded)
     storeys, link, finished = find_end(run, p, inelastic, founded)
+    if settings.watched > 0 and first_collapse_on_program(run, p, founded):
+        storeys, link, finished = False, False, False
     reach_end(run, foundations, p, founded)
     account(run, foundations, p, settings.nodes, settings.weights, inelastic, founded)
     track(run, foundations, p, inelastic, founded)

@@ -19,6 +19,7 @@ from pounding_cli.kernels.branches import held_accelerations
 from pounding_cli.kernels.forces import accelerations, closing, deformation
 from pounding_cli.kernels.law_table import NO_BRANCH
 from pounding_cli.kernels.layout import (
+    COLLAPSED,
     DONE,
     EVENT_BOUND,
     INLINE,
@@ -172,6 +173,36 @@ def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
 
 
 @njit(**INLINE)
+def _collapse(scene, p, out):
+    """Where between two points a storey passed the drift at which it counts as collapsed, if it did: part of the step,
+    by a straight line; 2 where none did."""
+    slots, peaks = scene.slots, scene.peaks
+    earliest = 2.0
+    for i in range(slots.size):
+        limit = slots.collapse[i]
+        if peaks.drift[i] > limit:
+            before, after = abs(p.drift[i]), abs(out.drift[i])
+            share = (limit - before) / (after - before) if after > limit else 1.0
+            earliest = min(earliest, max(share, 0.0))
+    return earliest
+
+
+@njit(**INLINE)
+def _give_state(scene, p, located):
+    """The state of a run that ends at the point p."""
+    slots, state = scene.slots, scene.state
+    size, count = slots.size, scene.elements.freedoms - slots.size
+    for i in range(size):
+        state.u[i], state.v[i] = p.u[i], p.v[i]
+        if not located:
+            state.storey_branch[i] = int(p.storeys.branch[i])
+            for m in range(i, MEMORIES * size, size):
+                state.storey_memory[m] = p.storeys.memory[m]
+    for f in range(count):
+        state.phi[f], state.phi_v[f] = p.u[size + f], p.v[size + f]
+
+
+@njit(**INLINE)
 def march(
     advance, after, between, located, inelastic, slot_arrays, element_arrays, link_arrays, state_arrays,
     peak_arrays, memory, tally, starts, slopes, dt, parts, max_events,
@@ -231,7 +262,12 @@ def march(
                     else:
                         _hold_links(scene, p, out, h)
                 _raise_ends(scene, out, last)
+                share = _collapse(scene, p, out)
                 p, out = out, p
+                if share <= 1.0:
+                    _give_state(scene, p, located)
+                    time = segment * dt + part * whole + gone + share * h
+                    return COLLAPSED, steps, tally[EVENTS], tally[ITERATIONS], time
                 gone += h
                 if after(scene, p, own, h > 0.0, last, inelastic):
                     fill_forces(scene, p, last, inelastic, located)
@@ -243,14 +279,7 @@ def march(
                     return EVENT_BOUND, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
             if not np.isfinite(p.u[0] + p.v[0]) or abs(p.u[0]) > DIVERGED:
                 return NOT_FINITE, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
-    for i in range(size):
-        state.u[i], state.v[i] = p.u[i], p.v[i]
-        if not located:
-            state.storey_branch[i] = int(p.storeys.branch[i])
-            for m in range(i, MEMORIES * size, size):
-                state.storey_memory[m] = p.storeys.memory[m]
-    for f in range(count):
-        state.phi[f], state.phi_v[f] = p.u[size + f], p.v[size + f]
+    _give_state(scene, p, located)
     return DONE, steps, tally[EVENTS], tally[ITERATIONS], starts.size * dt
 
 

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.flagged import FlagGroup, flag_groups_of
+from pounding_cli.store.flagged import FlagGroup, failed_scenes, flag_groups_of
 from pounding_cli.store.layout import VARIABLES
 from pounding_cli.words import Unit
 
@@ -193,8 +193,8 @@ class Evidence:
 
     @property
     def failed(self) -> pd.DataFrame:
-        """The scenes whose status is not "done"."""
-        return self.scene[self.scene["status"] != "done"]
+        """The scenes without a result."""
+        return failed_scenes(self.scene)
 
 
 def _by_place(parts: Any) -> dict[tuple[str, str, str], Any]:

@@ -21,7 +21,7 @@ from pounding_cli.solve import law_tables
 from pounding_cli.solve.blank import LANES, Blank, aligned
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
-_BY_SLOT = Slots._fields[1:12]
+_BY_SLOT = Slots._fields[1:13]
 """What is given of every slot (`layout.Slots`)."""
 
 
@@ -91,6 +91,8 @@ def _without_links(
     if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
         for building, span in zip(buildings, floors, strict=True):
             laws[span] = (law if law.can_yield else None for law in building.laws)
+        for building, span in zip(buildings, floors, strict=True):
+            slots.collapse[span] = building.collapse_drift
     slots = slots._replace(memories=law_tables.memories_of(laws))
     memory = np.zeros((MEMORIES, slots.size))
     for i, law in enumerate(laws):
@@ -111,6 +113,7 @@ def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int
         padded, **rows(_BY_SLOT, padded), branch=np.zeros(padded, np.int64), memories=0, branches=nothing,
         guards=nothing, operations=nothing,
     )  # fmt: skip
+    slots.collapse[:] = np.inf
     slots.real[:count] = 1.0  # fault: ground-pushes-floors
     for building, span, base in zip(buildings, floors, bases, strict=True):
         foundation = building.foundation

@@ -101,7 +101,8 @@ def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Foundations]:
 
 def solved_in_islands(scene: Scene, arrays: Arrays) -> bool:
     """Whether buildings that do not touch take steps of their own."""
-    return len(scene.buildings) > ALWAYS_ONE_ISLAND and _allows_islands(*places_of(scene, arrays))
+    several = len(scene.buildings) > ALWAYS_ONE_ISLAND and not effects_of(scene).collapse
+    return several and _allows_islands(*places_of(scene, arrays))
 
 
 def _allows_islands(row: Row, foundations: Foundations) -> bool:
@@ -168,10 +169,21 @@ def prepare(
     memory, integers = aligned(doubles), np.zeros(whole, np.int64)
     kernel, rules = taylor.build(programs), gauss_rules(MAX_POINTS)
     inelastic = all_effects or effects_of(scene).yielding
-    use_islands = not all_effects and _allows_islands(row, foundations)  # fault: stands-apart
+    watched = effects_of(scene).collapse
+    # A collapse ends the run of all buildings at one time, so they are solved together.
+    use_islands = not (all_effects or watched) and _allows_islands(row, foundations)  # fault: stands-apart
     least_scale = least_acceleration_scale(scene, arrays, state)
     events_at_instant = max_events_at_instant(real_slots(arrays), arrays.links.number)
-    settings = inelastic, use_islands, tolerance, least_scale, max_order(tolerance), *bounds, events_at_instant
+    settings = (
+        inelastic,
+        use_islands,
+        watched,
+        tolerance,
+        least_scale,
+        max_order(tolerance),
+        *bounds,
+        events_at_instant,
+    )
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float, history: History = NO_HISTORY):
         memory.fill(0.0)

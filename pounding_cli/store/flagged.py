@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pounding_cli.solve.flags import is_meaningless
+from pounding_cli.solve.response import OUTCOMES
 from pounding_cli.words import Unit, counted
 
 if TYPE_CHECKING:
@@ -97,6 +98,11 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
     ]
     columns = (scene[name] for name in ("case", "analysis", "record", "flags"))
     return flag_groups(map(SceneFlags._make, zip(points, *columns, strict=True)))
+
+
+def failed_scenes(scene: pd.DataFrame) -> pd.DataFrame:
+    """The rows of a table of scenes that have no result; a collapse is one."""
+    return scene[~scene["status"].isin(OUTCOMES)]
 
 
 def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
