@@ -8,7 +8,7 @@ STUDIES := fig6 fig7
 SYSTEMS := fig5 fig8
 PAGES := $(patsubst %,results/%/report.html,$(STUDIES) $(SYSTEMS))
 
-.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench mutants kills fuzz clean
+.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench mutants kills fuzz dist clean
 
 all: figures
 
@@ -91,6 +91,10 @@ fuzz: setup
 	nice -n 5 $(BIN)/python -m tests.hard.damage --tries 1000
 	nice -n 5 $(BIN)/python -m tests.hard.damage_cache --tries 1000
 	nice -n 5 $(BIN)/python -m tests.hard.mutate_input --tries 1000
+
+# Wheel and sdist into dist/, each installed and used away from the source on Python 3.11, 3.12 and 3.13.
+dist:
+	$(PYTHON) -m tests.release
 
 clean:
 	rm -rf results site .venv

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import counted
 from pounding_cli.solve import histories
 from pounding_cli.solve.histories import ENERGIES
 from pounding_cli.store.histories import FIELDS
-from pounding_cli.words import counted
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from pounding_cli import store
 from pounding_cli.api.histories import History
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import counted
 from pounding_cli.store.files import opened, opened_dataset
 from pounding_cli.store.structure import strings
-from pounding_cli.words import counted
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -95,7 +95,11 @@ class Cluster:
                         continue
                     for future in ready:
                         bundle = running.pop(future)
-                        yield from _received(future, bundle, scenes, task, key, queue, suspects)
+                        try:
+                            yield from _received(future, bundle, scenes, task, key, queue, suspects)
+                        except TimeoutError:  # its worker died before it sent the result; Dask runs the bundle again
+                            running[future] = bundle
+                            break
             except (CancelledError, CommClosedError, OSError, TimeoutError) as error:
                 raise _lost(where, error) from None
 
@@ -171,8 +175,13 @@ def _check_workers(client: Client, new: set[str]) -> None:
 
 
 def _closed(client: Client) -> None:
-    """Close the connection, and do not wait for ever: a scheduler that is lost does not say goodbye."""
-    closing = threading.Thread(target=client.close, args=(GOODBYE,), daemon=True)
+    """Close the connection, and do not wait for ever: a scheduler that is lost or busy does not say goodbye in time."""
+
+    def close() -> None:
+        with suppress(Exception):
+            client.close(GOODBYE)
+
+    closing = threading.Thread(target=close, daemon=True)
     closing.start()
     closing.join(GOODBYE)
 

@@ -35,14 +35,14 @@ class Forecast:
     """What will run.
 
     scenes, seconds : (ALONE, PARTS, GROUP or APART, method) -> number of scenes and their expected time on one core [s]
-    spared : case -> scenes of the group that are answered by smaller groups, where that was looked into
+    not_simulated : case -> scenes of the group that are answered by smaller groups, where that was looked into
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
     looked_at, proven : share of the scenes looked at; whether the buildings alone and the smaller groups were run
     """
 
     scenes: Counter[tuple[str, str]] = field(default_factory=Counter)
     seconds: defaultdict[tuple[str, str], float] = field(default_factory=lambda: defaultdict(float))
-    spared: Counter[str] = field(default_factory=Counter)
+    not_simulated: Counter[str] = field(default_factory=Counter)
     kept: Counter[str] = field(default_factory=Counter)
     dropped: Counter[str] = field(default_factory=Counter)
     looked_at: float = 1.0
@@ -88,7 +88,7 @@ def forecast(plan: Plan, prove: bool) -> Forecast:
         _count_effects(found, plan, scene)
         if solver is not None and found.proven:
             if solver.by_proof(scene) is not None:
-                found.spared[cases[digest]] += every
+                found.not_simulated[cases[digest]] += every
                 continue
         elif solver is not None:
             for part in sure_parts(scene):

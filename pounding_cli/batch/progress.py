@@ -10,7 +10,7 @@ import time
 from dataclasses import dataclass
 from typing import Any, Protocol, TextIO
 
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 
 class Progress(Protocol):

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pounding_cli.batch.histories import refuse_loss
+from pounding_cli.numbers import counted
 from pounding_cli.store import PartStore, former_run, stored_chunks
 from pounding_cli.store.files import damage_of
-from pounding_cli.words import counted
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:

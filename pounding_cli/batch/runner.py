@@ -22,6 +22,7 @@ from pounding_cli.batch.progress import Progress, Quiet
 from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
 from pounding_cli.errors import InputError
+from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_output
 from pounding_cli.store import (
     PartStore,
@@ -36,7 +37,6 @@ from pounding_cli.store import (
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.files import is_results, refused_write
 from pounding_cli.store.locks import lock_of
-from pounding_cli.words import counted
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pounding_cli.cli import streams
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.solve.work_precision import Subject, WorkPrecision

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pounding_cli.cli.places import at_option, key_and_value
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

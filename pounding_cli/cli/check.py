@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 MOST_ROWS = 50_000
 """Rows of a study whose combinations of swept values are looked at too."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.store.compare import Comparison

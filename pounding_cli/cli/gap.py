@@ -9,7 +9,7 @@ import click
 
 from pounding_cli.cli import streams
 from pounding_cli.cli.solving import Solving, output_option, solve_study, solving_options, time_text
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.batch import Outcome
@@ -48,7 +48,7 @@ def _summary(path: Path, outcome: Outcome) -> None:
     from rich import box
     from rich.table import Table
 
-    from pounding_cli.report.gap_words import error_sentence, governing, headings, numbers, pair_heading
+    from pounding_cli.report.gap_text import error_sentence, governing, headings, numbers, pair_heading
     from pounding_cli.store import open_results
     from pounding_cli.store.gap import CONFIDENCE
 

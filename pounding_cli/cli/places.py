@@ -11,8 +11,8 @@ import click
 from pounding_cli.errors import InputError, Problem
 
 if TYPE_CHECKING:
+    from pounding_cli.numbers import Unit
     from pounding_cli.store import Results
-    from pounding_cli.words import Unit
 
 at_option = click.option(
     "--at", multiple=True, metavar="KEY=VALUE", help="Value of a swept key; may be given more than once."

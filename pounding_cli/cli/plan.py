@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
     from pounding_cli.laws.law import LinkLaw
+    from pounding_cli.numbers import Unit
     from pounding_cli.study import Plan
-    from pounding_cli.words import Unit
 
 
 WORTH_PROVING = 5.0
@@ -81,7 +81,7 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
     for (what, method), count in sorted(found.scenes.items()):
         lines.append(f"  run      {count:6d} {what}, {method}, about {_time(found.seconds[what, method])}")
     who = "the buildings alone" + (" and smaller groups" if any(what == PARTS for what, _ in found.scenes) else "")
-    for case, count in found.spared.items():
+    for case, count in found.not_simulated.items():
         lines.append(f"  not run  {count:6d} of {case}: gaps that {who} never close")
     lines.append(
         f"  shared   {counted(wanted, 'baseline')} asked for, {len(baselines)} run; "

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from pounding_cli.cli.places import at_option, points_at
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 
 @click.command("report", short_help="Draw the figures and write the tables and the claims.")

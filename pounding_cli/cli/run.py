@@ -9,7 +9,7 @@ import click
 
 from pounding_cli.cli import streams
 from pounding_cli.cli.solving import Solving, output_option, solve_study, solving_options, time_text
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -94,9 +94,11 @@ def _print(found: Overview, outcome: Outcome) -> None:
         click.echo(sentence)
     for group in found.flags:
         click.echo(f"{f'Meaningless ({MEANINGLESS})' if group.meaningless else 'Note'}: {group}")
-    if found.spared:
-        which = "scene, whose gaps never close" if found.spared == 1 else "scenes, whose gaps never close"
-        click.echo(f"Not simulated: {found.spared} {which}; the buildings alone, or smaller groups, give the results")
+    if found.not_simulated:
+        which = "scene, whose gaps never close" if found.not_simulated == 1 else "scenes, whose gaps never close"
+        click.echo(
+            f"Not simulated: {found.not_simulated} {which}; the buildings alone, or smaller groups, give the results"
+        )
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
     worthless = f", {counted(found.meaningless, 'row')} meaningless ({MEANINGLESS})" if found.meaningless else ""
     click.echo(

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pounding_cli.cli.places import at_option, points_at
+from pounding_cli.numbers import counted
 from pounding_cli.texts import cells
-from pounding_cli.words import counted
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:

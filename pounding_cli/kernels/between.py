@@ -58,10 +58,10 @@ def raise_accelerations(slots, peaks, h, ground0, ground1, v0, a0, v1, a1):
     if h < SHORTEST:
         return
     for i in range(slots.size):
-        ground = (ground1 - ground0) * slots.real[i]
+        ground = (ground1 - ground0) * slots.loaded[i]
         change = a1[i] - a0[i]
         bend = 3.0 * change - 6.0 * ((v1[i] - v0[i]) / h - a0[i])
-        first = a0[i] + ground0 * slots.real[i]
+        first = a0[i] + ground0 * slots.loaded[i]
         slope = change + ground - bend
         if slope * (slope + 2.0 * bend) < 0.0:
             top = first - 0.25 * slope * slope / bend

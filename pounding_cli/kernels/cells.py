@@ -23,16 +23,16 @@ from pounding_cli.laws.program import MEMORIES
 # scale, peaks and energies so far, as in `layout.Peaks` and `ledger.Ledger`; what describes a step: values at its start
 # (0) and end (1) and deviations from the chord between them (`summary`).
 (
-    COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, REAL, RISE, ELEVATION, STENCIL_U,
-    STENCIL_U_BELOW, STENCIL_U_ABOVE, STENCIL_V, STENCIL_V_BELOW, STENCIL_V_ABOVE, OFFSET_ACCELERATION, TANGENT, OFFSET,
+    COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, LOADED, STENCIL_U, STENCIL_U_BELOW,
+    STENCIL_U_ABOVE, STENCIL_V, STENCIL_V_BELOW, STENCIL_V_ABOVE, OFFSET_ACCELERATION, TANGENT, OFFSET,
     DRIFT_LOW, DRIFT_HIGH, TURNS, LOST, LOST_SLOPE, STOREY_MEMORY, _, _, _, _, _, SCALE, PEAK_DRIFT, PEAK_SHEAR,
-    PEAK_ACCELERATION,
-    MAX_DISPLACEMENT, MIN_DISPLACEMENT, INPUT_ENERGY, DASHPOT_ENERGY, DRAG_ENERGY, HYSTERESIS_ENERGY, FOUNDATION_FORCE,
+    PEAK_ACCELERATION, MAX_DISPLACEMENT, MIN_DISPLACEMENT, INPUT_ENERGY, DASHPOT_ENERGY, DRAG_ENERGY,
+    HYSTERESIS_ENERGY, SPRING_FORCE,
     EVENT_ROOT, TERM_TOLERANCE, V1, DRIFT0, DRIFT1, DRIFT_RATE0, DRIFT_RATE1, TOTAL_ACCELERATION0, TOTAL_ACCELERATION1,
     V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION, GEOMETRIC,
-) = range(0, 8 * 55, 8)  # fmt: skip
-_SLOT_FIELDS = 55  # an odd number of cache lines spreads them over the cache
-SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, FOUNDATION_FORCE  # fault: island-slots-restored
+) = range(0, 8 * 53, 8)  # fmt: skip
+_SLOT_FIELDS = 53  # an odd number of cache lines spreads them over the cache
+SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, SPRING_FORCE  # fault: island-slots-restored
 """The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
 # A link: what its law leaves out of the closing; what a step leaves to the next: the law of its branch (`link_series`),
@@ -68,16 +68,15 @@ _POINTERS = {
     "W": DOUBLES, "ends": DOUBLES, "slots": DOUBLES, "storeys": INTEGERS, "links": DOUBLES, "link_integers": INTEGERS,
     "branches": DOUBLES, "guards": DOUBLES, "operations": DOUBLES, "left_links": INTEGERS, "right_links": INTEGERS,
     "link_forces": DOUBLES, "series": DOUBLES, "rule": DOUBLES, "reciprocal": DOUBLES, "clock": DOUBLES,
-    "tally": INTEGERS, "scratch": DOUBLES, "rocking_drift": DOUBLES,
+    "tally": INTEGERS, "scratch": DOUBLES,
 }  # fmt: skip
 _RANGES = ("slot_start", "slot_stop", "link_start", "link_stop")
-_COUNTS = ("padded", "padded_links", "links_per_side", "foundations")
+_COUNTS = ("padded", "padded_links", "links_per_side")
 RUN = Frame("run", dict.fromkeys(_RANGES + _COUNTS, types.int64) | _POINTERS, movable=_RANGES)
 """[slot_start, slot_stop), [link_start, link_stop) : places of the buildings that are solved now, and of the links
     between them (`set_range`)
 padded, padded_links : numbers of places in all
 links_per_side : see `layout.Row`
-foundations : number of foundations
 W : coefficients of velocity by order and place [m/s], after a row of displacements at the step's start [m]
 ends : rows of displacements at the step's end, of their chord deviations (`summary`), of the largest and smallest
     displacements possible in this segment, and of the drifts of collapse (`collapse`) [m]
@@ -92,7 +91,6 @@ rule : points and weights of the ledger
 reciprocal : reciprocal[k] = 1 / k
 clock, tally : see `clock`
 scratch : one polynomial
-rocking_drift : storey height times rocking rate by order and place [m/s], after a row of storey height times angle [m]
 """
 
 run_frame = filler(RUN)
@@ -180,9 +178,7 @@ def take_slots(run, row, slots, state, peaks, ledger):
         c[of(i, INVERSE_MASS)] = slots.inverse_mass[slot]
         c[of(i, MASS)] = slots.mass[slot]
         c[of(i, ALPHA)] = slots.alpha[slot]
-        c[of(i, REAL)] = slots.real[slot]
-        c[of(i, RISE)] = slots.rise[slot]
-        c[of(i, ELEVATION)] = slots.elevation[slot]
+        c[of(i, LOADED)] = slots.loaded[slot]
         c[of(i, GEOMETRIC)] = slots.geometric[slot]
         run.W[i - run.padded] = state.u[slot]
         run.W[i] = state.v[slot]

@@ -44,7 +44,7 @@ def _passes(run, i, limit):
 
 
 @njit(**CALLED)
-def first_collapse(run, founded):
+def first_collapse(run):
     """Whether a storey collapses before what stands in END: its place goes there."""
     no_inline()
     found = False
@@ -56,21 +56,21 @@ def first_collapse(run, founded):
         while suspects != 0:
             i = b + lowest(suspects)
             suspects &= suspects - 1
-            drift_series(run, run.clock[H], i, run.tally[ORDER], 1.0, founded)
+            drift_series(run, run.clock[H], i, run.tally[ORDER], 1.0)
             found = _passes(run, i, run.ends[_LIMITS * run.padded + i]) or found
     run.tally[COLLAPSED] = 1 if found else 0
     return found
 
 
 @njit(**CALLED)
-def first_collapse_on_program(run, p, founded):
+def first_collapse_on_program(run, p):
     """The same in a program step, whose drifts have series of their own."""
     no_inline()
     found = False
     for i in range(run.slot_start, run.slot_stop):
         limit = run.ends[_LIMITS * run.padded + i]
         if limit > 0.0 and limit < 1e300:
-            drift_terms(run, p, i, run.tally[ORDER], 1.0, founded)
+            drift_terms(run, p, i, run.tally[ORDER], 1.0)
             found = _passes(run, i, limit) or found
     run.tally[COLLAPSED] = 1 if found else 0
     return found

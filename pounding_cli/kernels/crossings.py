@@ -36,7 +36,7 @@ itself at once is rounding (floors that part from rest at a high order of their 
 
 
 @njit(**PART)
-def _storey_guard(run, i, b, g, founded):
+def _storey_guard(run, i, b, g):
     """Whether storey i may meet guard g of its branch b in this step; if so, the series that is to stay positive is put
     into `scratch`."""
     slots = run.slots
@@ -44,7 +44,7 @@ def _storey_guard(run, i, b, g, founded):
     order = run.tally[ORDER]
     if t.guard(run, g, t.QUANTITY) == t.RATE:
         for k in range(order + 1):
-            run.scratch[k] = side * rate_term(run, k, i, founded)
+            run.scratch[k] = side * rate_term(run, k, i)
         if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
             run.scratch[0] = 0.0
         return True
@@ -52,7 +52,7 @@ def _storey_guard(run, i, b, g, founded):
     last = side * ((slots[of(i, c.DRIFT1)] - shift) - at_drift)
     if min(first, last) >= slots[of(i, c.DRIFT_CHORD_DEVIATION)]:
         return False
-    drift_series(run, run.clock[H], i, order, side, founded)
+    drift_series(run, run.clock[H], i, order, side)
     run.scratch[0] = first
     if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
         run.scratch[0] = 0.0
@@ -61,7 +61,7 @@ def _storey_guard(run, i, b, g, founded):
 
 
 @njit(**CALLED)
-def _storey_crossing(run, i, founded):
+def _storey_crossing(run, i):
     """(s, guard) of the first guard of its branch that storey i meets in [0, 1]; NEVER if there is none."""
     no_inline()
     earliest = NEVER
@@ -70,7 +70,7 @@ def _storey_crossing(run, i, founded):
     if run.storeys[of_storey(run, i, c.STOREY_EVENTS)] >= MAX_STOREY_EVENTS_AT_INSTANT:
         return earliest, first
     for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
-        if _storey_guard(run, i, b, g, founded):
+        if _storey_guard(run, i, b, g):
             s = first_crossing(run.scratch, run.tally[ORDER], min(1.0, earliest))
             if s < earliest:
                 earliest = s
@@ -96,7 +96,7 @@ def _storeys_that_may_leave(run, b):
 
 
 @njit(**CALLED)
-def first_storey_event(run, founded):
+def first_storey_event(run):
     """Whether there is a storey event in [0, 1], the first one's place in END; EVENT_ROOT tells every storey's own."""
     no_inline()
     found = False
@@ -106,7 +106,7 @@ def first_storey_event(run, founded):
         while suspects != 0:
             i = b + lowest(suspects)
             suspects &= suspects - 1
-            s, guard = _storey_crossing(run, i, founded)
+            s, guard = _storey_crossing(run, i)
             run.slots[of(i, c.EVENT_ROOT)] = s  # fault: storey-guard-root
             run.storeys[of_storey(run, i, c.STOREY_GUARD)] = guard
             if s < run.clock[END] and s <= 1.0:

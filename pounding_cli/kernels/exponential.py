@@ -114,6 +114,22 @@ def _next_state(step, total, width, z, after):
         store(after, b, value)
 
 
+@njit(**INLINE)
+def _look_at_all(rows, bends, jumps, powers, turned, first, here, before, values, bows, c, high, low):
+    """Everything tracked at z = `here`: at the first state its peaks, later what a step from `before` raises."""
+    total, wide = rows.shape
+    count, orders = powers.shape[:2]
+    for b in range(0, wide, 8):
+        value, last, deviation = _look(
+            pointer(rows), pointer(bends), pointer(jumps), turned, total, wide, b, here, values, bows
+        )
+        if first:
+            store(high, b, value)
+            store(low, b, value)
+        else:
+            _raise_peaks(pointer(powers), count, orders, total, b, value, last, deviation, before, c, high, low)
+
+
 @functools.cache
 def build():
     """The march, compiled on first use."""
@@ -145,7 +161,6 @@ def build():
         total, width = step.shape
         n = total - 2
         wide = rows.shape[1]
-        count, orders = powers.shape[:2]
         high = pointer(peaks)
         low = further(high, wide)
         stride = width + 8
@@ -174,15 +189,7 @@ def build():
                 for j in range(total):
                     visited[j] += here[j]
                 _add_forms(pointer(forms), forms.shape[0], total, forms.shape[2], here, pointer(sums))
-            for b in range(0, wide, 8):
-                value, last, deviation = _look(
-                    pointer(rows), pointer(bends), pointer(jumps), turned, total, wide, b, here, values, bows
-                )
-                if r == 0:
-                    store(high, b, value)
-                    store(low, b, value)
-                else:
-                    _raise_peaks(pointer(powers), count, orders, total, b, value, last, deviation, before, c, high, low)
+            _look_at_all(rows, bends, jumps, powers, turned, r == 0, here, before, values, bows, c, high, low)
             if r > 0 and part == 0:
                 for i in range(samples.shape[1]):
                     samples[segment - 1, i] = values[first_watched + i]

@@ -85,12 +85,6 @@ def _tangents(scene, p, inelastic, tangent, dashpot):
 
 
 @njit(**INLINE)
-def _unknown(slots, real, i):
-    """The place of a freedom among the unknowns: the slots that are no padding, then the rocking angles."""
-    return i if i < real else i - slots.size + real
-
-
-@njit(**INLINE)
 def _term(elements, e, k):
     """(freedom, weight) of the k-th term of element e."""
     if k == 0:
@@ -102,7 +96,7 @@ def _term(elements, e, k):
 
 
 @njit(**INLINE)
-def _add_tangents(slots, elements, matrix, unknowns, real, tangent, dashpot, share, rate_share):
+def _add_tangents(elements, matrix, unknowns, tangent, dashpot, share, rate_share):
     """Add elements to the lower half of the matrix of a Newton iteration."""
     for e in range(elements.number):
         stiff = share * tangent[e] + rate_share * dashpot[e]
@@ -111,10 +105,10 @@ def _add_tangents(slots, elements, matrix, unknowns, real, tangent, dashpot, sha
         count = 2 + elements.first[e + 1] - elements.first[e]
         for k in range(count):
             one, weight_one = _term(elements, e, k)
-            row = _unknown(slots, real, one)
+            row = elements.unknown[one]
             for m in range(count):
                 other, weight_other = _term(elements, e, m)
-                column = _unknown(slots, real, other)
+                column = elements.unknown[other]
                 if column <= row:
                     matrix[row * unknowns + column] += stiff * weight_one * weight_other
 
@@ -130,16 +124,16 @@ def _rates(scene, p, out, own, h, a0, a):
 
 
 @njit(**INLINE)
-def _lack(scene, p, out, own, real, a0, a, mass, right_side):
+def _lack(scene, p, out, own, a0, a, mass, right_side):
     """What lacks in the method's equation, as forces and moments with the sign of the correction."""
     alpha_m, alpha_f = own[_ALPHA_M], own[_ALPHA_F]
     share = 1.0 - alpha_f
     for i in range(scene.elements.freedoms):
-        if real <= i < scene.slots.size:
+        place = scene.elements.unknown[i]
+        if place < 0:
             continue
         # fault: generalized-alpha-shares
         lack = (1.0 - alpha_m) * a[i] + alpha_m * (p.a[i] + a0[i]) - share * out.a[i] - alpha_f * p.a[i]
-        place = _unknown(scene.slots, real, i)
         right_side[place] = -mass[place] * lack
 
 
@@ -149,7 +143,6 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
     when they do not, -1 when the matrix is not positive."""
     slots, elements = scene.slots, scene.elements
     unknowns, freedoms = int(own[_UNKNOWNS]), elements.freedoms
-    real = unknowns - (freedoms - slots.size)
     beta, alpha_f = own[_BETA], own[_ALPHA_F]
     a0, a, tangent, dashpot, mass, damping, matrix, right_side = _scratch(own, elements)
     mass_share = (1.0 - own[_ALPHA_M]) / (beta * h * h)
@@ -168,22 +161,23 @@ def _try(scene, p, out, own, tally, h, ground, inelastic):
                 matrix[k] = rate_share * damping[k]
             for i in range(unknowns):
                 matrix[i * unknowns + i] += mass_share * mass[i]
-            _add_tangents(slots, elements, matrix, unknowns, real, tangent, dashpot, share, rate_share)
+            _add_tangents(elements, matrix, unknowns, tangent, dashpot, share, rate_share)
             own[_FACTORED] = own[_LEVEL] + 1.0
             if not factorise(matrix, unknowns):
                 return -1
-        _lack(scene, p, out, own, real, a0, a, mass, right_side)
+        _lack(scene, p, out, own, a0, a, mass, right_side)
         solve(matrix, unknowns, right_side)
         largest = 0.0
         moved = 0.0
-        for i in range(real):
+        for i in range(freedoms):
             largest = max(largest, abs(out.u[i]), abs(h * out.v[i]))
+        for i in range(unknowns):
             moved = max(moved, abs(right_side[i]))
         if moved <= CONVERGED * largest:
             return 1
         for i in range(freedoms):
-            if not real <= i < slots.size:
-                out.u[i] += right_side[_unknown(slots, real, i)]
+            if elements.unknown[i] >= 0:
+                out.u[i] += right_side[elements.unknown[i]]
     return 0
 
 

@@ -12,13 +12,11 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.simd import no_inline, pointer
 from pounding_cli.laws.program import MEMORIES
 
-History = namedtuple(
-    "History", "segments lengths outputs u v storey_branch storey_memory link_branch link_memory phi phi_v work"
-)
+History = namedtuple("History", "segments lengths outputs u v storey_branch storey_memory link_branch link_memory work")
 """segments : number of segments, 0 for a run without a history
 lengths, outputs : of each its length [s] and the place of the output time at its end, or -1
-u, v, storey_branch, storey_memory, link_branch, link_memory, phi, phi_v : as in `layout.State`, shape (times, slots,
-    links or foundations); of storey_memory (times, MEMORIES slots)
+u, v, storey_branch, storey_memory, link_branch, link_memory : as in `layout.State`, shape (times, slots or
+    links); of storey_memory (times, MEMORIES slots)
 work : put in by the ground, taken by dashpots, hysteresis and links so far, shape (times, 4) [J]"""
 
 
@@ -27,13 +25,12 @@ def history_pointers(a):
     """History of pointers from History of arrays."""
     return History(
         a.segments, pointer(a.lengths), pointer(a.outputs), pointer(a.u), pointer(a.v), pointer(a.storey_branch),
-        pointer(a.storey_memory), pointer(a.link_branch), pointer(a.link_memory), pointer(a.phi), pointer(a.phi_v),
-        pointer(a.work),
+        pointer(a.storey_memory), pointer(a.link_branch), pointer(a.link_memory), pointer(a.work),
     )  # fmt: skip
 
 
 @njit(**CALLED)
-def enter(run, row, foundations, history, segment, slots, links):
+def enter(run, row, history, segment, slots, links):
     """Enter the state at the end of this segment; `slots` and `links` are numbers with padding."""
     no_inline()
     output = history.outputs[segment]
@@ -57,7 +54,3 @@ def enter(run, row, foundations, history, segment, slots, links):
         history.link_branch[output * links + link] = run.link_integers[of_link_integer(e, c.BRANCH)]
         history.link_memory[output * links + link] = run.links[c.of_link(e, c.MEMORY)]
         history.work[work + 3] += run.links[c.of_link(e, c.WORK)]
-    for f in range(run.foundations):
-        history.phi[output * run.foundations + f] = foundations.phi[f]
-        history.phi_v[output * run.foundations + f] = foundations.phi_v[f]
-        history.work[work + 1] += foundations.energy_lost[f]

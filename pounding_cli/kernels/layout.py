@@ -1,10 +1,14 @@
 """The flat arrays that every kernel works on, and their names.
 
-A *slot* is one translational degree of freedom with the spring below it. A building takes consecutive slots: its
-base first, if the foundation sways, then its floors from the ground up; buildings follow one another from left to
-right and zeros pad the row to a multiple of eight. `couple` is 1 where the spring's lower end is the slot before, 0
-where it is the ground. Displacements are relative to the ground, so slot i carries D_i = u_i - couple_i u_(i-1) -
-rise_i phi."""
+A *slot* is a degree of freedom, or a point, with the spring below it. Degrees of freedom are the floors, a base that
+sways, and the rocking of a base, told by the displacement of the roof that it causes. A *point* is a place of a
+building whose motion is a weighted sum of degrees of freedom, and which hands a force on to them by the same weights:
+the lower end of a storey that leans with its base, say.
+
+A building takes consecutive slots: rocking and base first, then its floors from the ground up, each with the point
+below it if it has one; buildings follow one another from left to right and zeros pad the row to a multiple of eight.
+`couple` is 1 where the spring's lower end is the slot before, 0 where it is the ground. Displacements are relative to
+the ground, so the spring of slot i carries u_i - couple_i u_(i-1)."""
 
 from __future__ import annotations
 
@@ -41,20 +45,24 @@ DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED, COLLAPSED = 0, 1, 2, 3, 4, 5
 
 Slots = namedtuple(
     "Slots",
-    "size couple couple_right stiffness dashpot inverse_mass mass alpha real rise elevation geometric collapse branch "
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha loaded geometric collapse branch "
     "memories branches guards operations",
 )
 """size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the
-foundation's), inverse_mass [1/kg], mass [kg], alpha [1/s] (0 over a foundation), real (1, padding 0), rise [m]
-(storey height where the building rocks, else 0), elevation [m], geometric (P / h of P-Delta, what it takes from the
-stiffness [N/m]), collapse (drift at which a storey counts as collapsed [m], inf where that is not looked for), the
-first branch of its law (`law_table.NO_BRANCH` for
-a storey that stays elastic), and how many memories these laws use; the tables of branches, guards and operations
-(`law_table`)."""
+foundation's), inverse_mass [1/kg] and mass [kg] (0 of points and padding), alpha [1/s] (0 over a foundation), loaded
+(1 where the ground's acceleration loads it, else 0), geometric (P / h of P-Delta, what it takes from the stiffness
+[N/m]), collapse (drift at which a storey counts as collapsed [m], inf where that is not looked for), the first branch
+of its law (`law_table.NO_BRANCH` for a storey that stays elastic), and how many memories these laws use; the tables of
+branches, guards and operations (`law_table`)."""
 
-Foundations = namedtuple("Foundations", "number first stop base inertia stiffness dashpot alpha")
-"""number of foundations; per foundation: its floors' slots [first, stop), the slot of its base (-1: no sway),
-inertia [kg m2] (inf: no rocking), rocking stiffness [N m/rad], rocking dashpot [N m s/rad], alpha [1/s]."""
+Points = namedtuple("Points", "number size terms slot mass freedom weight handed")
+"""number of points, the same padded to a multiple of eight, and the most terms that one has; per point its slot and the
+mass [kg] that a force on it moves; per term and point, shape (terms, size): the slot of a degree of freedom, its weight
+(0: no term) and the acceleration there over that of the mass [-]."""
+
+Springs = namedtuple("Springs", "number size terms stiff stiffness dashpot freedom weight")
+"""Springs and dashpots between any degrees of freedom, which no slot carries: numbers as in `Points`, whether one has a
+stiffness (1 or 0); per spring stiffness [N/m] and dashpot [N s/m]; per term and spring as in `Points`."""
 
 Links = namedtuple("Links", "number size registers left right offset first last branches guards operations")
 """number of links, the same padded to a multiple of eight, and the most registers that a force written as operations
@@ -64,18 +72,18 @@ the same tables."""
 
 Elements = namedtuple(
     "Elements",
-    "number freedoms springs one other weight_one weight_other more first freedom weight stiffness dashpot mass "
+    "number freedoms springs one other weight_one weight_other more first freedom weight stiffness dashpot unknown "
     "inverse_mass drag loaded",
 )
-"""Everything that acts between degrees of freedom: springs of the slots (as many as slots), of rocking bases, dashpots
-of mass-proportional damping between floors and a base that moves, then the links. An element acts on v, the sum of
-weight x displacement over its terms, and its force goes back through the same weights.
+"""Everything that acts between degrees of freedom, points told by their terms: springs of the slots (as many as slots),
+`Springs`, then the links. An element acts on v, the sum of weight x displacement over its terms, and its force goes
+back through the same weights.
 
-number of elements; freedoms: slots, then rocking angles; springs: elements before the links; by element the freedoms
+number of elements; freedoms: as many as slots; springs: elements before the links; by element the freedoms
 and weights of its first two terms (weight 0: none); whether some element has more, and then by element, and one more,
 the first of the others, and by term its freedom and weight; by element before the links stiffness [N/m] and dashpot
-[N s/m]; by freedom mass [kg, kg m2], its inverse (0 where nothing moves it), dashpot to the ground [N s/m], and 1 where
-the ground's acceleration loads it, else 0."""
+[N s/m]; by freedom its place among those that move (-1: a point or padding), inverse mass [1/kg] (0 likewise), dashpot
+to the ground [N s/m], and 1 where the ground's acceleration loads it, else 0."""
 
 Row = namedtuple("Row", "number slots links links_per_side first_slot first_link slot_places link_places")
 """How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
@@ -87,20 +95,19 @@ these places); by slot and by link of the arrays: their places."""
 
 State = namedtuple(
     "State",
-    "u v storey_branch storey_memory pinned_storey link_branch pinned_link pinned_closing link_memory phi phi_v",
+    "u v storey_branch storey_memory pinned_storey link_branch pinned_link pinned_closing link_memory",
 )
 """What evolves: u [m], v [m/s]; per storey: its branch, what its law remembers, shape (MEMORIES, slots), the
 guard that it stands at exactly and at rest (0: none); of a link its branch, what
-the last event pinned (its closing, or that its force is zero), that closing [m] and what it remembers; rocking angle
-[rad] and its
-rate."""
+the last event pinned (its closing, or that its force is zero), that closing [m] and what it remembers. Points are
+filled in by the Taylor kernel alone."""
 
 Peaks = namedtuple(
     "Peaks",
-    "watched drift shear acceleration displacement_max displacement_min rocking "
+    "watched drift shear acceleration displacement_max displacement_min "
     "closing force impulse contact_time samples impacts",
 )
-"""Largest values so far, per slot, foundation and link (SI). Where displacements are `watched` (1, else 0), samples are
+"""Largest values so far, per slot and link (SI). Where displacements are `watched` (1, else 0), samples are
 those at the end of every segment of the ground motion, shape (segments, slots) [m]."""
 
 
@@ -112,18 +119,27 @@ def slot_pointers(a):
     """Slots of pointers from Slots of arrays."""
     return Slots(
         a.size, pointer(a.couple), pointer(a.couple_right), pointer(a.stiffness), pointer(a.dashpot),
-        pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.real), pointer(a.rise),
-        pointer(a.elevation), pointer(a.geometric), pointer(a.collapse), pointer(a.branch), a.memories,
-        pointer(a.branches), pointer(a.guards), pointer(a.operations),
+        pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.loaded), pointer(a.geometric),
+        pointer(a.collapse), pointer(a.branch), a.memories, pointer(a.branches), pointer(a.guards),
+        pointer(a.operations),
     )  # fmt: skip
 
 
 @njit(**INLINE)
-def foundation_pointers(a):
-    """Foundations of pointers from Foundations of arrays."""
-    return Foundations(
-        a.number, pointer(a.first), pointer(a.stop), pointer(a.base), pointer(a.inertia), pointer(a.stiffness),
-        pointer(a.dashpot), pointer(a.alpha),
+def point_pointers(a):
+    """Points of pointers from Points of arrays."""
+    return Points(
+        a.number, a.size, a.terms, pointer(a.slot), pointer(a.mass), pointer(a.freedom), pointer(a.weight),
+        pointer(a.handed),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def spring_pointers(a):
+    """Springs of pointers from Springs of arrays."""
+    return Springs(
+        a.number, a.size, a.terms, a.stiff, pointer(a.stiffness), pointer(a.dashpot), pointer(a.freedom),
+        pointer(a.weight),
     )  # fmt: skip
 
 
@@ -133,8 +149,7 @@ def element_pointers(a):
     return Elements(
         a.number, a.freedoms, a.springs, pointer(a.one), pointer(a.other), pointer(a.weight_one),
         pointer(a.weight_other), a.more, pointer(a.first), pointer(a.freedom), pointer(a.weight), pointer(a.stiffness),
-        pointer(a.dashpot), pointer(a.mass), pointer(a.inverse_mass), pointer(a.drag),
-        pointer(a.loaded),
+        pointer(a.dashpot), pointer(a.unknown), pointer(a.inverse_mass), pointer(a.drag), pointer(a.loaded),
     )  # fmt: skip
 
 
@@ -162,7 +177,6 @@ def state_pointers(a):
     return State(
         pointer(a.u), pointer(a.v), pointer(a.storey_branch), pointer(a.storey_memory), pointer(a.pinned_storey),
         pointer(a.link_branch), pointer(a.pinned_link), pointer(a.pinned_closing), pointer(a.link_memory),
-        pointer(a.phi), pointer(a.phi_v),
     )  # fmt: skip
 
 
@@ -171,6 +185,6 @@ def peak_pointers(a):
     """Peaks of pointers from Peaks of arrays."""
     return Peaks(
         a.watched, pointer(a.drift), pointer(a.shear), pointer(a.acceleration), pointer(a.displacement_max),
-        pointer(a.displacement_min), pointer(a.rocking), pointer(a.closing), pointer(a.force), pointer(a.impulse),
+        pointer(a.displacement_min), pointer(a.closing), pointer(a.force), pointer(a.impulse),
         pointer(a.contact_time), pointer(a.samples), pointer(a.impacts),
     )  # fmt: skip

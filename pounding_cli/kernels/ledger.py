@@ -2,8 +2,8 @@
 
 Powers are integrated over the step by Gauss-Legendre points on the step's own polynomials. A third as many points as
 the series has orders, and one, integrate two thirds of it exactly; of what a term beyond that adds, 4^-order is lost,
-so where the series leaves 1e-6 of a step the rule leaves less than 1e-9 of its energy. Hysteresis needs no points: on
-a yield line the storey dissipates (1 - a) Vy per unit of drift."""
+so where the series leaves 1e-6 of a step the rule leaves less than 1e-9 of its energy. Hysteresis needs no points: the
+part of a storey's shear that is lost is straight in the drift."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from numba import njit
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, at_link, at_term
 from pounding_cli.kernels.clock import END, GROUND, GROUND_CHANGE, H
-from pounding_cli.kernels.foundations import account_foundations
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import closed_lanes
 from pounding_cli.kernels.simd import from_left, fused, load, no_inline, pointer, splat, store
+from pounding_cli.kernels.terms import account_springs
 
 MAX_POINTS = 18
 """Points of the largest rule; rule n stands in row n of the tables, its weights beyond n zero."""
@@ -25,9 +25,9 @@ MAX_POINTS = 18
 MIN_POINTS = 4
 """Points of the smallest rule: short series are of coarse accuracy, which is no reason to book carelessly."""
 
-Ledger = namedtuple("Ledger", "input dashpots drag hysteresis stored links foundations")
-"""Energies so far [J]: per slot the ground's input, the spring's dashpot, the mass-proportional drag (fixed base) and
-hysteresis, and what its spring holds now; per link the work done on it; per foundation its drag and rocking dashpot."""
+Ledger = namedtuple("Ledger", "input dashpots drag hysteresis stored links")
+"""Energies so far [J]: per slot the ground's input, what the spring's dashpot, the mass-proportional drag and
+hysteresis took, and what its spring holds now; per link the work done on it."""
 
 
 @njit(**PART)
@@ -40,7 +40,6 @@ def ledger_pointers(a):
         pointer(a.hysteresis),
         pointer(a.stored),
         pointer(a.links),
-        pointer(a.foundations),
     )
 
 
@@ -151,7 +150,7 @@ def _account_slots(run, order, points):
                 v1 = fused(v1, s1, w)
             pushed, drag, dashed = _add_powers(rule, g, s0, v0, couple, ground, change, pushed, drag, dashed)
             pushed, drag, dashed = _add_powers(rule, g + 8, s1, v1, couple, ground, change, pushed, drag, dashed)
-        mass = load(slots, at(b, c.MASS))
+        mass = load(slots, at(b, c.MASS)) * load(slots, at(b, c.LOADED))
         store(slots, at(b, c.INPUT_ENERGY), load(slots, at(b, c.INPUT_ENERGY)) - mass * pushed)  # fault: ground-input
         taken = fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHPOT_ENERGY)))
         store(slots, at(b, c.DASHPOT_ENERGY), taken)
@@ -186,13 +185,13 @@ def _account_yielding(run):
 
 
 @njit(**CALLED)
-def account(run, foundations, nodes, weights, order, any_closed, curved, inelastic, founded):
+def account(run, terms, nodes, weights, order, any_closed, curved, inelastic, has_terms):
     """Add the energies of the step up to s = END."""
     no_inline()
     points = _set_rule(run, nodes, weights, order)
     _account_slots(run, order, points)
-    if founded:
-        account_foundations(run, foundations, points, SHARES)
+    if has_terms:
+        account_springs(run, terms, points, SHARES)
     if any_closed != 0:
         _account_links(run, order, points, curved)
     if inelastic:

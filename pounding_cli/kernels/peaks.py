@@ -7,7 +7,6 @@ from numba import njit
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, at_link, at_term, of, of_link, of_link_integer, of_term
 from pounding_cli.kernels.clock import END, GROUND, GROUND_CHANGE, INVERSE_H, ORDER, SEGMENT, H
-from pounding_cli.kernels.foundations import rocking_peaks
 from pounding_cli.kernels.from_rest import count_from_rest
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import closed_lanes, closing_at_end, left_minus_right
@@ -37,17 +36,17 @@ def drift_may_turn(slots, b):
 
 
 @njit(**CALLED)
-def _drift_peak(run, i, factor, offset, best, founded):
+def _drift_peak(run, i, factor, offset, best):
     """Largest |factor x drift + offset| of storey i inside the step, at least `best`."""
     no_inline()
     order = run.tally[ORDER]
-    drift_series(run, run.clock[H], i, order, factor, founded)
+    drift_series(run, run.clock[H], i, order, factor)
     run.scratch[0] += offset
     return highest(run.scratch, order, run.clock[END], best, True)
 
 
 @njit(**PART)
-def _drift_peaks(run, founded):
+def _drift_peaks(run):
     slots = run.slots
     for b in range(run.slot_start, run.slot_stop, 8):
         peak = load(slots, at(b, c.PEAK_DRIFT))
@@ -60,11 +59,11 @@ def _drift_peaks(run, founded):
                 i = b + lowest(suspects)
                 suspects &= suspects - 1
                 best = slots[of(i, c.PEAK_DRIFT)]
-                slots[of(i, c.PEAK_DRIFT)] = _drift_peak(run, i, 1.0, 0.0, best, founded)
+                slots[of(i, c.PEAK_DRIFT)] = _drift_peak(run, i, 1.0, 0.0, best)
 
 
 @njit(**PART)
-def _shear_peaks(run, founded):
+def _shear_peaks(run):
     slots = run.slots
     for b in range(run.slot_start, run.slot_stop, 8):
         peak = load(slots, at(b, c.PEAK_SHEAR))
@@ -80,9 +79,7 @@ def _shear_peaks(run, founded):
                 i = b + lowest(suspects)
                 suspects &= suspects - 1
                 best = slots[of(i, c.PEAK_SHEAR)]
-                slots[of(i, c.PEAK_SHEAR)] = _drift_peak(
-                    run, i, slots[of(i, c.TANGENT)], slots[of(i, c.OFFSET)], best, founded
-                )
+                slots[of(i, c.PEAK_SHEAR)] = _drift_peak(run, i, slots[of(i, c.TANGENT)], slots[of(i, c.OFFSET)], best)
 
 
 @njit(**CALLED)
@@ -264,16 +261,14 @@ def _link_peaks(run, order, any_closed):
 
 
 @njit(**CALLED)
-def track(run, foundations, order, any_closed, inelastic, founded):
+def track(run, order, any_closed, inelastic):
     """Raise every peak that this step, up to s = END, exceeds; `order` is the series'."""
     no_inline()
-    _drift_peaks(run, founded)
+    _drift_peaks(run)
     if inelastic:
-        _shear_peaks(run, founded)
+        _shear_peaks(run)
     _displacement_peaks(run)
     _acceleration_peaks(run)
-    if founded:
-        rocking_peaks(run, foundations)
     if run.link_stop > run.link_start:
         _link_peaks(run, order, any_closed)
         count_from_rest(run)

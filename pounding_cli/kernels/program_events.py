@@ -20,7 +20,6 @@ from pounding_cli.kernels.clock import (
     H,
 )
 from pounding_cli.kernels.crossings import MAX_EVENTS_AT_INSTANT
-from pounding_cli.kernels.foundations import end_foundations
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference
 from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
@@ -36,24 +35,25 @@ from pounding_cli.kernels.program_series import (
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.storey_law import guarded_drift
 from pounding_cli.kernels.summary import drifts, rate_term
+from pounding_cli.kernels.terms import end_points
 
 UNEVEN = 1e-14
 """Part of a segment [-] by which a step may miss its end."""
 
 
 @njit(**CALLED)
-def drift_terms(run, p, i, order, factor, founded):
+def drift_terms(run, p, i, order, factor):
     """`factor` times the coefficients of storey i's drift, into `scratch`."""
     no_inline()
     coupled = run.slots[of(i, c.COUPLE)] != 0.0
     for k in range(order + 1):
         row = k * run.padded + i
         term = p.U[row] - p.U[row - 1] if coupled else p.U[row]
-        run.scratch[k] = factor * (term - p.lean[row] if founded else term)
+        run.scratch[k] = factor * term
 
 
 @njit(**CALLED)
-def _storey_end(run, p, i, founded):
+def _storey_end(run, p, i):
     """(s, guard) of the first guard of its branch that storey i meets in [0, 1]; NEVER if there is none."""
     no_inline()
     order = run.tally[ORDER]
@@ -64,11 +64,11 @@ def _storey_end(run, p, i, founded):
         side, shift, at = guarded_drift(run, b, g, run.slots, of(i, c.STOREY_MEMORY), 8)
         if t.guard(run, g, t.QUANTITY) == t.RATE:
             for k in range(order + 1):
-                run.scratch[k] = side * rate_term(run, k, i, founded)
+                run.scratch[k] = side * rate_term(run, k, i)
             if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
                 run.scratch[0] = 0.0
         else:
-            drift_terms(run, p, i, order, side, founded)
+            drift_terms(run, p, i, order, side)
             run.scratch[0] -= side * (shift + at)
             if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
                 run.scratch[0] = 0.0
@@ -81,14 +81,14 @@ def _storey_end(run, p, i, founded):
 
 
 @njit(**CALLED)
-def _first_storey(run, p, founded):
+def _first_storey(run, p):
     """Whether there is a storey event; its place goes to END, every storey's own to EVENT_ROOT."""
     no_inline()
     found = False
     for i in range(run.slot_start, run.slot_stop):
         run.slots[of(i, c.EVENT_ROOT)] = NEVER
         if run.storeys[of_storey(run, i, c.STOREY_BRANCH)] != t.NO_BRANCH:
-            s, guard = _storey_end(run, p, i, founded)
+            s, guard = _storey_end(run, p, i)
             run.slots[of(i, c.EVENT_ROOT)] = s
             run.storeys[of_storey(run, i, c.STOREY_GUARD)] = guard
             if s < run.clock[END] and s <= 1.0:
@@ -207,7 +207,7 @@ def _presses(run, p):
 
 
 @njit(**CALLED)
-def find_end(run, p, inelastic, founded):
+def find_end(run, p, inelastic):
     """(whether a storey event ends the step, whether a link's does, whether it ends the segment); where it ends goes to
     END."""
     no_inline()
@@ -224,13 +224,13 @@ def find_end(run, p, inelastic, founded):
         run.clock[END] = min(first_crossing(run.scratch, order, 1.0), 1.0)
     pressed = _presses(run, p)  # fault: pressed-from-rest
     finished = finished and not pressed
-    storeys = inelastic and _first_storey(run, p, founded)
+    storeys = inelastic and _first_storey(run, p)
     link = _first_link(run, p)
     return storeys and not link, link, finished and not (storeys or link)
 
 
 @njit(**CALLED)
-def reach_end(run, foundations, p, founded):
+def reach_end(run, terms, p):
     """Displacements, velocities, drifts and total accelerations at the step's end; the time that it took goes to H,
     where the ground then is to GROUND_CHANGE. Returns that time [s]."""
     no_inline()
@@ -251,8 +251,7 @@ def reach_end(run, foundations, p, founded):
         slots[of(i, c.V1)] = v
         slots[of(i, c.TOTAL_ACCELERATION0)] = p.A[i] + run.clock[GROUND]
         slots[of(i, c.TOTAL_ACCELERATION1)] = a + ground
+    end_points(run, terms)
     drifts(run)
-    if founded:
-        end_foundations(run, foundations, end)
     run.clock[H] = duration / end if end > 0.0 else 0.0
     run.clock[INVERSE_H] = 1.0 / run.clock[H] if duration > 0.0 else 0.0

@@ -8,7 +8,6 @@ from numba import njit
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, of, of_link, of_link_integer
 from pounding_cli.kernels.clock import END, GROUND, GROUND_SLOPE, ORDER, H
-from pounding_cli.kernels.foundations import account_foundations, rocking_peaks
 from pounding_cli.kernels.from_rest import count_from_rest
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.ledger import MAX_POINTS, SHARES
@@ -17,6 +16,7 @@ from pounding_cli.kernels.program import RATE
 from pounding_cli.kernels.program_events import drift_terms
 from pounding_cli.kernels.program_series import force_register, is_closed, register
 from pounding_cli.kernels.simd import from_left, fused, load, no_inline, splat, store
+from pounding_cli.kernels.terms import account_springs
 
 
 @njit(**CALLED)
@@ -36,15 +36,15 @@ def _largest(run, order, best, absolute):
 
 
 @njit(**CALLED)
-def _slot_peaks(run, p, i, inelastic, founded):
+def _slot_peaks(run, p, i, inelastic):
     """Drift, shear, displacement and total acceleration of slot i."""
     no_inline()
     slots = run.slots
     order = run.tally[ORDER]
-    drift_terms(run, p, i, order, 1.0, founded)
+    drift_terms(run, p, i, order, 1.0)
     slots[of(i, c.PEAK_DRIFT)] = _largest(run, order, slots[of(i, c.PEAK_DRIFT)], True)
     if inelastic:
-        drift_terms(run, p, i, order, slots[of(i, c.TANGENT)], founded)
+        drift_terms(run, p, i, order, slots[of(i, c.TANGENT)])
         run.scratch[0] += slots[of(i, c.OFFSET)]
         slots[of(i, c.PEAK_SHEAR)] = _largest(run, order, slots[of(i, c.PEAK_SHEAR)], True)
     for sign in (1.0, -1.0):
@@ -82,14 +82,12 @@ def _link_peaks(run, p, e):
 
 
 @njit(**CALLED)
-def track(run, foundations, p, inelastic, founded):
+def track(run, p, inelastic):
     """Raise every peak that this step, up to s = END, exceeds."""
     no_inline()
     for b in range(run.slot_start, run.slot_stop):
-        if run.slots[of(b, c.REAL)] != 0.0:
-            _slot_peaks(run, p, b, inelastic, founded)
-    if founded:
-        rocking_peaks(run, foundations)
+        if run.slots[of(b, c.MASS)] != 0.0:
+            _slot_peaks(run, p, b, inelastic)
     for e in range(run.link_start, run.link_stop):
         _link_peaks(run, p, e)
     count_from_rest(run)
@@ -142,7 +140,7 @@ def _link_work(run, p, e, points):
 
 
 @njit(**CALLED)
-def account(run, foundations, p, nodes, weights, inelastic, founded):
+def account(run, terms, p, nodes, weights, inelastic, has_terms):
     """Add the energies of the step up to s = END."""
     no_inline()
     points = _set_rule(run, p, nodes, weights)
@@ -158,14 +156,14 @@ def account(run, foundations, p, nodes, weights, inelastic, founded):
                 v = fused(v, splat(s), load(run.W, k * run.padded + b))
             rate = v - load(slots, at(b, c.COUPLE)) * from_left(left, v)
             left = v
-            mass = load(slots, at(b, c.MASS))
+            mass = load(slots, at(b, c.MASS)) * load(slots, at(b, c.LOADED))
             store(slots, at(b, c.INPUT_ENERGY), load(slots, at(b, c.INPUT_ENERGY)) - mass * v * ground * share)
             dashed = load(slots, at(b, c.DASHPOT)) * rate * rate * share
             store(slots, at(b, c.DASHPOT_ENERGY), load(slots, at(b, c.DASHPOT_ENERGY)) + dashed)
             drag = load(slots, at(b, c.ALPHA)) * mass * v * v * share
             store(slots, at(b, c.DRAG_ENERGY), load(slots, at(b, c.DRAG_ENERGY)) + drag)
-    if founded:
-        account_foundations(run, foundations, points, SHARES)
+    if has_terms:
+        account_springs(run, terms, points, SHARES)
     for e in range(run.link_start, run.link_stop):
         if is_closed(run, e):
             _link_work(run, p, e, points)

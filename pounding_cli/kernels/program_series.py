@@ -19,13 +19,13 @@ from pounding_cli.kernels import cells as c
 from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.cells import at, of, of_link, of_link_integer
 from pounding_cli.kernels.clock import ELAPSED, GROUND, GROUND_SLOPE, LEAST_SCALE, SEGMENT_GROUND, SEGMENT_LENGTH
-from pounding_cli.kernels.foundations import foundation_forces, start_foundations, top_of
 from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, link_forces_on
 from pounding_cli.kernels.polynomial import value
 from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT, carry_out, product_term
 from pounding_cli.kernels.simd import from_left, from_right, further, fused, load, no_inline, splat, store
+from pounding_cli.kernels.terms import hand_on, spring_forces
 
 JUDGED = 6
 """Orders at the end of a series by which it is judged: those of a force in q are empty now and then."""
@@ -36,7 +36,7 @@ MARGIN = 0.9
 LARGEST_ROOT = 8
 """Largest b."""
 
-_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A", "lean", "angular")
+_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A")
 PROGRAMS = Frame(
     "programs",
     dict.fromkeys(("rows", "each"), types.int64)
@@ -46,8 +46,7 @@ PROGRAMS = Frame(
 """rows: room for orders; each: doubles of the registers of one link. resting: whether a closed link presses with less
 than is resolved (1 or 0). numbers: below. By order: T time [s] and B what dt / ds is [s]; powers: of q, one after
 another. registers: series of each link (`program`). sizes: largest closing and rate so far of each link, what is
-rounding is judged by. By order and place: U displacements [m], A accelerations relative to the ground [m/s2], lean
-storey height times rocking angle [m]; by order and foundation: angular accelerations [rad/s2]."""
+rounding is judged by. By order and place: U displacements [m], A accelerations relative to the ground [m/s2]."""
 
 fill_programs = filler(PROGRAMS)
 
@@ -57,9 +56,9 @@ SCALE, CHOSEN, B_ROOT = range(3)
 NUMBERS = 8
 
 
-def room_for_programs(padded: int, linked: int, registers: int, foundations: int, rows: int) -> tuple[int, int]:
+def room_for_programs(padded: int, linked: int, registers: int, rows: int) -> tuple[int, int]:
     """Doubles and integers of scratch."""
-    by_order = 2 + LARGEST_ROOT + registers * linked + 3 * padded + foundations
+    by_order = 2 + LARGEST_ROOT + registers * linked + 2 * padded
     return NUMBERS + rows * by_order + 2 * linked, linked
 
 
@@ -72,10 +71,9 @@ def programs_frame(place, run, registers, rows, memory, integers):
     sizes = further(written, registers * run.padded_links * rows)
     displacements = further(sizes, 2 * run.padded_links)
     accelerations = further(displacements, rows * run.padded)
-    lean = further(accelerations, rows * run.padded)
     return fill_programs(place, (
         rows, registers * rows, integers, memory, time, further(time, rows), powers, written, sizes, displacements,
-        accelerations, lean, further(lean, rows * run.padded),
+        accelerations,
     ))  # fmt: skip
 
 
@@ -190,18 +188,13 @@ def _largest_acceleration(run, e):
 
 
 @njit(**CALLED)
-def start(run, foundations, p, founded):
+def start(run, p):
     """Order 0 of the step: displacements, links, the link whose q it is taken in, and its length to begin with."""
     no_inline()
     clock = run.clock
     clock[GROUND] = clock[SEGMENT_GROUND] + clock[GROUND_SLOPE] * clock[ELAPSED]
     for b in range(run.slot_start, run.slot_stop, 8):
         store(p.U, b, load(run.W, b - run.padded))
-        store(p.lean, b, splat(0.0))
-    if founded:
-        start_foundations(run, foundations)
-        for i in range(run.slot_start, run.slot_stop):
-            p.lean[i] = run.rocking_drift[i]
     nearest = math.inf
     p.numbers[CHOSEN], p.numbers[B_ROOT] = -1.0, 1.0
     for e in range(run.link_start, run.link_stop):
@@ -278,13 +271,11 @@ def _links(run, p, k):
 
 
 @njit(**CALLED)
-def _accelerations(run, foundations, p, k, founded):
+def _accelerations(run, terms, p, k, has_terms):
     """Order k of the accelerations, from that of displacements, velocities, the ground and the links."""
     no_inline()
-    if founded:
-        foundation_forces(run, foundations, k, p.U, k * run.padded, 1.0)
-        for f in range(run.foundations):
-            p.angular[k * run.foundations + f] = foundations.W[(k + 1) * run.foundations + f]
+    if has_terms:
+        spring_forces(run, terms, k, p.U, k * run.padded, 1.0)
     slots = run.slots
     row = k * run.padded
     zero = splat(0.0)
@@ -295,23 +286,25 @@ def _accelerations(run, foundations, p, k, founded):
         u, w = load(p.U, row + b), load(run.W, row + b)
         u_right = load(p.U, row + b + 8) if more else zero
         w_right = load(run.W, row + b + 8) if more else zero
-        total = load(slots, at(b, c.STENCIL_U)) * u - load(slots, at(b, c.REAL)) * ground  # fault: program-ground
+        total = load(slots, at(b, c.STENCIL_U)) * u - load(slots, at(b, c.LOADED)) * ground  # fault: program-ground
         total = fused(load(slots, at(b, c.STENCIL_U_BELOW)), from_left(u_left, u), total)
         total = fused(load(slots, at(b, c.STENCIL_U_ABOVE)), from_right(u, u_right), total)
         total = fused(load(slots, at(b, c.STENCIL_V)), w, total)
         total = fused(load(slots, at(b, c.STENCIL_V_BELOW)), from_left(w_left, w), total)
         total = fused(load(slots, at(b, c.STENCIL_V_ABOVE)), from_right(w, w_right), total)
         total = total + load(slots, at(b, c.OFFSET_ACCELERATION)) if k == 0 else total
-        if founded:
-            total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FOUNDATION_FORCE)), total)
+        if has_terms:
+            total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.SPRING_FORCE)), total)
         if run.link_stop > run.link_start:
             total = fused(load(slots, at(b, c.INVERSE_MASS)), link_forces_on(run, b), total)
         store(p.A, row + b, total)
         u_left, w_left = u, w
+    if has_terms:
+        hand_on(run, terms, p.A, row)
 
 
 @njit(**CALLED)
-def _integrate(run, foundations, p, k, founded):
+def _integrate(run, p, k):
     """Order k + 1 of displacements and velocities: B times velocities and accelerations, integrated by s."""
     no_inline()
     padded = run.padded
@@ -325,20 +318,6 @@ def _integrate(run, foundations, p, k, founded):
             gained = fused(part, load(p.A, (k - i) * padded + b), gained)
         store(p.U, (k + 1) * padded + b, moved * share)
         store(run.W, (k + 1) * padded + b, gained * share)
-        store(p.lean, (k + 1) * padded + b, splat(0.0))
-    if founded:
-        count = run.foundations
-        for f in range(count):
-            turned, turning = 0.0, 0.0
-            for i in range(last + 1):
-                turned += p.B[i] * foundations.W[(k - i) * count + f]
-                turning += p.B[i] * p.angular[(k - i) * count + f]
-            foundations.D[(k + 1) * count + f] = turned * share
-            foundations.W[(k + 1) * count + f] = turning * share
-            for i in range(foundations.first[f], foundations.stop[f]):
-                rise = run.slots[of(i, c.RISE)]
-                p.lean[(k + 1) * padded + i] = rise * turned * share
-                run.rocking_drift[(k + 2) * padded + i] = rise * turning * share
     chosen = int(p.numbers[CHOSEN])
     if chosen >= 0:
         speed = p.numbers[SCALE] / p.numbers[B_ROOT]
@@ -346,15 +325,15 @@ def _integrate(run, foundations, p, k, founded):
 
 
 @njit(**CALLED)
-def expand(run, foundations, p, order, founded):
+def expand(run, terms, p, order, has_terms):
     """All series up to `order`, forces and accelerations to the one before; returns whether they are finite."""
     no_inline()
     p.T[0] = 0.0
     for k in range(order):
         _time(p, k)
         _links(run, p, k)
-        _accelerations(run, foundations, p, k, founded)
-        _integrate(run, foundations, p, k, founded)
+        _accelerations(run, terms, p, k, has_terms)
+        _integrate(run, p, k)
     total = p.T[order]
     for i in range(run.slot_start, run.slot_stop):
         total += run.W[order * run.padded + i] + p.U[order * run.padded + i]
@@ -362,16 +341,11 @@ def expand(run, foundations, p, order, founded):
 
 
 @njit(**PART)
-def _term_over_allowed(run, foundations, p, k, founded):
+def _term_over_allowed(run, p, k):
     """The largest order k of an acceleration or a force over what may be left out of it [-]."""
     largest = 0.0
     for i in range(run.slot_start, run.slot_stop):
         largest = max(largest, abs(p.A[k * run.padded + i]) / run.slots[of(i, c.TERM_TOLERANCE)])
-    if founded:
-        for f in range(run.foundations):
-            top, _ = top_of(run, foundations, k, f)
-            turning = abs(p.angular[k * run.foundations + f]) * run.slots[of(top, c.ELEVATION)]
-            largest = max(largest, turning / run.slots[of(top, c.TERM_TOLERANCE)])
     for e in range(run.link_start, run.link_stop):
         if is_closed(run, e):
             largest = max(largest, abs(force_register(run, p, e)[k]) / _allowed_force(run, e))
@@ -379,12 +353,12 @@ def _term_over_allowed(run, foundations, p, k, founded):
 
 
 @njit(**CALLED)
-def part_allowed(run, foundations, p, order, tolerance, founded):
+def part_allowed(run, p, order, tolerance):
     """The part of the step over which the last orders stay below what may be left out [-], at most 1."""
     no_inline()
     worst = 0.0
     for k in range(max(order - JUDGED, 2), order):
-        term = _term_over_allowed(run, foundations, p, k, founded)
+        term = _term_over_allowed(run, p, k)
         worst = max(worst, term ** (1.0 / k)) if term > 0.0 else worst
     ratio = MARGIN / worst if worst > MARGIN else 1.0
     for _ in range(3):  # the time, whose error shifts all, by itself
@@ -407,7 +381,7 @@ def _rescale_rows(rows, width, order, ratio):
 
 
 @njit(**CALLED)
-def rescale(run, foundations, p, order, ratio, founded):
+def rescale(run, p, order, ratio):
     """All series for a step `ratio` times as long."""
     no_inline()
     p.numbers[SCALE] *= ratio
@@ -419,10 +393,5 @@ def rescale(run, foundations, p, order, ratio, founded):
     for e in range(run.link_start, run.link_stop):
         for place in range(0, p.each, p.rows):
             _rescale_rows(further(p.registers, e * p.each + place), 1, order, ratio)
-    if founded:
-        _rescale_rows(foundations.W, run.foundations, order, ratio)
-        _rescale_rows(foundations.D, run.foundations, order, ratio)
-        _rescale_rows(further(run.rocking_drift, run.padded), run.padded, order, ratio)
-        _rescale_rows(p.lean, run.padded, order, ratio)
     for k in range(order):  # B is by s as well
         p.B[k] *= ratio

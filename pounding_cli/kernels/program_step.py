@@ -16,6 +16,7 @@ from pounding_cli.kernels.program_peaks import account, track
 from pounding_cli.kernels.program_series import SCALE, expand, on_program, part_allowed, start
 from pounding_cli.kernels.recurrence import set_allowed
 from pounding_cli.kernels.simd import no_inline
+from pounding_cli.kernels.terms import rescale_springs
 
 PLAIN_STEP = -2
 """Said instead of an outcome where a plain step is to be taken."""
@@ -30,47 +31,49 @@ SHORTEST = 1e-14
 
 
 @njit(**PART)
-def no_program_step(run, foundations, programs, settings):
+def no_program_step(run, terms, programs, settings):
     """(PLAIN_STEP, no storey event, no link event, not the segment's end)."""
     return PLAIN_STEP, False, False, False
 
 
 @njit(**CALLED)
-def program_step(run, foundations, programs, settings):
+def program_step(run, terms, programs, settings):
     """(outcome, or -1, or PLAIN_STEP; whether a storey event ends the step, whether a link's does, whether it ends the
     segment)."""
     no_inline()
     if not on_program(run):
         return PLAIN_STEP, False, False, False
     p = programs
-    founded = settings.founded > 0
+    has_terms = settings.has_terms > 0
     inelastic = settings.inelastic > 0
     tolerance = settings.tolerance
     order = settings.max_order
     run.tally[ORDER] = order
     set_allowed(run, tolerance)
-    start(run, foundations, p, founded)
+    start(run, p)
     for _ in range(MOST_TRIES):
-        finite = expand(run, foundations, p, order, founded)
+        finite = expand(run, terms, p, order, has_terms)
         if finite:
             break
         p.numbers[SCALE] *= SHORTER
         start_again = p.numbers[SCALE]
-        start(run, foundations, p, founded)
+        start(run, p)
         p.numbers[SCALE] = start_again
     if not finite:
         return NOT_FINITE, False, False, False
-    ratio = part_allowed(run, foundations, p, order, tolerance, founded)
+    ratio = part_allowed(run, p, order, tolerance)
     if not ratio > SHORTEST:
         return STEP_BOUND, False, False, False
     if ratio < 1.0:
-        program_series.rescale(run, foundations, p, order, ratio, founded)
-    storeys, link, finished = find_end(run, p, inelastic, founded)
-    if settings.watched > 0 and first_collapse_on_program(run, p, founded):
+        program_series.rescale(run, p, order, ratio)
+        if has_terms:
+            rescale_springs(run, terms, order, ratio)
+    storeys, link, finished = find_end(run, p, inelastic)
+    if settings.watched > 0 and first_collapse_on_program(run, p):
         storeys, link, finished = False, False, False
-    reach_end(run, foundations, p, founded)
-    account(run, foundations, p, settings.nodes, settings.weights, inelastic, founded)
-    track(run, foundations, p, inelastic, founded)
+    reach_end(run, terms, p)
+    account(run, terms, p, settings.nodes, settings.weights, inelastic, has_terms)
+    track(run, p, inelastic)
     if settings.use_islands > 0:
         program_peaks.widen_ranges(run, p)
     return -1, storeys, link, finished

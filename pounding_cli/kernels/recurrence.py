@@ -16,7 +16,6 @@ from numba import njit
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, of, of_link, of_link_integer, of_term
 from pounding_cli.kernels.clock import GROUND, GROUND_CHANGE, INVERSE_H, LEAST_SCALE, ORDER, H
-from pounding_cli.kernels.foundations import expand_foundations, foundations_exceed, rescale_foundations, top_of
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import expand_links, link_force_terms, link_forces_on
 from pounding_cli.kernels.simd import (
@@ -31,6 +30,7 @@ from pounding_cli.kernels.simd import (
     splat,
     store,
 )
+from pounding_cli.kernels.terms import exceeding_lanes, hand_on, spring_forces
 
 MIN_ORDER = 4
 """No series is shorter: the first terms of a start from rest are small and say nothing."""
@@ -43,7 +43,7 @@ FORGET = 0.9
 def update_stencils(run, i):
     """Renew what depends on the branch of slot i: its own stencils (acceleration per displacement and per velocity of
     itself and its neighbours) and the push of the offsets [m/s2]. P-Delta acts on the difference of two displacements,
-    so it is taken from the tangent here and nowhere else: shears and what rocking adds are the law's."""
+    so it is taken from the tangent here and nowhere else: shears are the law's."""
     slots = run.slots
     below = slots[of(i, c.TANGENT)] - slots[of(i, c.GEOMETRIC)]  # fault: p-delta-below
     above = 0.0
@@ -76,7 +76,7 @@ def _floor_accelerations(slots, b, k, before, ground, u_left, u, u_right, w_left
     total = fused(load(slots, at(b, c.STENCIL_U_BELOW)), u_left, total)
     total = fused(load(slots, at(b, c.STENCIL_U_ABOVE)), u_right, total) * before
     if k < 2:
-        total = total - load(slots, at(b, c.REAL)) * ground  # fault: ground-in-series
+        total = total - load(slots, at(b, c.LOADED)) * ground  # fault: ground-in-series
         total = total + load(slots, at(b, c.OFFSET_ACCELERATION)) if k == 0 else total
     total = fused(load(slots, at(b, c.STENCIL_V)), w, total)
     total = fused(load(slots, at(b, c.STENCIL_V_BELOW)), w_left, total)
@@ -114,7 +114,7 @@ def _largest_cut_term(run, k):
 
 
 @njit(**PART)
-def expand(run, foundations, any_closed, curved, cut, pinned_at_event, tolerance, max_order, founded):
+def expand(run, terms, any_closed, curved, cut, pinned_at_event, tolerance, max_order, has_terms):
     """Coefficients up to the order at which two acceleration terms in a row are below what may be left out, or up to
 
     Returns (order, whether that held).
@@ -122,11 +122,11 @@ def expand(run, foundations, any_closed, curved, cut, pinned_at_event, tolerance
     set_allowed(run, tolerance)
     links = run.link_stop - run.link_start
     slots = run.slot_stop - run.slot_start
-    if slots == 8 and links == 0 and not founded:
+    if slots == 8 and links == 0 and not has_terms:
         return _expand_one(run, max_order)
-    if slots == 16 and (links == 0 or (links == 8 and run.links_per_side == 0)) and not founded and cut == 0:
+    if slots == 16 and (links == 0 or (links == 8 and run.links_per_side == 0)) and not has_terms and cut == 0:
         return _expand_two(run, any_closed, curved, pinned_at_event, max_order)
-    return _expand_all(run, foundations, any_closed, curved, cut, pinned_at_event, max_order, founded)
+    return _expand_all(run, terms, any_closed, curved, cut, pinned_at_event, max_order, has_terms)
 
 
 @njit(**PART)
@@ -136,8 +136,14 @@ def _judged(small, exceeding, k):
     return small, small > 1 and k >= MIN_ORDER
 
 
+@njit(**PART)
+def no_orders():
+    """(0, 0) to count from: with a plain 0 numba would compile what is given the number twice."""
+    return np.int64(0), np.int64(0)
+
+
 @njit(**CALLED)
-def _expand_all(run, foundations, any_closed, curved, cut, pinned_at_event, max_order, founded):
+def _expand_all(run, terms, any_closed, curved, cut, pinned_at_event, max_order, has_terms):
     """The series of any number of slots."""
     no_inline()
     padded = run.padded
@@ -145,16 +151,15 @@ def _expand_all(run, foundations, any_closed, curved, cut, pinned_at_event, max_
     zero = splat(0.0)
     h = splat(run.clock[H])
     ground = splat(run.clock[GROUND])
-    small = 0
+    small, k = no_orders()
     before = splat(1.0)
-    k = 0
     while True:
         after = h * run.reciprocal[k + 1]
         if any_closed != 0:
             expand_links(run, k, after, curved, pinned_at_event)
-        if founded:
-            expand_foundations(run, foundations, k)
         row = k * padded
+        if has_terms:
+            spring_forces(run, terms, k, run.W, row - padded, run.clock[H] * run.reciprocal[k] if k > 0 else 1.0)
         exceeding = 0
         w_left = zero
         u_left = zero
@@ -168,8 +173,8 @@ def _expand_all(run, foundations, any_closed, curved, cut, pinned_at_event, max_
                 slots, b, k, before, ground, from_left(u_left, u), u, from_right(u, u_right),
                 from_left(w_left, w), w, from_right(w, w_right),
             )  # fmt: skip
-            if founded:
-                total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.FOUNDATION_FORCE)), total)
+            if has_terms:
+                total = fused(load(slots, at(b, c.INVERSE_MASS)), load(slots, at(b, c.SPRING_FORCE)), total)
             if any_closed != 0:
                 total = fused(load(slots, at(b, c.INVERSE_MASS)), link_forces_on(run, b), total)
             store(run.W, row + padded + b, total * after)
@@ -178,8 +183,9 @@ def _expand_all(run, foundations, any_closed, curved, cut, pinned_at_event, max_
             u_left = u
             w = w_right
             u = u_right
-        if founded and foundations_exceed(run, foundations, k):
-            exceeding |= 1
+        if has_terms:
+            hand_on(run, terms, run.W, row + padded)
+            exceeding = exceeding_lanes(run, k, after)
         if cut != 0 and _largest_cut_term(run, k) > 1.0:  # fault: cut-series-ends
             exceeding |= 1
         k += 1
@@ -203,9 +209,8 @@ def _expand_one(run, max_order):
     u = load(run.W, a - run.padded)
     u_left, u_right = from_left(zero, u), from_right(u, zero)
     w = load(run.W, a)
-    small = 0
+    small, k = no_orders()
     before = splat(1.0)
-    k = 0
     while True:
         after = h * run.reciprocal[k + 1]
         w_left, w_right = from_left(zero, w), from_right(w, zero)  # fault: alone-neighbours-rates
@@ -242,9 +247,8 @@ def _expand_two(run, any_closed, curved, pinned_at_event, max_order):
     v = zero
     if any_closed != 0:
         v = load(run.series, c.at_term(run, 0, e, c.CLOSING_TERM))
-    small = 0
+    small, k = no_orders()
     before = splat(1.0)
-    k = 0
     while True:
         after = h * run.reciprocal[k + 1]
         w_left, w_right, y_left, y_right = from_left(zero, w), from_right(w, y), from_left(w, y), from_right(y, zero)
@@ -283,11 +287,10 @@ def renew_scale(run):
 
 
 @njit(**CALLED)
-def shrink(run, foundations, cut, tolerance):
+def shrink(run, cut):
     """The fraction of a step that meets the tolerance at its highest order; rescales nothing."""
     no_inline()
     order = run.tally[ORDER]
-    least_scale = run.clock[LEAST_SCALE]
     worst = 0.0
     for k in (order - 1, order):
         number = k * run.clock[INVERSE_H]
@@ -299,9 +302,6 @@ def shrink(run, foundations, cut, tolerance):
         size = 0.0
         for lane in range(8):
             size = max(size, run.scratch[lane])
-        for f in range(run.foundations):
-            top, turning = top_of(run, foundations, k, f)
-            size = max(size, number * turning / (max(run.slots[of(top, c.SCALE)], least_scale) * tolerance))
         if cut != 0:
             size = max(size, _largest_cut_term(run, k - 1))  # fault: cut-shortens-steps
         if size > 0.0:
@@ -310,7 +310,7 @@ def shrink(run, foundations, cut, tolerance):
 
 
 @njit(**CALLED)
-def rescale(run, foundations, ratio, any_closed, order, founded):
+def rescale(run, ratio, any_closed, order):
     """Coefficients for a step `ratio` times as long: the motion is the same, only s is measured anew."""
     no_inline()
     power = splat(1.0)
@@ -324,5 +324,3 @@ def rescale(run, foundations, ratio, any_closed, order, founded):
                     place = c.at_term(run, k, b, field)
                     store(run.series, place, load(run.series, place) * power)
         power = power * ratio
-    if founded:
-        rescale_foundations(run, foundations, order, ratio)

@@ -2,9 +2,9 @@
 
 With location, every storey and link is held on its branch, the first end of a branch within the step is found on the
 quintic through the step's ends, the step is taken again up to there, and the branch changes: fourth order is kept.
-Without it, every stage sees the return mapping and the contacts as they are, and the order falls to first where a step
-passes over a change. Source: Kutta (1901), Zeitschrift fuer Mathematik und Physik 46; event location: Shampine &
-Thompson (2000), Computers & Mathematics with Applications 39(5-6)."""
+Without it, every stage takes storeys and contacts on the branches where they stand at that instant, and the order falls
+to first where a step passes over a change. Source: Kutta (1901), Zeitschrift fuer Mathematik und Physik 46; event
+location: Shampine & Thompson (2000), Computers & Mathematics with Applications 39(5-6)."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ Scene = namedtuple("Scene", "slots elements links state peaks")
 """The arrays of a scene as pointers (`layout`)."""
 
 Point = namedtuple("Point", "u v a drift shear storeys force")
-"""A state and what it causes: by freedom u, v, a [m, m/s, m/s2; rad of rocking angles]; by slot drift and shear
+"""A state and what it causes: by slot u, v, a [m, m/s, m/s2]; by slot drift and shear
 [m, N] and the storeys' branches (`storey_law.Storeys`); by element its force with its dashpot's [N]."""
 
 _BY_FREEDOM, _BY_SLOT = 3, 4 + MEMORIES
@@ -120,11 +120,9 @@ def _raise_ends(scene, p, ground):
     for i in range(size):
         peaks.drift[i] = max(peaks.drift[i], abs(p.drift[i]))
         peaks.shear[i] = max(peaks.shear[i], abs(p.shear[i]))
-        peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.real[i]))
+        peaks.acceleration[i] = max(peaks.acceleration[i], abs(p.a[i] + ground * slots.loaded[i]))
         peaks.displacement_max[i] = max(peaks.displacement_max[i], p.u[i])
         peaks.displacement_min[i] = min(peaks.displacement_min[i], p.u[i])
-    for f in range(elements.freedoms - size):
-        peaks.rocking[f] = max(peaks.rocking[f], abs(p.u[size + f]))
     for e in range(links.number):
         peaks.closing[e] = max(peaks.closing[e], deformation(elements, elements.springs + e, p.u))
         peaks.force[e] = max(peaks.force[e], abs(p.force[elements.springs + e]))
@@ -188,18 +186,41 @@ def _collapse(scene, p, out):
 
 
 @njit(**INLINE)
-def _give_state(scene, p, located):
-    """The state of a run that ends at the point p."""
-    slots, state = scene.slots, scene.state
-    size, count = slots.size, scene.elements.freedoms - slots.size
+def _begin(scene, p):
+    """The point p at the state that the run starts from."""
+    state, size = scene.state, scene.slots.size
+    for i in range(size):
+        p.u[i], p.v[i] = state.u[i], state.v[i]
+        p.storeys.branch[i] = state.storey_branch[i]
+    for m in range(MEMORIES * size):
+        p.storeys.memory[m] = state.storey_memory[m]
+    for i in range(size):
+        p.drift[i] = deformation(scene.elements, i, p.u)
+
+
+@njit(**INLINE)
+def _end(scene, p, located):
+    """The state at the point p, where the run ends."""
+    state, size = scene.state, scene.slots.size
     for i in range(size):
         state.u[i], state.v[i] = p.u[i], p.v[i]
         if not located:
             state.storey_branch[i] = int(p.storeys.branch[i])
             for m in range(i, MEMORIES * size, size):
                 state.storey_memory[m] = p.storeys.memory[m]
-    for f in range(count):
-        state.phi[f], state.phi_v[f] = p.u[size + f], p.v[size + f]
+
+
+@njit(**INLINE)
+def _observe(scene, scratch, p, out, h, ground, last, slope, between, located):
+    """What a step from p to `out` adds to peaks, impulses, contact times and impacts."""
+    if h > 0.0:
+        # Accelerations jump with the contact forces: a parabola over a jump has peaks that are not there.
+        smooth = located or not _passes_over_contact(scene.elements, scene.links, scene.peaks, p, out)
+        if between:
+            _raise_inside(scene, scratch, p, out, h, ground, h * slope, located, smooth)
+        else:
+            _hold_links(scene, p, out, h)
+    _raise_ends(scene, out, last)
 
 
 @njit(**INLINE)
@@ -216,21 +237,12 @@ def march(
     """
     slots, elements, links = slot_pointers(slot_arrays), element_pointers(element_arrays), link_pointers(link_arrays)
     scene = Scene(slots, elements, links, state_pointers(state_arrays), peak_pointers(peak_arrays))
-    state, size, count = scene.state, slots.size, elements.freedoms - slots.size
     place = pointer(memory)
     each = point_size(slots, elements)
     p, out = point(place, slots, elements), point(further(place, each), slots, elements)
     scratch = further(place, 2 * each)
     own = further(scratch, POLYNOMIAL_SIZE)
-    for i in range(size):
-        p.u[i], p.v[i] = state.u[i], state.v[i]
-        p.storeys.branch[i] = state.storey_branch[i]
-    for m in range(MEMORIES * size):
-        p.storeys.memory[m] = state.storey_memory[m]
-    for f in range(count):
-        p.u[size + f], p.v[size + f] = state.phi[f], state.phi_v[f]
-    for i in range(size):
-        p.drift[i] = deformation(elements, i, p.u)
+    _begin(scene, p)
     whole = dt / parts
     steps = 0
     events_at_instant = 0
@@ -253,19 +265,12 @@ def march(
                     return verdict, steps, tally[EVENTS], tally[ITERATIONS], segment * dt + part * whole
                 steps += 1
                 last = ground + h * slope
-                if h > 0.0:
-                    events_at_instant = 0
-                    # Accelerations jump with the contact forces: a parabola over a jump has peaks that are not there.
-                    smooth = located or not _passes_over_contact(elements, links, scene.peaks, p, out)
-                    if between:
-                        _raise_inside(scene, scratch, p, out, h, ground, h * slope, located, smooth)
-                    else:
-                        _hold_links(scene, p, out, h)
-                _raise_ends(scene, out, last)
+                events_at_instant = 0 if h > 0.0 else events_at_instant
+                _observe(scene, scratch, p, out, h, ground, last, slope, between, located)
                 share = _collapse(scene, p, out)
                 p, out = out, p
                 if share <= 1.0:
-                    _give_state(scene, p, located)
+                    _end(scene, p, located)
                     time = segment * dt + part * whole + gone + share * h
                     return COLLAPSED, steps, tally[EVENTS], tally[ITERATIONS], time
                 gone += h
@@ -273,13 +278,13 @@ def march(
                     fill_forces(scene, p, last, inelastic, located)
                     _raise_ends(scene, p, last)
                     events_at_instant += 1
-                    if events_at_instant > 20 + 4 * (size + links.size):
+                    if events_at_instant > 20 + 4 * (slots.size + links.size):
                         return STALLED, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
                 if tally[EVENTS] > max_events:
                     return EVENT_BOUND, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
             if not np.isfinite(p.u[0] + p.v[0]) or abs(p.u[0]) > DIVERGED:
                 return NOT_FINITE, steps, tally[EVENTS], tally[ITERATIONS], segment * dt
-    _give_state(scene, p, located)
+    _end(scene, p, located)
     return DONE, steps, tally[EVENTS], tally[ITERATIONS], starts.size * dt
 
 

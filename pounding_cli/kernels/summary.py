@@ -11,13 +11,13 @@ from numba import njit
 from pounding_cli.kernels import cells as c
 from pounding_cli.kernels.cells import at, of
 from pounding_cli.kernels.clock import END, GROUND, GROUND_CHANGE, INVERSE_H, H
-from pounding_cli.kernels.foundations import end_foundations
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.simd import from_left, fused, greater, load, magnitude, minimum, no_inline, splat, store
+from pounding_cli.kernels.terms import end_points
 
 
 @njit(**CALLED)
-def summarise(run, foundations, order, founded):
+def summarise(run, terms, order):
     """Displacement, velocity, drift, drift rate and total acceleration of every slot at the step's end, the last three
     at its start too, and chord deviations."""
     no_inline()
@@ -59,12 +59,9 @@ def summarise(run, foundations, order, founded):
         store(run.ends, padded + b, bend * eighth)
         store(slots, at(b, c.V_CHORD_DEVIATION), v_deviation * 0.125)
         store(slots, at(b, c.TOTAL_ACCELERATION_CHORD_DEVIATION), acceleration_deviation * (per_h * 0.125))
+    end_points(run, terms)
     drifts(run)
-    if founded:
-        _drift_chord_deviations(run, order)
-        end_foundations(run, foundations, 1.0)
-    else:
-        _sum_chord_deviations(run)
+    _sum_chord_deviations(run)
 
 
 @njit(**PART)
@@ -81,27 +78,6 @@ def _sum_chord_deviations(run):
         store(slots, at(b, c.DRIFT_RATE_CHORD_DEVIATION), fused(couple, from_left(v_left, v), v))
         bend_left = bend
         v_left = v
-
-
-@njit(**CALLED)
-def _drift_chord_deviations(run, order):
-    """The same where rocking takes its part."""
-    no_inline()
-    for b in range(run.slot_start, run.slot_stop, 8):
-        couple = load(run.slots, at(b, c.COUPLE))
-        bend = splat(0.0)
-        deviation = splat(0.0)
-        number = 0.0
-        for k in range(order + 1):
-            row = k * run.padded + b
-            w = load(run.W, row)
-            rate = w - couple * from_left(load(run.W, row - 8), w) - load(run.rocking_drift, row + run.padded)
-            size = magnitude(rate * number)
-            bend = bend + size
-            deviation = fused(size, number - 1.0, deviation)
-            number += 1.0
-        store(run.slots, at(b, c.DRIFT_CHORD_DEVIATION), bend * (0.125 * run.clock[H]))
-        store(run.slots, at(b, c.DRIFT_RATE_CHORD_DEVIATION), deviation * 0.125)
 
 
 @njit(**PART)
@@ -124,7 +100,7 @@ def drifts(run):
 
 
 @njit(**CALLED)
-def end_at_event(run, foundations, order, founded):
+def end_at_event(run, terms, order):
     """Replace the values at s = 1 by those at END, where an event was found; the chord deviations stay bounds."""
     no_inline()
     padded = run.padded
@@ -151,9 +127,8 @@ def end_at_event(run, foundations, order, founded):
         store(run.ends, b, u)
         store(slots, at(b, c.V1), v)
         store(slots, at(b, c.TOTAL_ACCELERATION1), fused(acceleration, per_h, ground))
+    end_points(run, terms)
     drifts(run)
-    if founded:
-        end_foundations(run, foundations, run.clock[END])
 
 
 @njit(**PART)
@@ -172,20 +147,18 @@ def may_turn_by_ends(first, last, deviation):
 
 
 @njit(**PART)
-def rate_term(run, k, i, founded):
+def rate_term(run, k, i):
     """Coefficient k of the drift rate of storey i [m/s]."""
     row = k * run.padded + i
     term = run.W[row]
     if run.slots[of(i, c.COUPLE)] != 0.0:
         term -= run.W[row - 1]
-    if founded:
-        term -= run.rocking_drift[row + run.padded]
     return term
 
 
 @njit(**PART)
-def drift_series(run, h, i, order, factor, founded):
+def drift_series(run, h, i, order, factor):
     """`factor` times the coefficients of storey i's drift, into `scratch`."""
     run.scratch[0] = factor * run.slots[of(i, c.DRIFT0)]
     for k in range(1, order + 1):
-        run.scratch[k] = factor * h * run.reciprocal[k] * rate_term(run, k - 1, i, founded)
+        run.scratch[k] = factor * h * run.reciprocal[k] * rate_term(run, k - 1, i)

@@ -7,7 +7,7 @@ Mathematics 14(1).
 
 A segment of the ground motion is solved island by island (`islands.py`), each in steps of its own.
 
-One kernel serves all scenes: elastic or not, with foundations or not, whatever their links. Compiling is what a first
+One kernel serves all scenes: elastic or not, on any foundations, whatever their links. Compiling is what a first
 run waits for, and an effect that a scene does not have costs a branch that is never taken."""
 
 from __future__ import annotations
@@ -59,7 +59,6 @@ from pounding_cli.kernels.clock import (
 )
 from pounding_cli.kernels.collapse import first_collapse, take_limits
 from pounding_cli.kernels.crossings import first_link_event, first_storey_event
-from pounding_cli.kernels.foundations import advance_foundations, foundations_frame, start_foundations
 from pounding_cli.kernels.frame import DOUBLES, Frame, filler
 from pounding_cli.kernels.from_rest import start_in_touch
 from pounding_cli.kernels.history import enter, history_pointers
@@ -92,11 +91,12 @@ from pounding_cli.kernels.layout import (
     PLAIN,
     STALLED,
     STEP_BOUND,
-    foundation_pointers,
     link_pointers,
     peak_pointers,
+    point_pointers,
     row_pointers,
     slot_pointers,
+    spring_pointers,
     state_pointers,
 )
 from pounding_cli.kernels.layout import COLLAPSED as COLLAPSE
@@ -110,6 +110,7 @@ from pounding_cli.kernels.recurrence import expand, renew_scale, rescale, shrink
 from pounding_cli.kernels.simd import further, load, no_inline, pointer, splat, store
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.summary import end_at_event, summarise
+from pounding_cli.kernels.terms import rescale_springs, room_for_terms, start_points, terms_frame
 from pounding_cli.kernels.transitions import initialise_branches, link_event, storey_events, unpin
 
 MAX_ORDER = 30
@@ -129,7 +130,7 @@ SETTINGS = Frame(
     dict.fromkeys(
         (
             "inelastic",
-            "founded",
+            "has_terms",
             "use_islands",
             "watched",
             "max_order",
@@ -141,8 +142,8 @@ SETTINGS = Frame(
     )
     | {"tolerance": types.float64, "nodes": DOUBLES, "weights": DOUBLES},
 )
-"""What `build` says of its arguments of these names; inelastic, founded, apart: whether storeys can yield, there are
-foundations, islands and collapse are looked for (1 or 0)."""
+"""What `_integrate` says of its arguments of these names; inelastic, has_terms, use_islands: whether storeys can yield,
+there are points or springs (`terms`), islands and collapse (`watched`) are looked for (1 or 0)."""
 
 _settings_frame = filler(SETTINGS)
 
@@ -151,26 +152,26 @@ FRAMES = 64
 
 
 def memory_needed(
-    padded: int, foundations: int, links: int, links_per_side: int, buildings: int, registers: int
+    padded: int, links: int, links_per_side: int, buildings: int, registers: int, springs: int
 ) -> tuple[int, int]:
     """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally. `registers`: of
     a force written as operations; 0 where there is none."""
     doubles, integers = record_sizes(padded, links, _ROWS)
-    rows = (_ROWS + 1) * (2 if foundations else 1) + 5
-    small = 2 * _ROWS + CLOCK_SIZE + RULE_SIZE + 2 * (_ROWS + 1) * foundations + 64
+    rows = _ROWS + 1 + 5
+    small = 2 * _ROWS + CLOCK_SIZE + RULE_SIZE + 64
     saved, link_integers = record_sizes(padded, links, 0)
     tables = 2 * max(links_per_side, 1) * padded + NOTE_COUNT * buildings + 5 * FRAMES
-    written, resting = room_for_programs(padded, links, registers, foundations, _ROWS) if registers else (0, 0)
+    written, resting = room_for_programs(padded, links, registers, _ROWS) if registers else (0, 0)
     return (
-        doubles + rows * padded + links + small + saved + 2 * padded + written,
+        doubles + rows * padded + links + small + saved + 2 * padded + written + room_for_terms.py_func(springs, _ROWS),
         TALLY_SIZE + integers + link_integers + tables + resting,
     )
 
 
 @njit(**PART)
-def _lay_out_scratch(foundations, links, row, memory, integers):
-    """The scratch of a run as records and rows, whole vectors first; returns (run, row, where two more
-    frames go, where the series of the foundations go)."""
+def _lay_out_scratch(links, row, memory, integers):
+    """The scratch of a run as records and rows, whole vectors first; returns (run, row, where three more frames and
+    whole numbers go, where doubles go)."""
     padded, padded_links = row.first_slot[row.number], row.first_link[row.number - 1]
     by_slot, by_link, by_term = record_parts(padded, padded_links, _ROWS)
     ends = further(memory, (_ROWS + 1) * padded)
@@ -183,7 +184,6 @@ def _lay_out_scratch(foundations, links, row, memory, integers):
     checkpoint = further(rule, RULE_SIZE)
     reciprocal = further(checkpoint, by_slot + by_link + 2 * padded)
     scratch = further(reciprocal, _ROWS)
-    rocking_drift = further(scratch, _ROWS)
     link_integers = further(integers, TALLY_SIZE)
     storeys = further(link_integers, LINK_INTEGERS * padded_links)
     left_links = further(storeys, STOREY_INTEGERS * padded)
@@ -194,22 +194,16 @@ def _lay_out_scratch(foundations, links, row, memory, integers):
     for k in range(1, _ROWS):
         reciprocal[k] = 1.0 / k
     run = run_frame(further(notes, NOTE_COUNT * row.number), (
-        0, padded, 0, padded_links, padded, padded_links, row.links_per_side, foundations.number,
+        0, padded, 0, padded_links, padded, padded_links, row.links_per_side,
         further(memory, padded), ends, records, storeys, link_records, link_integers, links.branches, links.guards,
         links.operations, left_links, right_links, link_forces, series, rule, reciprocal, clock, integers, scratch,
-        rocking_drift,
     ))  # fmt: skip
     frames = further(notes, NOTE_COUNT * row.number + FRAMES)
     row_places = row_frame(frames, (
         row.number, row.slots, row.links, row.first_slot, row.first_link, row.slot_places, row.link_places, notes,
         checkpoint, checkpoint_integers,
     ))  # fmt: skip
-    return (
-        run,
-        row_places,
-        further(frames, FRAMES),
-        further(rocking_drift, (_ROWS + 1) * padded if foundations.number > 0 else 0),
-    )
+    return run, row_places, further(frames, FRAMES), further(scratch, _ROWS)
 
 
 @njit(**PART)
@@ -229,14 +223,16 @@ def _begin_step(run):
 
 
 @njit(**PART)
-def _shorten(run, foundations, any_closed, cut, order, tolerance, founded):
+def _shorten(run, terms, any_closed, cut, order, has_terms):
     """Shorten a step whose series did not become small enough; returns the part of it that is left [-]."""
-    ratio = shrink(run, foundations, cut, tolerance)
+    ratio = shrink(run, cut)
     if ratio > SHORTEST and ratio < 1.0:
         paced = ratio > FEW_PIECES
         if paced:
             ratio = 1.0 / np.ceil(1.0 / ratio)
-        rescale(run, foundations, ratio, any_closed, order, founded)
+        rescale(run, ratio, any_closed, order)
+        if has_terms:
+            rescale_springs(run, terms, order, ratio)
         run.clock[H] *= ratio
         run.clock[INVERSE_H] /= ratio
         run.clock[GROUND_CHANGE] *= ratio
@@ -270,67 +266,63 @@ def _count_step(run, finished, happened, settings):
 
 
 @njit(**PART)
-def _plain_step(run, foundations, settings, pinned_at_event):
+def _plain_step(run, terms, settings, pinned_at_event):
     """A step by time series; as `program_step`."""
     inelastic = settings.inelastic > 0
-    founded = settings.founded > 0
-    tolerance = settings.tolerance
+    has_terms = settings.has_terms > 0
     linked = run.link_stop > run.link_start
     clock = run.clock
     whole = _begin_step(run)
-    if founded:
-        start_foundations(run, foundations)
     any_closed = 0
     curved = 0
     cut = 0
     if linked:
         any_closed, curved, cut = start_closings(run, pinned_at_event)
     order, close = expand(
-        run, foundations, any_closed, curved, cut, pinned_at_event, tolerance, settings.max_order, founded
+        run, terms, any_closed, curved, cut, pinned_at_event, settings.tolerance, settings.max_order, has_terms
     )
     run.tally[ORDER] = order
     if not close:
-        ratio = _shorten(run, foundations, any_closed, cut, order, tolerance, founded)
+        ratio = _shorten(run, terms, any_closed, cut, order, has_terms)
         if not ratio > SHORTEST:
             return STEP_BOUND if np.isfinite(ratio) else NOT_FINITE, False, False, False
         whole = whole and ratio >= 1.0
-    summarise(run, foundations, order, founded)
-    storeys = inelastic and first_storey_event(run, founded)
+    summarise(run, terms, order)
+    storeys = inelastic and first_storey_event(run)
     link = linked and first_link_event(run)
-    if settings.watched > 0 and first_collapse(run, founded):  # fault: collapse-in-time
+    if settings.watched > 0 and first_collapse(run):  # fault: collapse-in-time
         storeys, link = False, False
     if clock[END] < 1.0:
-        end_at_event(run, foundations, order, founded)
+        end_at_event(run, terms, order)
     else:
         clock[END] = 1.0
-    account(run, foundations, settings.nodes, settings.weights, order, any_closed, curved, inelastic, founded)
-    track(run, foundations, order, any_closed, inelastic, founded)
+    account(run, terms, settings.nodes, settings.weights, order, any_closed, curved, inelastic, has_terms)
+    track(run, order, any_closed, inelastic)
     if settings.use_islands > 0:
         widen_ranges(run)
     return -1, storeys, link, whole and clock[END] == 1.0
 
 
 @njit(**PART)
-def _march(other_step, run, foundations, programs, settings, pinned_at_event):
+def _march(other_step, run, terms, programs, settings, pinned_at_event):
     """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
 
     `other_step`: what takes the steps that plain ones cannot. `pinned_at_event`: something may be exactly zero:
     touching floors at the start, or what an event just met."""
-    founded = settings.founded > 0
     clock = run.clock
     clock[ELAPSED] = 0.0
     clock[LONGEST_STEP] = clock[SEGMENT_LENGTH]
     status = -1
     while status < 0 and clock[ELAPSED] >= 0.0:
-        status, storeys, link, finished = other_step(run, foundations, programs, settings)
+        status, storeys, link, finished = other_step(run, terms, programs, settings)
         if status == PLAIN_STEP:
-            status, storeys, link, finished = _plain_step(run, foundations, settings, pinned_at_event)
+            status, storeys, link, finished = _plain_step(run, terms, settings, pinned_at_event)
         if status >= 0:
             break
         renew_scale(run)
         if pinned_at_event and clock[END] > 0.0:
             unpin(run)
-            pinned_at_event = False
+            pinned_at_event = np.bool_(False)
         if link:
             link_event(run)
         elif storeys:
@@ -345,26 +337,24 @@ def _march(other_step, run, foundations, programs, settings, pinned_at_event):
         for b in range(run.slot_start, run.slot_stop, 8):
             store(run.W, b - run.padded, load(run.ends, b))
             store(run.W, b, load(run.slots, at(b, V1)))
-        if founded:
-            advance_foundations(run, foundations)
         if collapsed and status < 0:
             status = COLLAPSE
     return status, pinned_at_event
 
 
 @njit(**CALLED)
-def _solve_island(run, foundations, programs, settings, pinned_at_event):
+def _solve_island(run, terms, programs, settings, pinned_at_event):
     """`_march` by plain steps alone. A function that is passed to one that is called, not copied, could not be kept
     on disk, so there are two of these."""
     no_inline()
-    return _march(no_program_step, run, foundations, programs, settings, pinned_at_event)
+    return _march(no_program_step, run, terms, programs, settings, pinned_at_event)
 
 
 @njit(**CALLED)
-def _solve_island_with_programs(run, foundations, programs, settings, pinned_at_event):
+def _solve_island_with_programs(run, terms, programs, settings, pinned_at_event):
     """`_march` with program steps."""
     no_inline()
-    return _march(program_step, run, foundations, programs, settings, pinned_at_event)
+    return _march(program_step, run, terms, programs, settings, pinned_at_event)
 
 
 @njit(**CALLED)
@@ -395,24 +385,24 @@ def _guess_islands(run, row, use_islands):
 
 
 @njit(**PART)
-def _solve_islands(solve_island, run, row, foundations, programs, settings):
+def _solve_islands(solve_island, run, row, terms, programs, settings):
     """Solve every island that is not solved yet; returns an outcome, or -1."""
     notes = row.notes
-    left = 0
+    left = np.int64(0)  # with a plain 0 numba would compile what is given the number twice
     while left < row.number:
         right = last_of(notes, left)
         if notes[left * NOTE_COUNT + SOLVED] == 0:
             select_island(run, row, left, right)
             if left > 0 or right + 1 < row.number:
                 save_checkpoint(run, row)
-            pinned_at_event = False
+            pinned_at_event = np.bool_(False)  # likewise
             for b in range(left, right + 1):
                 pinned_at_event = pinned_at_event or notes[b * NOTE_COUNT + PINNED] > 0
             for b in range(run.slot_start, run.slot_stop, 8):
                 store(run.ends, 2 * run.padded + b, splat(-1e300))
                 store(run.ends, 3 * run.padded + b, splat(1e300))
             before = run.tally[EVENTS]
-            status, pinned_at_event = solve_island(run, foundations, programs, settings, pinned_at_event)
+            status, pinned_at_event = solve_island(run, terms, programs, settings, pinned_at_event)
             if status >= 0:
                 return status
             notes[left * NOTE_COUNT + ISLAND_EVENTS] = run.tally[EVENTS] - before
@@ -455,49 +445,45 @@ def _end_segment(row):
 
 @njit(**PART)
 def _integrate(
-    solve_island, slot_arrays, foundation_arrays, link_arrays, row_arrays, state_arrays, peak_arrays, ledger_arrays,
-    history_arrays, nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands, watched,
-    tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
+    solve_island, slot_arrays, point_arrays, spring_arrays, link_arrays, row_arrays, state_arrays, peak_arrays,
+    ledger_arrays, history_arrays, nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands,
+    watched, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
 ):  # fmt: skip
     """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
 
     `memory` and `integers` are scratch (`memory_needed`), zeroed, `memory` at a cache line. `nodes` and `weights` are
     Gauss-Legendre rules on [0, 1] (`ledger.MAX_POINTS`). `inelastic`: storeys can yield. `use_islands`: islands are
-    looked for; without it the row is one. `watched`: whether a storey collapses, which takes a row as one.
+    looked for; without it the row is one. `watched`: whether a storey collapses, which takes a row that is one.
     `least_scale`: the least acceleration that errors are measured by [m/s2].
     With a history every segment has a length of its own and is begun anew. Fills state, peaks, ledger and history in
     place; returns (status, steps, events, orders computed, time reached [s]).
     """
-    slots, given_foundations, links = (
-        slot_pointers(slot_arrays),
-        foundation_pointers(foundation_arrays),
-        link_pointers(link_arrays),
-    )
+    slots, links = slot_pointers(slot_arrays), link_pointers(link_arrays)
     state, peaks = state_pointers(state_arrays), peak_pointers(peak_arrays)
     ledger, history = ledger_pointers(ledger_arrays), history_pointers(history_arrays)
     accelerations, rates = pointer(starts), pointer(slopes)
-    run, row, frames, rest = _lay_out_scratch(
-        given_foundations, links, row_pointers(row_arrays), pointer(memory), pointer(integers)
-    )
-    foundations = foundations_frame(frames, given_foundations, state, peaks, ledger, run.foundations, _ROWS, rest)
-    founded = 1 if run.foundations > 0 else 0
+    run, row, frames, rest = _lay_out_scratch(links, row_pointers(row_arrays), pointer(memory), pointer(integers))
+    springs = spring_pointers(spring_arrays)
+    terms = terms_frame(frames, point_pointers(point_arrays), springs, rest)
     settings = _settings_frame(further(frames, FRAMES), (
-        1 if inelastic else 0, founded, 1 if use_islands else 0, 1 if watched else 0, max_order, max_steps, max_events,
-        max_events_at_instant, tolerance, pointer(nodes), pointer(weights),
+        1 if inelastic else 0, 1 if terms.points + terms.springs > 0 else 0, 1 if use_islands else 0,
+        1 if watched else 0, max_order, max_steps, max_events, max_events_at_instant, tolerance, pointer(nodes),
+        pointer(weights),
     ))  # fmt: skip
     programs = programs_frame(
-        further(frames, 2 * FRAMES), run, links.registers, _ROWS, further(rest, 2 * (_ROWS + 1) * run.foundations),
+        further(frames, 2 * FRAMES), run, links.registers, _ROWS, further(rest, room_for_terms(springs.size, _ROWS)),
         further(frames, 3 * FRAMES),
     )  # fmt: skip
     take_slots(run, row, slots, state, peaks, ledger)
     take_links(run, row, links, state, peaks, ledger)
     take_limits(run, row, slots.collapse)
+    start_points(run, terms)
     _start(run, row)
     start_in_touch(run)
     run.clock[SEGMENT_LENGTH] = length
     run.clock[LEAST_SCALE] = least_scale
     status = -1
-    segment = 0
+    segment = np.int64(0)  # likewise
     begun = 0.0
     while segment < starts.size:
         run.tally[SEGMENT] = segment
@@ -510,7 +496,7 @@ def _integrate(
         _guess_islands(run, row, use_islands)
         unsettled = True
         while unsettled:
-            status = _solve_islands(solve_island, run, row, foundations, programs, settings)
+            status = _solve_islands(solve_island, run, row, terms, programs, settings)
             unsettled = status < 0 and _join_touching(run, row)
         if status >= 0:
             break
@@ -518,7 +504,7 @@ def _integrate(
         if peaks.watched != 0:
             sample(run, row, slots.size, peaks.samples)
         if history.segments > 0:
-            enter(run, row, foundations, history, segment, slots.size, links.size)
+            enter(run, row, history, segment, slots.size, links.size)
             begun += run.clock[SEGMENT_LENGTH]
         segment += 1
     give_slots(run, row, slots.size, state, peaks, ledger)
@@ -556,13 +542,13 @@ def build(programs: bool):
 
         @njit(**PLAIN)
         def integrate_programs(
-            slots, foundations, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
-            slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order, max_steps, max_events,
-            max_events_at_instant,
+            slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers,
+            starts, slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order, max_steps,
+            max_events, max_events_at_instant,
         ):  # fmt: skip
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return _integrate(
-                _solve_island_with_programs, slots, foundations, links, row, state, peaks, ledger, history, nodes,
+                _solve_island_with_programs, slots, points, springs, links, row, state, peaks, ledger, history, nodes,
                 weights, memory, integers, starts, slopes, length, inelastic, use_islands, watched, tolerance,
                 least_scale, max_order, max_steps, max_events, max_events_at_instant,
             )  # fmt: skip
@@ -571,13 +557,13 @@ def build(programs: bool):
 
     @njit(**PLAIN)
     def integrate(
-        slots, foundations, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
+        slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
         slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order, max_steps, max_events,
         max_events_at_instant,
     ):  # fmt: skip
         _ = source
         return _integrate(
-            _solve_island, slots, foundations, links, row, state, peaks, ledger, history, nodes, weights, memory,
+            _solve_island, slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory,
             integers, starts, slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order,
             max_steps, max_events, max_events_at_instant,
         )  # fmt: skip

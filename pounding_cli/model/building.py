@@ -12,8 +12,8 @@ import numpy as np
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.foundation import Foundation
+from pounding_cli.numbers import counted
 from pounding_cli.records.motion import GRAVITY
-from pounding_cli.words import counted
 
 COLLAPSE = 0.10
 """Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""

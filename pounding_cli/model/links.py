@@ -15,6 +15,10 @@ APART = "apart"
 """What tables call the kind of a link that is nothing but a place where the closing of two floors is found."""
 
 
+LinkEnd = tuple[int, int, float]
+"""A building, its floor from 1, and where in the storey below that floor a link ends (`Link`)."""
+
+
 @dataclass(frozen=True)
 class Link:
     """One link between floor `left_floor` of building `left` and `right_floor` of the building to its right.
@@ -23,6 +27,8 @@ class Link:
     ----------
     left : place of the left building in the group, from 0; the right building is left + 1
     left_floor, right_floor : floors, from 1
+    left_at, right_at : where between that floor and the one below it the link ends, as part of the storey height: 1 at
+        the floor, as floors that face each other do; below it on the columns of the storey, clamped in both floors [-]
     law : its law with its parameters: `Pounding`, `Infill`, `Connector`, ...
 
     Raises
@@ -34,12 +40,17 @@ class Link:
     left_floor: int
     right_floor: int
     law: LinkLaw
+    left_at: float = 1.0
+    right_at: float = 1.0
 
     def __post_init__(self) -> None:
         if self.left < 0:
             raise ValueError(f"link: left is {self.left}; places in the group count from 0")
         if self.left_floor < 1 or self.right_floor < 1:
             raise ValueError(f"link: floors {self.left_floor} and {self.right_floor}; floors count from 1")
+        for at in (self.left_at, self.right_at):
+            if not 0.0 < at <= 1.0:
+                raise ValueError(f"link: it ends at {at:g} of a storey height; give a part above 0, 1 at the floor")
 
     def __hash__(self) -> int:
         return self._hash
@@ -47,12 +58,17 @@ class Link:
     @cached_property
     def _hash(self) -> int:
         """Kept: what scenes share is looked up by their links."""
-        return hash((self.left, self.left_floor, self.right_floor, self.law))
+        return hash((self.left, self.left_floor, self.right_floor, self.law, self.left_at, self.right_at))
 
     @classmethod
-    def apart(cls, left: int, left_floor: int, right_floor: int) -> Link:
+    def apart(cls, left: int, left_floor: int, right_floor: int, left_at: float = 1.0, right_at: float = 1.0) -> Link:
         """Nothing between two floors: no force whatever they do; a run finds their largest closing all the same."""
-        return cls(left, left_floor, right_floor, Pounding(math.inf, 1.0, 0.0))
+        return cls(left, left_floor, right_floor, Pounding(math.inf, 1.0, 0.0), left_at, right_at)
+
+    @property
+    def ends(self) -> tuple[LinkEnd, LinkEnd]:
+        """(building, floor, where below it) of both ends."""
+        return (self.left, self.left_floor, self.left_at), (self.left + 1, self.right_floor, self.right_at)
 
     @property
     def kind(self) -> str:
@@ -67,7 +83,8 @@ class Link:
     @property
     def words(self) -> str:
         """Everything about the link, in a line: two links with one line act alike."""
-        return f"{self.left} {self.left_floor} {self.right_floor} {self.law.words}"
+        between = "" if self.left_at == self.right_at == 1.0 else f" {self.left_at!r} {self.right_at!r}"
+        return f"{self.left} {self.left_floor} {self.right_floor} {self.law.words}{between}"
 
 
 LinkPlace = tuple[int, int, int, str]
@@ -79,11 +96,11 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
 
     The name is empty where it is the only one. Of several the first that strikes has no name (without one, the first),
     so that it stands in the same row of tables as the pounding of another case; the others are named for their law:
-    `connector`, `connector 2`.
+    `connector`, `connector 2`. A link that ends between floors is named for where.
     """
-    joined: dict[tuple[int, int, int], list[int]] = {}
+    joined: dict[tuple[LinkEnd, LinkEnd], list[int]] = {}
     for number, link in enumerate(links):
-        joined.setdefault((link.left, link.left_floor, link.right_floor), []).append(number)
+        joined.setdefault(link.ends, []).append(number)
     names = [""] * len(links)
     for several in joined.values():
         strike = (number for number in several if links[number].law.subtracts_gap)  # fault: link-that-strikes
@@ -94,6 +111,10 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
                 kind = links[number].kind
                 count[kind] += 1
                 names[number] = kind if count[kind] == 1 else f"{kind} {count[kind]}"
+    for number, link in enumerate(links):
+        if (link.left_at, link.right_at) != (1.0, 1.0):
+            between = f"{link.left_at:g}|{link.right_at:g} of the storey height"
+            names[number] = f"{between}, {names[number]}" if names[number] else between
     return tuple((link.left, link.left_floor, link.right_floor, name) for link, name in zip(links, names, strict=True))
 
 

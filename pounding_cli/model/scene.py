@@ -12,8 +12,8 @@ from functools import cached_property
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
+from pounding_cli.numbers import counted
 from pounding_cli.records.motion import Motion
-from pounding_cli.words import counted
 
 
 class Analysis(StrEnum):

@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.methods import METHODS
+from pounding_cli.numbers import counted
 from pounding_cli.report.style import unwritable
 from pounding_cli.solve.work_precision import QUANTITIES, REFERENCE, SECOND, Run, WorkPrecision
 from pounding_cli.texts import cells, write_markdown
-from pounding_cli.words import counted
 
 PACKAGES = ("pounding-cli", "numpy", "scipy", "numba")
 

@@ -13,8 +13,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from pounding_cli.numbers import Unit
 from pounding_cli.report.evidence import Tables, axis_keys
-from pounding_cli.words import Unit
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from pounding_cli.numbers import Unit
 from pounding_cli.store.layout import COORDINATES, VARIABLES
-from pounding_cli.words import Unit
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,11 @@ from typing import Any, Protocol
 
 import pandas as pd
 
+from pounding_cli.numbers import Unit
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.flagged import FlagGroup, failed_scenes, flag_groups_of
 from pounding_cli.store.layout import VARIABLES
-from pounding_cli.words import Unit
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
 """The tables of a results file, named as its methods and as the CSV files."""

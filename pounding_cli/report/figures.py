@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from pounding_cli.numbers import counted
 from pounding_cli.report.evidence import Evidence, by_floor, motion_sentence
 from pounding_cli.report.inset import draw_group
 from pounding_cli.report.style import VOID, Look, caption, legend, looks, new_figure, styled
-from pounding_cli.words import counted
 
 SPREAD = "mean over the {motions}; whiskers: smallest to largest"
 PANELS_IN_A_ROW = 6

@@ -12,16 +12,16 @@ from matplotlib.figure import Figure
 from scipy.special import ndtr
 
 from pounding_cli.fragility import bands, resamples
+from pounding_cli.numbers import counted
 from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.fragility_words import Asked, asked_of, intensity_unit, median_text, notes, table
+from pounding_cli.report.fragility_text import Asked, asked_of, intensity_unit, median_text, notes, table
 from pounding_cli.report.style import Look, caption, looks, new_figure, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.fragility import ALONE, CURVES, MOTIONS, fits_of, motion_numbers
-from pounding_cli.words import counted
 
 MOST_CASES = 4
 """Cases in one panel; of more, the first are drawn."""

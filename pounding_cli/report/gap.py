@@ -10,10 +10,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.gap_words import (
+from pounding_cli.report.gap_text import (
     contact_columns,
     error_sentence,
     governing,
@@ -27,7 +28,6 @@ from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.gap import EXACT
-from pounding_cli.words import Unit, counted
 
 LEFT_OUT = (
     "UBC 1997, EN 1998-1 and NZS 1170.5 have rules of their own; they are left out because their clauses could not be "

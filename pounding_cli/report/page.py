@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.answer_page import AnswerPage
 from pounding_cli.report.evidence import Evidence, motion_sentence, names
 from pounding_cli.report.tables import markdown
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.store import flag_groups_of
 from pounding_cli.store.flagged import failed_scenes
-from pounding_cli.words import Unit, counted
 
 
 def summary(

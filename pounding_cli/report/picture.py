@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.model.scene import Scene
+from pounding_cli.numbers import Unit
 from pounding_cli.solve.histories import History
-from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
+from pounding_cli.numbers import Unit
 from pounding_cli.records.scaling import TargetSpectrum
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.report.style import caption, new_figure, styled
-from pounding_cli.words import Unit
 
 TICKS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10)
 """Periods [s] written on the axis."""

@@ -10,13 +10,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.axes import SweptAxis, swept_axes
 from pounding_cli.report.curves import draw_curves
 from pounding_cli.report.evidence import Evidence, Tables, motion_sentence
 from pounding_cli.report.figures import RESPONSES, plotted_cases
 from pounding_cli.report.maps import draw_maps
 from pounding_cli.report.quantity import LEVELS, Choice, Panels, over_sweep, table_of
-from pounding_cli.words import Unit, counted
 
 WORST = "worst"
 """What is said in place of a case or building for the largest over all of them."""

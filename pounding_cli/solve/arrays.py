@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding_cli.kernels.layout import Foundations, Links, Peaks, Slots, State
+from pounding_cli.kernels.layout import Links, Peaks, Points, Slots, Springs, State
 from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.laws.program import MEMORIES
 from pounding_cli.laws.storey import StoreyLaw
@@ -19,24 +19,30 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import law_tables
 from pounding_cli.solve.blank import LANES, Blank, aligned
+from pounding_cli.solve.places import Places, Struck, places_of, points_of, springs_of, struck_between_floors
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
-_BY_SLOT = Slots._fields[1:13]
+_BY_SLOT = Slots._fields[1:11]
 """What is given of every slot (`layout.Slots`)."""
+
+Masses = tuple[float, float]
+"""On both sides of a link [kg]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Arrays:
-    """A scene as the kernels see it; `floors[b]` is the slice of slots of building b's floors, `bases[b]` its base
-    slot or -1."""
+    """A scene as the kernels see it; building b has the slots from `begins[b]` to before the next one's, `floors[b]` is
+    the slice of its floors, `bases[b]` and `rocks[b]` are the slots of its base and its rocking, or -1."""
 
     slots: Slots
-    foundations: Foundations
+    points: Points
+    springs: Springs
     links: Links
     links_at_rest: law_tables.AtRest
+    begins: tuple[int, ...]
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
-    foundation_of: tuple[int, ...]  # by building: place among the foundations, or -1
+    rocks: tuple[int, ...]
     laws: tuple[StoreyLaw | None, ...]  # by slot: what yields; None where nothing does
     memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
 
@@ -61,37 +67,39 @@ def pack(scene: Scene) -> Arrays:
 
 @functools.lru_cache(maxsize=1024)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
-    alone, storeys = _without_links(buildings, analysis)
-    packed, links_at_rest = law_tables.pack_links(buildings, links, alone.floors)
+    struck = struck_between_floors(links)
+    alone, places, storeys = _without_links(buildings, analysis, struck)
+    packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links))
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)
     return dataclasses.replace(alone, slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest)
 
 
+def _ends(alone: Arrays, places: Places, links: tuple[Link, ...]) -> tuple[list[tuple[int, int]], list[Masses]]:
+    """Slots that links join, and the masses that their forces move [kg]."""
+    slots: list[tuple[int, int]] = []
+    mass = alone.slots.mass.copy()
+    number = alone.points.number
+    mass[alone.points.slot[:number]] = alone.points.mass[:number]
+    for link in links:
+        one, other = (places.struck[end] if end[2] != 1.0 else places.floor(*end[:2]) for end in link.ends)
+        slots.append((one, other))
+    return slots, [(float(mass[one]), float(mass[other])) for one, other in slots]
+
+
 @functools.lru_cache(maxsize=64)
 def _without_links(
-    buildings: tuple[Building, ...], analysis: Analysis
-) -> tuple[Arrays, tuple[law_tables.Rows | None, np.ndarray]]:
-    """The arrays of buildings alone; the rows of their storeys' laws, and by slot the first of them, -1 for none."""
-    floors, bases, foundation_of = [], [], []
-    place = 0
-    founded = 0
-    for building in buildings:
-        foundation = building.foundation
-        sways = foundation is not None and foundation.sways
-        bases.append(place if sways else -1)
-        place += int(sways)
-        floors.append(slice(place, place + building.storeys))
-        place += building.storeys
-        foundation_of.append(founded if foundation is not None else -1)
-        founded += int(foundation is not None)
-    slots = _slots(buildings, floors, bases, place)
+    buildings: tuple[Building, ...], analysis: Analysis, struck: tuple[Struck, ...]
+) -> tuple[Arrays, Places, tuple[law_tables.Rows | None, np.ndarray]]:
+    """The arrays of buildings alone, with the points that links need; where all stands; the rows of their storeys'
+    laws, and by slot the first of them, -1 for none."""
+    places = places_of(buildings, struck)
+    slots = _slots(buildings, places)
     laws: list[StoreyLaw | None] = [None] * slots.size
     if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
-        for building, span in zip(buildings, floors, strict=True):
+        for building, span in zip(buildings, places.floors, strict=True):
             laws[span] = (law if law.can_yield else None for law in building.laws)
-        for building, span in zip(buildings, floors, strict=True):
             slots.collapse[span] = building.collapse_drift
     slots = slots._replace(memories=law_tables.memories_of(laws))
     memory = np.zeros((MEMORIES, slots.size))
@@ -99,14 +107,16 @@ def _without_links(
         begin = law.memories_at_rest if law else ()
         memory[: len(begin), i] = begin
     arrays = Arrays(
-        slots, _foundations(buildings, floors, bases), *law_tables.pack_links(buildings, (), floors), tuple(floors),
-        tuple(bases), tuple(foundation_of), tuple(laws), memory.ravel(),
+        slots, points_of(places, slots.mass), springs_of(buildings, places), *law_tables.pack_links((), [], []),
+        tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), tuple(laws),
+        memory.ravel(),
     )  # fmt: skip
-    return arrays, law_tables.storey_rows(laws)
+    return arrays, places, law_tables.storey_rows(laws)
 
 
-def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int], count: int) -> Slots:
-    """`count` slots and the padding, without their laws."""
+def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:
+    """The slots and their padding, without the storeys' laws."""
+    count = places.begins[-1]
     padded = -(-count // LANES) * LANES
     nothing = np.zeros(0)
     slots = Slots(
@@ -114,50 +124,37 @@ def _slots(buildings: tuple[Building, ...], floors: list[slice], bases: list[int
         guards=nothing, operations=nothing,
     )  # fmt: skip
     slots.collapse[:] = np.inf
-    slots.real[:count] = 1.0  # fault: ground-pushes-floors
-    for building, span, base in zip(buildings, floors, bases, strict=True):
+    for building, span, base, rock in zip(buildings, places.floors, places.bases, places.rocks, strict=True):
         foundation = building.foundation
         slots.couple[span] = 1.0
         slots.stiffness[span] = building.stiffness
         slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
         slots.mass[span] = building.mass
-        slots.elevation[span] = building.elevation
-        if building.gravity_load is not None:
+        slots.loaded[span] = 1.0  # fault: ground-pushes-floors
+        if building.gravity_load is not None and rock < 0:
             slots.geometric[span] = building.gravity_load / building.height
         if foundation is None:
             slots.alpha[span] = building.alpha  # fault: mass-damping
-        elif foundation.rocks:
-            slots.rise[span] = building.height
         if foundation is not None and base >= 0:
             slots.stiffness[base] = foundation.sway_stiffness
             slots.dashpot[base] = foundation.sway_damping
             slots.mass[base] = foundation.mass
-        else:
+            slots.loaded[base] = 1.0
+        elif rock < 0:
             slots.couple[span.start] = 0.0
+        if foundation is not None and rock >= 0:
+            roof = float(building.elevation[-1])
+            slots.stiffness[rock] = foundation.rocking_stiffness / roof**2
+            slots.dashpot[rock] = foundation.rocking_damping / roof**2
+            slots.mass[rock] = foundation.inertia / roof**2
     slots.couple_right[:-1] = slots.couple[1:]
-    slots.inverse_mass[:count] = 1.0 / slots.mass[:count]
+    slots.inverse_mass[slots.mass > 0.0] = 1.0 / slots.mass[slots.mass > 0.0]
     return slots
-
-
-def _foundations(buildings: tuple[Building, ...], floors: list[slice], bases: list[int]) -> Foundations:
-    """The foundations of the buildings that have one."""
-    placed = zip(floors, bases, buildings, strict=True)
-    grounds = [(span, base, b, b.foundation) for span, base, b in placed if b.foundation is not None]
-    return Foundations(
-        number=len(grounds),
-        first=np.array([span.start for span, *_ in grounds], np.int64),
-        stop=np.array([span.stop for span, *_ in grounds], np.int64),
-        base=np.array([base for _, base, *_ in grounds], np.int64),
-        inertia=np.array([f.inertia if f.rocks else np.inf for *_, f in grounds], float),
-        stiffness=np.array([f.rocking_stiffness if f.rocks else 0.0 for *_, f in grounds], float),
-        dashpot=np.array([f.rocking_damping if f.rocks else 0.0 for *_, f in grounds], float),
-        alpha=np.array([b.alpha for _, _, b, _ in grounds], float),
-    )
 
 
 def at_rest(arrays: Arrays) -> State:
     """The state before the motion: at rest, touching links exactly at v = 0."""
-    state = _blanks(arrays.padded, arrays.foundations.number, arrays.links.size)[0].copy()
+    state = _blanks(arrays.padded, arrays.links.size)[0].copy()
     state.storey_branch[:], state.storey_memory[:] = arrays.slots.branch, arrays.memory_at_rest
     state.link_branch[:], state.pinned_link[:], state.pinned_closing[:] = arrays.links_at_rest
     return state
@@ -165,32 +162,37 @@ def at_rest(arrays: Arrays) -> State:
 
 def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
     """Peaks before the first step; `watched` is the number of segments at whose ends displacements are wanted."""
-    peaks = _blanks(arrays.padded, arrays.foundations.number, arrays.links.size)[1].copy()
+    peaks = _blanks(arrays.padded, arrays.links.size)[1].copy()
     samples = aligned(watched * arrays.padded).reshape(watched, arrays.padded)
     return peaks._replace(watched=int(watched > 0), samples=samples)
 
 
 def empty_ledger(arrays: Arrays) -> Ledger:
     """Energies before the first step."""
-    return _blanks(arrays.padded, arrays.foundations.number, arrays.links.size)[2].copy()
+    return _blanks(arrays.padded, arrays.links.size)[2].copy()
 
 
 @functools.lru_cache(maxsize=64)
-def _blanks(padded: int, foundations: int, links: int) -> tuple[Blank, Blank, Blank]:
+def _blanks(padded: int, links: int) -> tuple[Blank, Blank, Blank]:
     """State, peaks and ledger of a scene of this size before its first step, but for branches and memories."""
-    slot, base, link = np.zeros(padded), np.zeros(foundations), np.zeros(links)
+    slot, link = np.zeros(padded), np.zeros(links)
     storey, which = np.zeros(padded, np.int64), np.zeros(links, np.int64)
     state = State(
         u=slot, v=slot, storey_branch=storey, storey_memory=np.zeros(MEMORIES * padded), pinned_storey=storey,
-        link_branch=which, pinned_link=which, pinned_closing=link, link_memory=link, phi=base, phi_v=base,
+        link_branch=which, pinned_link=which, pinned_closing=link, link_memory=link,
     )  # fmt: skip
     peaks = Peaks(
         watched=0, drift=slot, shear=slot, acceleration=slot, displacement_max=slot, displacement_min=slot,
-        rocking=base, closing=link - 1e300, force=link, impulse=link, contact_time=link, samples=slot[:0],
+        closing=link - 1e300, force=link, impulse=link, contact_time=link, samples=slot[:0],
         impacts=which,
     )  # fmt: skip
-    ledger = Ledger(**dict.fromkeys(Ledger._fields[:5], slot), links=link, foundations=base)
+    ledger = Ledger(**dict.fromkeys(Ledger._fields[:5], slot), links=link)
     return Blank(state), Blank(peaks), Blank(ledger)
+
+
+def _furthest(peaks: Peaks, slot: int) -> float:
+    """Largest displacement of a slot, to either side [m]."""
+    return float(max(peaks.displacement_max[slot], -peaks.displacement_min[slot]))
 
 
 def unpack(
@@ -201,7 +203,7 @@ def unpack(
     drift_now = drift_of(arrays, state)
     yielding = effects_of(scene).yielding  # elsewhere the kernels track drifts alone
     for b, building in enumerate(scene.buildings):
-        span, base, foundation = arrays.floors[b], arrays.bases[b], arrays.foundation_of[b]
+        span, base, rock = arrays.floors[b], arrays.bases[b], arrays.rocks[b]
         drift = peaks.drift[span]
         buildings.append(
             BuildingResponse(
@@ -212,8 +214,8 @@ def unpack(
                 displacement_max=peaks.displacement_max[span],
                 displacement_min=peaks.displacement_min[span],
                 residual_drift=drift_now[span],
-                sway=float(max(peaks.displacement_max[base], -peaks.displacement_min[base])) if base >= 0 else 0.0,
-                rocking=float(peaks.rocking[foundation]) if foundation >= 0 else 0.0,
+                sway=_furthest(peaks, base) if base >= 0 else 0.0,
+                rocking=_furthest(peaks, rock) / float(building.elevation[-1]) if rock >= 0 else 0.0,
             )
         )
     count = arrays.links.number
@@ -227,11 +229,22 @@ def unpack(
     return tuple(buildings), links
 
 
+def with_points(arrays: Arrays, u: np.ndarray) -> np.ndarray:
+    """Displacements [m] by slot with those of the points, from those of the degrees of freedom."""
+    points = arrays.points
+    whole = u.copy()
+    if points.number:
+        whole[points.slot[: points.number]] = np.sum(points.weight * u[points.freedom], axis=0)[: points.number]
+    return whole
+
+
 def drift_of(arrays: Arrays, state: State) -> np.ndarray:
-    """Storey drifts (and sway of bases) of a state [m], by slot."""
-    before = np.concatenate(([0.0], state.u[:-1]))
-    drift = state.u - arrays.slots.couple * before
-    for f in range(arrays.foundations.number):
-        span = slice(arrays.foundations.first[f], arrays.foundations.stop[f])
-        drift[span] -= arrays.slots.rise[span] * state.phi[f]
-    return drift
+    """Storey drifts (and displacements of bases) of a state [m], by slot."""
+    u = with_points(arrays, state.u)
+    return u - arrays.slots.couple * np.concatenate(([0.0], u[:-1]))
+
+
+def held_by_springs(arrays: Arrays, u: np.ndarray) -> float:
+    """Energy in the springs between any degrees of freedom [J]."""
+    v = np.sum(arrays.springs.weight * u[arrays.springs.freedom], axis=0)
+    return 0.5 * float(arrays.springs.stiffness @ v**2)

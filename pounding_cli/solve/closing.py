@@ -31,7 +31,9 @@ def kept_apart(scene: Scene, places: Collection[int]) -> Scene:
     """The scene with nothing between the buildings at these places and the next ones; their closings are found all the
     same."""
     links = (
-        Link.apart(link.left, link.left_floor, link.right_floor) if link.left in places else link
+        Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
+        if link.left in places
+        else link
         for link in scene.links
     )
     return dataclasses.replace(scene, links=tuple(links))

@@ -1,9 +1,9 @@
 """The elements of a scene: everything that acts between its degrees of freedom, each with its terms.
 
 An element acts on v, a sum of weight x displacement: a storey on its drift, a link on the closing of two floors, a base
-on its sway or its angle, the drag of mass-proportional damping on the motion of a floor against its base, P-Delta on
-the difference of two floors' displacements, what rocking adds included: by that the columns lean. Its force
-goes back through the same weights, so that it puts in or takes out the work of that force and no other."""
+on its sway or its rocking, the drag of mass-proportional damping on the motion of a floor against its base, P-Delta on
+the difference of two floors' displacements, what rocking adds included: by that the columns lean. Its force goes back
+through the same weights, so that it puts in or takes out the work of that force and no other."""
 
 from __future__ import annotations
 
@@ -13,81 +13,55 @@ import numpy as np
 
 from pounding_cli.kernels.layout import Elements
 from pounding_cli.solve.arrays import Arrays
-
-Terms = list[tuple[int, float]]
-"""(degree of freedom, weight), ..."""
+from pounding_cli.solve.places import Terms, listed
 
 
 @functools.lru_cache(maxsize=8)
 def elements_of(arrays: Arrays) -> Elements:
     """All elements, in the order of `layout.Elements`."""
-    slots, foundations, links = arrays.slots, arrays.foundations, arrays.links
-    size, count = slots.size, foundations.number
-    rocks = np.isfinite(foundations.inertia)
-    on = {i: f for f in range(count) for i in range(foundations.first[f], foundations.stop[f])}
-    terms = [_storey_terms(arrays, i, on) for i in range(size)]
-    stiffness, dashpot = slots.stiffness.tolist(), slots.dashpot.tolist()
-    for f in np.flatnonzero(rocks):
-        terms.append([(size + int(f), 1.0)])
-        stiffness.append(foundations.stiffness[f])
-        dashpot.append(foundations.dashpot[f])
-    for i in range(size):
-        if i in on and foundations.alpha[on[i]] > 0.0:
-            terms.append(_drag_terms(arrays, i, on[i]))
-            stiffness.append(0.0)
-            dashpot.append(foundations.alpha[on[i]] * slots.mass[i])
-    for i in np.flatnonzero(slots.geometric).tolist():
-        terms.append([(i, 1.0), (i - 1, -1.0)] if slots.couple[i] else [(i, 1.0)])
-        stiffness.append(-float(slots.geometric[i]))
-        dashpot.append(0.0)
-    springs = len(terms)
-    terms += [[(int(links.left[e]), 1.0), (int(links.right[e]), -1.0)] for e in range(links.number)]
-    mass = np.concatenate((slots.mass, np.where(rocks, foundations.inertia, 1.0)))
-    inverse = np.concatenate((slots.inverse_mass, np.where(rocks, 1.0 / foundations.inertia, 0.0)))
+    slots, springs, links = arrays.slots, arrays.springs, arrays.links
+    size = slots.size
+    at_point = dict(zip(arrays.points.slot.tolist(), listed(arrays.points), strict=False))
+    terms = [_storey_terms(arrays, i, at_point) for i in range(size)] + listed(springs)
+    leaning = np.flatnonzero(slots.geometric)
+    terms += [[(i, 1.0), (i - 1, -1.0)] if slots.couple[i] else [(i, 1.0)] for i in leaning.tolist()]
+    springs_end = len(terms)
+    for left, right in zip(links.left[: links.number].tolist(), links.right[: links.number].tolist(), strict=True):
+        terms.append(_resolved(left, 1.0, at_point) + _resolved(right, -1.0, at_point))
+    moves = slots.mass > 0.0
     ends = np.array([_two(own) for own in terms])
-    each = [term for own in terms for term in own[2:]]
+    more = [term for own in terms for term in own[2:]]
     return Elements(
         number=len(terms),
-        freedoms=size + count,
-        springs=springs,
+        freedoms=size,
+        springs=springs_end,
         one=ends[:, 0, 0].astype(np.int64),
         other=ends[:, 1, 0].astype(np.int64),
         weight_one=ends[:, 0, 1].copy(),
         weight_other=ends[:, 1, 1].copy(),
-        more=int(len(each) > 0),
+        more=int(len(more) > 0),
         first=np.concatenate(([0], np.cumsum([len(own[2:]) for own in terms]))).astype(np.int64),
-        freedom=np.array([freedom for freedom, _ in each], np.int64),
-        weight=np.array([weight for _, weight in each]),
-        stiffness=np.array(stiffness),
-        dashpot=np.array(dashpot),
-        mass=mass,
-        inverse_mass=inverse,
-        drag=np.concatenate((slots.alpha * slots.mass, np.zeros(count))),
-        loaded=np.concatenate((slots.real, np.zeros(count))),
+        freedom=np.array([freedom for freedom, _ in more], np.int64),
+        weight=np.array([weight for _, weight in more]),
+        stiffness=np.concatenate((slots.stiffness, springs.stiffness[: springs.number], -slots.geometric[leaning])),
+        dashpot=np.concatenate((slots.dashpot, springs.dashpot[: springs.number], np.zeros(leaning.size))),
+        unknown=np.where(moves, np.cumsum(moves) - 1, -1),
+        inverse_mass=slots.inverse_mass,
+        drag=slots.alpha * slots.mass,
+        loaded=slots.loaded,
     )
 
 
-def _storey_terms(arrays: Arrays, i: int, on: dict[int, int]) -> Terms:
-    """Of the spring below slot i: its drift, without what the rocking of its base adds."""
-    slots = arrays.slots
-    if not slots.real[i]:
+def _resolved(slot: int, weight: float, at_point: dict[int, Terms]) -> Terms:
+    """`weight` times the motion of a slot, a point told by its terms."""
+    return [(freedom, weight * part) for freedom, part in at_point.get(slot, [(slot, 1.0)])]
+
+
+def _storey_terms(arrays: Arrays, i: int, at_point: dict[int, Terms]) -> Terms:
+    """Of the spring below slot i."""
+    if arrays.slots.mass[i] == 0.0:
         return []
-    terms = [(i, 1.0)]
-    if slots.couple[i]:
-        terms.append((i - 1, -1.0))
-    if slots.rise[i]:
-        terms.append((slots.size + on[i], -float(slots.rise[i])))
-    return terms
-
-
-def _drag_terms(arrays: Arrays, i: int, f: int) -> Terms:
-    """Of the drag on slot i: its motion against foundation f, which sways or rocks."""
-    terms, foundations = [(i, 1.0)], arrays.foundations
-    if foundations.base[f] >= 0:
-        terms.append((int(foundations.base[f]), -1.0))
-    if np.isfinite(foundations.inertia[f]):
-        terms.append((arrays.slots.size + f, -float(arrays.slots.elevation[i])))
-    return terms
+    return [(i, 1.0)] + (_resolved(i - 1, -1.0, at_point) if arrays.slots.couple[i] else [])
 
 
 def _two(terms: Terms) -> Terms:

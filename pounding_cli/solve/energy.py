@@ -7,7 +7,7 @@ import numpy as np
 from pounding_cli.kernels.layout import State
 from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.arrays import Arrays, drift_of
+from pounding_cli.solve.arrays import Arrays, drift_of, held_by_springs, with_points
 from pounding_cli.solve.storeys import shear_and_stored
 
 AT_REST = {"kinetic": 0.0, "stored": 0.0, "links_stored": 0.0}
@@ -17,17 +17,13 @@ AT_REST = {"kinetic": 0.0, "stored": 0.0, "links_stored": 0.0}
 def held(scene: Scene, arrays: Arrays, state: State, ledger: Ledger | None = None) -> dict[str, float]:
     """Energy in the scene now [J]: kinetic, stored in storeys and foundations less what their weights have lost by
     leaning (P-Delta), stored in links. What storeys hold is in the ledger of a run that has come to this state."""
-    foundations = arrays.foundations
     kinetic = 0.5 * float(arrays.slots.mass @ state.v**2)
     if ledger is None or not arrays.slots.branch.any():
         at_once = drift_of(arrays, state)[None], state.storey_branch[None], state.storey_memory[None]
         stored = float(shear_and_stored(arrays, *at_once)[1][0])
     else:
         stored = float(ledger.stored.sum())
-    for f in range(foundations.number):
-        if np.isfinite(foundations.inertia[f]):
-            kinetic += 0.5 * float(foundations.inertia[f]) * float(state.phi_v[f]) ** 2
-            stored += 0.5 * float(foundations.stiffness[f]) * float(state.phi[f]) ** 2
+    stored += held_by_springs(arrays, state.u)
     leans = state.u - arrays.slots.couple * np.concatenate(([0.0], state.u[:-1]))
     stored -= 0.5 * float(arrays.slots.geometric @ leans**2)  # fault: p-delta-energy
     return {"kinetic": kinetic, "stored": stored, "links_stored": _in_links(scene, arrays, state)}
@@ -36,7 +32,8 @@ def held(scene: Scene, arrays: Arrays, state: State, ledger: Ledger | None = Non
 def _in_links(scene: Scene, arrays: Arrays, state: State) -> float:
     """Energy in the springs of all links [J]."""
     count = arrays.links.number
-    closings = state.u[arrays.links.left[:count]] - state.u[arrays.links.right[:count]]
+    u = with_points(arrays, state.u)
+    closings = u[arrays.links.left[:count]] - u[arrays.links.right[:count]]
     return float(sum(link.law.stored(v) for link, v in zip(scene.links, closings.tolist(), strict=True)))
 
 
@@ -53,7 +50,7 @@ def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State
     book = {
         "input": float(ledger.input.sum()) + sum(before.values()),
         **now,
-        "damping": float(ledger.dashpots.sum() + ledger.drag.sum() + ledger.foundations.sum()),
+        "damping": float(ledger.dashpots.sum() + ledger.drag.sum()),
         "hysteresis": float(ledger.hysteresis.sum()),
         "links": work_on_links - now["links_stored"] + before["links_stored"],  # fault: links-energy
     }

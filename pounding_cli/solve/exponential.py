@@ -22,7 +22,7 @@ from pounding_cli.solve.arrays import LANES, Arrays, aligned
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.law_tables import acting_at_rest, stiffest
 from pounding_cli.solve.linear import matrices, with_links
-from pounding_cli.solve.method import Integrator, not_linear, real_slots
+from pounding_cli.solve.method import Integrator, not_linear
 
 RADIANS = 1.5
 """Largest phase of the highest mode over one part of a sample [rad]."""
@@ -77,16 +77,14 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
     parts = parts_of(a, dt)
     length = dt / parts
 
-    n = real_slots(arrays)
-    nothing = np.zeros((n, count))
-    acceleration = a[count : count + n].copy()
+    nothing = np.zeros((count, count))
+    acceleration = a[count : 2 * count].copy()
     # fault: exact-acceleration
-    acceleration[:, -2] += 1.0  # total: the ground's is added
+    acceleration[:, -2] += arrays.slots.loaded[system.slots]  # total: the ground's is added
     slope, dashpot = (values[:, None] for values in stiffest(arrays.links))
     moving = np.vstack((
         np.hstack((system.drift, nothing)),
-        np.hstack((np.eye(n, count), nothing)),
-        np.eye(arrays.foundations.number, 2 * count, n),
+        np.hstack((np.eye(count), nothing)),
         np.hstack((system.closing, 0 * system.closing)),
         np.hstack((slope * system.closing, dashpot * system.closing)),
     ))  # fmt: skip
@@ -194,7 +192,7 @@ docs/accuracy.md)."""
 
 def pays(scene: Scene, arrays: Arrays) -> bool:
     """Whether exact steps are cheaper than series for this linear scene."""
-    if real_slots(arrays) + arrays.foundations.number > MAX_UNKNOWNS:
+    if np.count_nonzero(arrays.slots.mass) > MAX_UNKNOWNS:
         return False
     key = "parts", _key(scene)
     return _remembered(key, lambda: parts_of(generator(arrays), scene.motion.dt)) <= MAX_PARTS
@@ -232,34 +230,36 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     starts, slopes, dt = segments(scene)
     orders = orders_for(accuracy)
     found = _remembered((orders, _key(scene)), lambda: propagator(arrays, dt, orders))
-    n, foundations, links, count = real_slots(arrays), arrays.foundations.number, arrays.links.number, found.unknowns
+    links, count = arrays.links.number, found.unknowns
+    here = np.flatnonzero(arrays.slots.mass)
     wide = found.rows.shape[1]
     extremes, sums = aligned(2 * wide).reshape(2, wide), np.zeros((len(found.forms), LANES))
     ends, visited = np.zeros((2, 2 * count)), np.zeros(2 * count + 2)
-    ends[0] = np.concatenate((state.u[:n], state.phi, state.v[:n], state.phi_v))
-    samples = np.empty((len(peaks.samples), n * peaks.watched))
+    ends[0] = np.concatenate((state.u[here], state.v[here]))
+    samples = np.empty((len(peaks.samples), count * peaks.watched))
     kernels.build()(
         found.step, found.rows, found.bends, found.jumps, found.powers, found.forms, starts, slopes, found.length,
         found.parts, ends,
-        aligned(kernels.memory_needed(found.step.shape[1], wide)), extremes, sums, visited, n, samples,
+        aligned(kernels.memory_needed(found.step.shape[1], wide)), extremes, sums, visited, count, samples,
     )  # fmt: skip
 
-    peaks.samples[:, : samples.shape[1]] = samples
+    if peaks.watched:
+        peaks.samples[:, here] = samples
     tracked = len(found.powers)
     highest, lowest = extremes[0, :tracked], extremes[1, :tracked]
     largest = np.maximum(highest, -lowest)
-    cuts = np.cumsum([n, n, foundations, links, links])
-    peaks.drift[:n], _, peaks.rocking[:], _, peaks.force[:links], peaks.acceleration[:n] = np.split(largest, cuts)
-    peaks.shear[:n] = arrays.slots.stiffness[:n] * peaks.drift[:n]
-    peaks.displacement_max[:n], peaks.displacement_min[:n] = highest[n : 2 * n], lowest[n : 2 * n]
-    peaks.closing[:links] = highest[cuts[2] : cuts[3]]
+    cuts = np.cumsum([count, count, links, links])
+    peaks.drift[here], _, _, peaks.force[:links], peaks.acceleration[here] = np.split(largest, cuts)
+    peaks.shear[here] = arrays.slots.stiffness[here] * peaks.drift[here]
+    peaks.displacement_max[here], peaks.displacement_min[here] = highest[count : cuts[1]], lowest[count : cuts[1]]
+    peaks.closing[:links] = highest[cuts[1] : cuts[2]]
     peaks.contact_time[:links] = starts.size * dt * acting_at_rest(arrays.links)[:links]
 
     peaks.impulse[:links] = found.impulses @ visited
     ledger.input[0], ledger.dashpots[0], *on_links = sums.sum(axis=1)
     ledger.links[:links] = np.divide(on_links, links) if links else 0.0
 
-    state.u[:n], state.phi[:], state.v[:n], state.phi_v[:] = np.split(ends[1], [n, count, count + n])
+    state.u[here], state.v[here] = np.split(ends[1], 2)
     status = layout.DONE if np.isfinite(ends[1]).all() else layout.NOT_FINITE
     return status, starts.size * found.parts, 0, 0, starts.size * dt
 

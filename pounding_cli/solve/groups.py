@@ -170,7 +170,7 @@ class GroupSolver:
         if len(self._closings) > MOST_PAIRS:
             self._closings = {key: closings}
         for link in _between(scene, left[-1]):
-            if _rests(scene, left, right, link):
+            if _rests(scene, left, right, link) or (link.left_at, link.right_at) != (1.0, 1.0):
                 continue
             floors = link.left_floor - 1, link.right_floor - 1
             if floors not in closings:
@@ -209,7 +209,7 @@ def _move_alike(scene: Scene, link: Link) -> bool:
     """Whether the link joins the same floor of two equal buildings: as long as nothing else pushes them, it is not
     closed by anything."""
     a, b = scene.buildings[link.left], scene.buildings[link.left + 1]
-    return link.left_floor == link.right_floor and a.digest == b.digest
+    return (link.left_floor, link.left_at) == (link.right_floor, link.right_at) and a.digest == b.digest
 
 
 def _rests(scene: Scene, left: range, right: range, link: Link) -> bool:

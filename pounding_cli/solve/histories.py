@@ -96,7 +96,7 @@ def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> 
     """The states at `times`, each run from one output time or sample of the motion to the next."""
     state, peaks, ledger = at_rest(arrays), no_peaks(arrays), empty_ledger(arrays)
     outputs, begins, rates, lengths = _pieces(scene, times)
-    wanted = ("u", "v", "storey_branch", "storey_memory", "link_branch", "link_memory", "phi", "phi_v")
+    wanted = ("u", "v", "storey_branch", "storey_memory", "link_branch", "link_memory")
     kept = (np.repeat(getattr(state, name)[None], times.size, axis=0) for name in wanted)
     states = Entered(lengths.size, lengths, outputs, *kept, work=np.zeros((times.size, 4)))  # type: ignore[misc]
     run = taylor.prepare(scene, arrays, state, accuracy, (MAX_STEPS, MAX_EVENTS))
@@ -143,8 +143,7 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
     elements, size = elements_of(arrays), arrays.padded
     terms = term_matrix(elements)
     ground, moved = _ground(scene, times)
-    velocity = np.hstack((s.v, s.phi_v))
-    deformed, rate = np.hstack((s.u, s.phi)) @ terms.T, velocity @ terms.T
+    deformed, rate = s.u @ terms.T, s.v @ terms.T
     shear, stored = shear_and_stored(arrays, deformed[:, :size], s.storey_branch, s.storey_memory)
     springs, damped = slice(size, elements.springs), slice(elements.springs)
     force = np.empty_like(deformed)
@@ -156,19 +155,18 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         v = deformed[:, elements.springs + e] - arrays.links.offset[e]
         on = s.link_branch[:, e], v, rate[:, elements.springs + e], s.link_memory[:, e]
         links[:, e] = law_tables.force_over_time(arrays.links, *on)
-    acceleration = -(force @ terms + elements.drag * velocity)[:, :size] * arrays.slots.inverse_mass
-    kinetic = 0.5 * (velocity**2 @ elements.mass)
+    acceleration = -(force @ terms + elements.drag * s.v) * elements.inverse_mass
+    kinetic = 0.5 * (s.v**2 @ arrays.slots.mass)
     stored += 0.5 * (deformed[:, springs] ** 2 @ elements.stiffness[springs])
 
     def padded(by_slot: np.ndarray) -> np.ndarray:
         whole = np.full((times.size, len(arrays.floors), max(b.storeys for b in scene.buildings)), np.nan)
         for b, span in enumerate(arrays.floors):
-            whole[:, b, : span.stop - span.start] = by_slot[:, span]
+            whole[:, b, : scene.buildings[b].storeys] = by_slot[:, span]
         return whole
 
-    def of_foundation(values: np.ndarray, places: tuple[int, ...]) -> np.ndarray:
-        columns = [values[:, place] if place >= 0 else np.zeros(times.size) for place in places]
-        return np.stack(columns, axis=1)
+    def of_foundation(slots: tuple[int, ...]) -> np.ndarray:
+        return np.stack([s.u[:, slot] if slot >= 0 else np.zeros(times.size) for slot in slots], axis=1)
 
     names = tuple(building.name for building in scene.buildings)
     return History(
@@ -179,8 +177,8 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         total_acceleration=padded(acceleration),
         drift=padded(deformed[:, :size]),
         shear=padded(shear),
-        sway=of_foundation(s.u, arrays.bases),
-        rocking=of_foundation(s.phi, arrays.foundation_of),
+        sway=of_foundation(arrays.bases),
+        rocking=of_foundation(arrays.rocks) / [building.elevation[-1] for building in scene.buildings],
         link_force=links,
         energy=dict(zip(ENERGIES, (s.work[:, 0], kinetic, stored, *s.work[:, 1:].T), strict=True)),
         buildings=names,

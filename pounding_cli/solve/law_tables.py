@@ -12,7 +12,6 @@ from pounding_cli.kernels.layout import Links
 from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity
 from pounding_cli.laws.program import GIVEN, carried_out, kept, operations, straight
 from pounding_cli.laws.storey import StoreyBranch, StoreyLaw
-from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.solve.blank import LANES
 
@@ -84,17 +83,12 @@ def with_storeys(links: Links, storeys: Rows | None, first: np.ndarray) -> tuple
 
 
 def pack_links(
-    buildings: tuple[Building, ...], given: tuple[Link, ...], floors: Sequence[slice]
+    given: Sequence[Link], slots: Sequence[tuple[int, int]], masses: Sequence[tuple[float, float]]
 ) -> tuple[Links, AtRest]:
-    """The links of a scene, floor j of building b in slot `floors[b].start + j - 1`, and their state before the motion.
-    Links of one law between floors of the same masses share their rows."""
-    masses = [building.mass.tolist() for building in buildings]
-    laws, ends = [], []
-    for link in given:
-        one, other = link.left_floor - 1, link.right_floor - 1
-        laws.append((link.law, masses[link.left][one], masses[link.left + 1][other]))
-        ends.append((floors[link.left].start + one, floors[link.left + 1].start + other))
-    return _packed(tuple(laws), tuple(ends))
+    """The links of a scene, between which slots they stand and the masses there [kg], and their state before the
+    motion. Links of one law between the same masses share their rows."""
+    laws = tuple((link.law, *between) for link, between in zip(given, masses, strict=True))
+    return _packed(laws, tuple(slots))
 
 
 Between = tuple[LinkLaw, float, float]

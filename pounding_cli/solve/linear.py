@@ -9,20 +9,21 @@ import numpy as np
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.elements import elements_of, term_matrix
 from pounding_cli.solve.law_tables import stiffest
-from pounding_cli.solve.method import real_slots
 
 
 @dataclass(frozen=True, eq=False)
 class Matrices:
-    """Linear scene in q = (u by slot, phi by foundation), N of them; links are left out.
+    """Linear scene in the displacements q of its N degrees of freedom; links are left out.
 
-    mass : diagonal of M [kg, kg m2]; 1 for a foundation that does not rock, whose phi nothing moves; shape (N,)
-    damping, stiffness : C [N s/m, ...] and initial K [N/m, ...], symmetric, shape (N, N)
-    drift : rows that give the drifts of the slots from q [-], shape (n, N)
+    slots : of the degrees of freedom, shape (N,)
+    mass : diagonal of M [kg], shape (N,)
+    damping, stiffness : C [N s/m] and initial K [N/m], symmetric, shape (N, N)
+    drift : rows that give what the springs of these slots act on from q [-], shape (N, N)
     closing : rows that give the closings of the links from q, gap not subtracted [-], shape (links, N)
     loaded : what the ground acceleration multiplies, M q'' + C q' + K q = -a_g loaded, shape (N,)
     """
 
+    slots: np.ndarray
     mass: np.ndarray
     damping: np.ndarray
     stiffness: np.ndarray
@@ -33,15 +34,15 @@ class Matrices:
 
 def matrices(arrays: Arrays) -> Matrices:
     """M, C and K with every storey at its initial stiffness (paper, eqs 1-4)."""
-    elements, n = elements_of(arrays), real_slots(arrays)
-    kept = np.concatenate((np.arange(n), np.arange(arrays.padded, elements.freedoms)))  # no padding
+    elements = elements_of(arrays)
+    kept = np.flatnonzero(elements.unknown >= 0)
     rows = term_matrix(elements)[:, kept]
     springs, closing = rows[: elements.springs], rows[elements.springs :]
     stiffness = springs.T @ (elements.stiffness[:, None] * springs)
     damping = springs.T @ (elements.dashpot[:, None] * springs)
     damping[np.diag_indices(len(kept))] += elements.drag[kept]
-    mass = elements.mass[kept]
-    return Matrices(mass, damping, stiffness, springs[:n], closing, mass * elements.loaded[kept])
+    mass = arrays.slots.mass[kept]
+    return Matrices(kept, mass, damping, stiffness, springs[kept], closing, mass * elements.loaded[kept])
 
 
 def with_links(arrays: Arrays, system: Matrices) -> tuple[np.ndarray, np.ndarray]:

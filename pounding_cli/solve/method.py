@@ -9,8 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from pounding_cli.methods import Method
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
@@ -103,8 +101,3 @@ def not_linear(scene: Scene) -> str:
         return "a drift is looked for at which its storeys count as collapsed"
     kinds = sorted({link.kind for link in scene.links if not link.law.is_linear})
     return f"it has {' and '.join(kinds)} links" if kinds else ""
-
-
-def real_slots(arrays: Arrays) -> int:
-    """Number of slots that are degrees of freedom; they stand before the padding."""
-    return int(np.count_nonzero(arrays.slots.real))

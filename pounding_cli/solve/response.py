@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 DONE, COLLAPSED = "done", "collapsed"
 """The outcomes of runs that tell something of their scene."""

@@ -171,7 +171,7 @@ class Prepared:
                 f"the motion would grow without bound: take a time step below {self.limit:.2g} s, or method: taylor"
             )
         if outcome not in ENDS:  # no number of a run that failed is ever shown
-            for numbers in (*peaks[1:-1], state.u, state.v, state.phi):
+            for numbers in (*peaks[1:-1], state.u, state.v):
                 numbers.fill(np.nan)
         buildings, links = unpack(scene, arrays, state, peaks)
         note = self.code.note(steps, events)
@@ -189,10 +189,9 @@ class Prepared:
 
     def _collapse(self) -> tuple[float, int, int]:
         """When the run ended [s], the building and the storey that has drifted furthest of what it stands."""
-        part = self.peaks.drift / self.arrays.slots.collapse
-        slot = int(np.argmax(part))
-        building = next(b for b, span in enumerate(self.arrays.floors) if slot < span.stop)
-        return self.reached, building, slot - self.arrays.floors[building].start + 1
+        parts = [self.peaks.drift[span] / self.arrays.slots.collapse[span] for span in self.arrays.floors]
+        building = int(np.argmax([part.max() for part in parts]))
+        return self.reached, building, int(np.argmax(parts[building])) + 1
 
 
 def prepare(

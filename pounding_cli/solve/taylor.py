@@ -9,13 +9,13 @@ from collections.abc import Callable
 import numpy as np
 
 from pounding_cli.kernels.history import History
-from pounding_cli.kernels.layout import Foundations, Row
+from pounding_cli.kernels.layout import Points, Row, Springs
 from pounding_cli.kernels.ledger import MAX_POINTS
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
-from pounding_cli.solve.method import Integrator, real_slots
+from pounding_cli.solve.method import Integrator
 
 SAFETY = 0.5
 """Local tolerance (relative, of acceleration) over the accuracy asked. Ordinary scenes come out hundreds of times
@@ -33,7 +33,7 @@ COARSEST_TOLERANCE = 1e-4
 _NUMBERS, _PLACES = np.zeros((1, 1)), np.zeros((1, 1), np.int64)
 NO_HISTORY = History(
     segments=0, lengths=_NUMBERS[0], outputs=_PLACES[0], u=_NUMBERS, v=_NUMBERS, storey_branch=_PLACES,
-    storey_memory=_NUMBERS, link_branch=_PLACES, link_memory=_NUMBERS, phi=_NUMBERS, phi_v=_NUMBERS, work=_NUMBERS,
+    storey_memory=_NUMBERS, link_branch=_PLACES, link_memory=_NUMBERS, work=_NUMBERS,
 )  # fmt: skip
 """Of a run that keeps none."""
 
@@ -84,30 +84,28 @@ MOST_PADDING = 2
 one or two storeys would leave most of every eight places empty, the row stays one island."""
 
 
-def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Foundations]:
-    """The buildings by place (`layout.Row`), and the foundations likewise."""
-    begins = tuple(base if base >= 0 else span.start for base, span in zip(arrays.bases, arrays.floors, strict=True))
+def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Points, Springs]:
+    """The buildings by place (`layout.Row`), and points and springs likewise."""
     count = arrays.links.number
     left, right = arrays.links.left[:count].tolist(), arrays.links.right[:count].tolist()
-    row = _row((*begins, arrays.floors[-1].stop), tuple(link.left for link in scene.links), tuple(left), tuple(right))
-    foundations = arrays.foundations
-    if foundations.number:
-        base = np.where(foundations.base >= 0, row.slot_places[foundations.base], -1)
-        foundations = foundations._replace(
-            first=row.slot_places[foundations.first], stop=row.slot_places[foundations.stop - 1] + 1, base=base
-        )
-    return row, foundations
+    row = _row(arrays.begins, tuple(link.left for link in scene.links), tuple(left), tuple(right))
+    points, springs = arrays.points, arrays.springs
+    if points.number:
+        points = points._replace(slot=row.slot_places[points.slot], freedom=row.slot_places[points.freedom])
+    if springs.number:
+        springs = springs._replace(freedom=row.slot_places[springs.freedom])
+    return row, points, springs
 
 
 def solved_in_islands(scene: Scene, arrays: Arrays) -> bool:
     """Whether buildings that do not touch take steps of their own."""
     several = len(scene.buildings) > ALWAYS_ONE_ISLAND and not effects_of(scene).collapse
-    return several and _allows_islands(*places_of(scene, arrays))
+    return several and _allows_islands(places_of(scene, arrays)[0])
 
 
-def _allows_islands(row: Row, foundations: Foundations) -> bool:
-    """Rocking bases have places of their own, so that a row with foundations stays one island."""
-    return row.number > ALWAYS_ONE_ISLAND and not foundations.number and bool(np.all(row.first_slot % LANES == 0))
+def _allows_islands(row: Row) -> bool:
+    """Whether every building begins at a multiple of eight places."""
+    return row.number > ALWAYS_ONE_ISLAND and bool(np.all(row.first_slot % LANES == 0))
 
 
 @functools.lru_cache(maxsize=256)
@@ -154,43 +152,29 @@ def prepare(
     from pounding_cli.kernels import taylor
 
     tolerance = local_tolerance(accuracy)
-    row, foundations = places_of(scene, arrays)
+    row, points, springs = places_of(scene, arrays)
     programs = any(link.law.general for link in scene.links)
     registers = arrays.links.registers if programs else 0
-    needed = (
-        row.first_slot[-1],
-        arrays.foundations.number,
-        row.first_link[-1],
-        row.links_per_side,
-        row.number,
-        registers,
+    doubles, whole = taylor.memory_needed(
+        row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size
     )
-    doubles, whole = taylor.memory_needed(*needed)
     memory, integers = aligned(doubles), np.zeros(whole, np.int64)
     kernel, rules = taylor.build(programs), gauss_rules(MAX_POINTS)
     inelastic = all_effects or effects_of(scene).yielding
     watched = effects_of(scene).collapse
     # A collapse ends the run of all buildings at one time, so they are solved together.
-    use_islands = not (all_effects or watched) and _allows_islands(row, foundations)  # fault: stands-apart
+    use_islands = not (all_effects or watched) and _allows_islands(row)  # fault: stands-apart
     least_scale = least_acceleration_scale(scene, arrays, state)
-    events_at_instant = max_events_at_instant(real_slots(arrays), arrays.links.number)
-    settings = (
-        inelastic,
-        use_islands,
-        watched,
-        tolerance,
-        least_scale,
-        max_order(tolerance),
-        *bounds,
-        events_at_instant,
-    )
+    events_at_instant = max_events_at_instant(arrays.begins[-1], arrays.links.number)
+    order = max_order(tolerance)
+    settings = inelastic, use_islands, watched, tolerance, least_scale, order, *bounds, events_at_instant
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float, history: History = NO_HISTORY):
         memory.fill(0.0)
         integers.fill(0)
         return kernel(
-            arrays.slots, foundations, arrays.links, row, state, peaks, ledger, history, *rules, memory, integers,
-            starts, slopes, dt, *settings,
+            arrays.slots, points, springs, arrays.links, row, state, peaks, ledger, history, *rules, memory,
+            integers, starts, slopes, dt, *settings,
         )  # fmt: skip
 
     return run

@@ -15,10 +15,10 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
+from pounding_cli.numbers import counted
 from pounding_cli.solve.method import refusal_of
 from pounding_cli.solve.response import Response
 from pounding_cli.solve.run import solve
-from pounding_cli.words import counted
 
 QUANTITIES = ("V", "mu", "acceleration", "force")
 """Peak storey shear, peak ductility, peak floor acceleration, peak link force."""

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import h5py
 import numpy as np
 
+from pounding_cli.numbers import Unit
 from pounding_cli.store.structure import refused, strings
 from pounding_cli.store.swept import describe_unit, written
-from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     import pandas as pd

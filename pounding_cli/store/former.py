@@ -10,10 +10,10 @@ from typing import Protocol
 import h5py
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_output
 from pounding_cli.store.files import KINDS, is_results, opened, opened_kind
 from pounding_cli.store.keys import FORMAT_VERSION
-from pounding_cli.words import counted
 
 
 class Source(Protocol):

@@ -30,9 +30,9 @@ from pounding_cli.study.limits import COLLAPSE, CONTACT, Target
 if TYPE_CHECKING:
     import pandas as pd
 
+    from pounding_cli.numbers import Unit
     from pounding_cli.study import Plan
     from pounding_cli.study.fragility import Question
-    from pounding_cli.words import Unit
 
 CURVES, MOTIONS = "fragility", "fragility_motions"
 """Names of the tables."""

@@ -69,7 +69,7 @@ class Overview:
     flags : what is flagged, by case and analysis
     meaningless : scenes whose numbers mean nothing
     ratios : analysis -> the ratio shown of it
-    spared : scenes answered by proof from smaller groups, none of them simulated
+    not_simulated : scenes answered by proof from smaller groups, none of them simulated
     points : every point of the sweep in words, of a bracket only its middle; one, empty, where nothing is swept
     unknown : what the results owe to values nobody knows, in sentences
     """
@@ -81,7 +81,7 @@ class Overview:
     motions: dict[str, list[str]]
     flags: tuple[FlagGroup, ...]
     meaningless: int
-    spared: int
+    not_simulated: int
     points: tuple[str, ...]
     unknown: tuple[str, ...]
     records: int

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import Unit
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.solve.histories import History
 from pounding_cli.solve.response import COLLAPSED
@@ -24,7 +25,6 @@ from pounding_cli.store.solutions import stored_methods
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
 from pounding_cli.texts import plain, plain_tree
-from pounding_cli.words import Unit
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ import numpy as np
 
 from pounding_cli import __version__
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import Unit
 from pounding_cli.store.former import written_place
 from pounding_cli.store.keys import FORMAT_VERSION
 from pounding_cli.store.sink import writing
 from pounding_cli.store.structure import number, refused, strings
-from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     from pounding_cli.study.points import PointAxis

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.study.problems import Faults, keys_at
+from pounding_cli.study.problems import Problems, keys_at
 from pounding_cli.study.rules import StiffnessRule, read_stiffness
 from pounding_cli.study.schema import Impact, StudyModel
 from pounding_cli.study.source import Node
@@ -18,29 +18,29 @@ SHARES = (0.25, 1.0, 5.0)
 """Its bracket then, times the study's own value: 5, 20 and 100 x stiffest storey of the default."""
 
 
-def with_brackets(root: Node, faults: Faults) -> Node:
+def with_brackets(root: Node, problems: Problems) -> Node:
     """The study's tree with its brackets carried out: axes added to `sweep`, their middle values put where the keys
     stand, `bracket` the list of its keys."""
     given = root.get("bracket")
     if given is None or given.value is None:
         return root
-    node = _of_word(given, root, faults) if isinstance(given.value, str) else given
+    node = _of_word(given, root, problems) if isinstance(given.value, str) else given
     if node is None:
         return root
     if not node.is_mapping:
-        faults.add(node.mark, "'bracket' is neither a key nor a mapping", f"write `bracket: {UNKNOWN}`")
+        problems.add(node.mark, "'bracket' is neither a key nor a mapping", f"write `bracket: {UNKNOWN}`")
         return root
     for key, values in node.value.items():
         mark = (node.keys or {})[key]
         if not values.is_list or len(values.value) < 3 or len(values.value) % 2 == 0:
             hint = f"write low, middle and high, e.g. `{key}: [low, middle, high]`"
-            faults.add(values.mark, f"the bracket of '{key}' takes an odd number of values, three at least", hint)
+            problems.add(values.mark, f"the bracket of '{key}' takes an odd number of values, three at least", hint)
             continue
         values = Node([_plain(value) for value in values.value], values.mark, values.text)
         middle = values.value[len(values.value) // 2]
         own = root.get(*key.split("."))
         if own is not None and _plain(own).text != middle.text and own.plain() != middle.plain():
-            faults.add(
+            problems.add(
                 own.mark,
                 f"'{key}' is {own.text} here and {middle.text} in the middle of its bracket",
                 "leave it to the bracket, or write it in the middle",
@@ -54,7 +54,7 @@ def with_brackets(root: Node, faults: Faults) -> Node:
         elif axes.is_mapping and key not in axes.value:
             added = Node({**axes.value, key: values}, axes.mark, keys={**(axes.keys or {}), key: mark})
         else:
-            faults.add(mark, f"'{key}' is swept and bracketed", "remove one of the two")
+            problems.add(mark, f"'{key}' is swept and bracketed", "remove one of the two")
             continue
         root = root.replaced(("sweep",), added)
         path = tuple(key.split("."))
@@ -64,11 +64,11 @@ def with_brackets(root: Node, faults: Faults) -> Node:
     return root.replaced(("bracket",), names)
 
 
-def _of_word(word: Node, root: Node, faults: Faults) -> Node | None:
+def _of_word(word: Node, root: Node, problems: Problems) -> Node | None:
     """The mapping that a key alone stands for."""
     if word.value != UNKNOWN:
         example = f"`bracket: {{{word.value}: [low, middle, high]}}`"
-        faults.add(word.mark, f"'{word.value}' alone says no values", f"write {UNKNOWN}, or {example}")
+        problems.add(word.mark, f"'{word.value}' alone says no values", f"write {UNKNOWN}, or {example}")
         return None
     own = root.get(*UNKNOWN.split("."))
     try:

@@ -12,11 +12,11 @@ from pounding_cli.model.building import Building, UnstableError, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
+from pounding_cli.numbers import counted
 from pounding_cli.study.law_keys import own_parameters
-from pounding_cli.study.problems import Faults, Path, Tree
+from pounding_cli.study.problems import Path, Problems, Tree
 from pounding_cli.study.schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec
 from pounding_cli.study.source import Node
-from pounding_cli.words import counted
 
 FLOOR_TOLERANCE = 1e-3
 """Floors of two buildings within this difference in elevation face each other [m]."""
@@ -24,42 +24,42 @@ FLOOR_TOLERANCE = 1e-3
 _PER_STOREY = ("mass", "height", "hardening", "stiffness", "yield_shear", "p_delta")
 
 
-def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> Building | None:
-    """The building `spec` describes, or None with the reasons noted in `faults`."""
-    told, faults = faults, Faults(faults.file)
-    storeys = _storeys(spec, root, path, faults)
+def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, problems: Problems) -> Building | None:
+    """The building `spec` describes, or None with the reasons noted in `problems`."""
+    told, problems = problems, Problems(problems.file)
+    storeys = _storeys(spec, root, path, problems)
     if spec.period is None and spec.stiffness is None:
-        faults.at(
+        problems.at(
             root,
             path,
             f"building '{name}' has neither 'period' nor 'stiffness'",
             "write e.g. `period: 0.36 s`",
         )
     code = spec.yield_ if spec.yield_shear is None else None
-    design = _design(code, root, (*path, "yield"), faults) if code else None
-    foundation = _foundation(spec.foundation, root, (*path, "foundation"), faults)
-    parameters = _law_parameters(spec, root, path, faults)
+    design = _design(code, root, (*path, "yield"), problems) if code else None
+    foundation = _foundation(spec.foundation, root, (*path, "foundation"), problems)
+    parameters = _law_parameters(spec, root, path, problems)
     built = None
-    if not faults.problems and storeys is not None:
+    if not problems.found and storeys is not None:
         try:
             built = _derived(name, spec, storeys, design, foundation, parameters)
         except UnstableError as error:
             hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
-            faults.at(root, (*path, "p_delta"), str(error), hint)
+            problems.at(root, (*path, "p_delta"), str(error), hint)
         except (ValueError, FloatingPointError) as error:
-            faults.at(root, path, str(error), "check the building's masses, heights, period and stiffness")
-    told.extend(faults.problems)
+            problems.at(root, path, str(error), "check the building's masses, heights, period and stiffness")
+    told.extend(problems.found)
     return built
 
 
-def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> int | None:
+def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, problems: Problems) -> int | None:
     lengths = {key: len(value) for key in _PER_STOREY if isinstance(value := getattr(spec, key), tuple)}
     storeys = spec.storeys if spec.storeys is not None else next(iter(lengths.values()), None)
     if storeys is None:
-        faults.at(root, path, "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`")
+        problems.at(root, path, "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`")
     for key, length in lengths.items():
         if storeys is not None and length != storeys:
-            faults.at(
+            problems.at(
                 root,
                 (*path, key),
                 f"{key} has {counted(length, 'value')} for {counted(storeys, 'storey')}",
@@ -69,7 +69,9 @@ def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) 
     return storeys
 
 
-def _law_parameters(spec: BuildingSpec, root: Node | Tree, path: Path, faults: Faults) -> tuple[tuple[str, float], ...]:
+def _law_parameters(
+    spec: BuildingSpec, root: Node | Tree, path: Path, problems: Problems
+) -> tuple[tuple[str, float], ...]:
     """The parameters that only the building's storey law has, as given; what is missing or belongs to another law is
     noted."""
     law = storey_laws()[spec.storey_law]
@@ -78,17 +80,17 @@ def _law_parameters(spec: BuildingSpec, root: Node | Tree, path: Path, faults: F
         for name in own_parameters(owner).keys() - own.keys():
             if getattr(spec, name) is not None:
                 message = f"'{name}' means nothing for storey_law: {law.name}"
-                faults.at(root, (*path, name), message, f"remove it; it belongs to {owner.name}", key=True)
+                problems.at(root, (*path, name), message, f"remove it; it belongs to {owner.name}", key=True)
     given = {name: getattr(spec, name) for name in own}
     for name, value in given.items():
         if value is None and law.parameters()[name].default is MISSING:
             hint = f"storey_law: {law.name} needs it: {own[name].words}"
-            faults.at(root, path, f"'{name}' is missing", hint)
+            problems.at(root, path, f"'{name}' is missing", hint)
     return tuple((name, value) for name, value in given.items() if value is not None)
 
 
 def _design(
-    code: CodeDesign | BaseShear, root: Node | Tree, path: Path, faults: Faults
+    code: CodeDesign | BaseShear, root: Node | Tree, path: Path, problems: Problems
 ) -> UbcDesign | BaseShearDesign | None:
     if isinstance(code, BaseShear):
         return BaseShearDesign(code.base_shear, code.distribution)
@@ -96,39 +98,39 @@ def _design(
     wrong = "Rw" if old else "K"
     if (code.rw if old else code.k) is not None:
         right = "`K: 0.67`" if old else "`Rw: 12`"
-        faults.at(root, (*path, wrong), f"{code.code} has no {wrong}", f"write {right} in its place", key=True)
+        problems.at(root, (*path, wrong), f"{code.code} has no {wrong}", f"write {right} in its place", key=True)
         return None
     if old and code.k is None:
-        faults.at(root, path, "'K' is missing: UBC-1985 needs it", "write K, e.g. `K: 0.67` for a ductile frame")
+        problems.at(root, path, "'K' is missing: UBC-1985 needs it", "write K, e.g. `K: 0.67` for a ductile frame")
         return None
     if old and "zone" not in code.model_fields_set:
-        faults.at(root, path, "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4")
+        problems.at(root, path, "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4")
         return None
     known = {"rw": code.rw} if code.rw is not None else {}
     known |= {"k": code.k} if code.k is not None else {}
     return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **known)
 
 
-def _foundation(spec: FoundationSpec | str, root: Node | Tree, path: Path, faults: Faults) -> Foundation | None:
+def _foundation(spec: FoundationSpec | str, root: Node | Tree, path: Path, problems: Problems) -> Foundation | None:
     if not isinstance(spec, FoundationSpec):
         return None
     sways, rocks = spec.sway_stiffness is not None, spec.rocking_stiffness is not None
-    before = len(faults.problems)
+    before = len(problems.found)
     for moves, stiffness, inert, dashpot in (
         (sways, "sway_stiffness", "mass", "sway_damping"),
         (rocks, "rocking_stiffness", "inertia", "rocking_damping"),
     ):
         if moves and getattr(spec, inert) == 0:
             message = f"'{inert}' is missing: '{stiffness}' needs it"
-            faults.at(root, path, message, f"write {type(spec).model_fields[inert].description}, above 0")
+            problems.at(root, path, message, f"write {type(spec).model_fields[inert].description}, above 0")
         for key in (inert, dashpot):
             if not moves and getattr(spec, key) > 0:
                 message = f"'{key}' has no effect without '{stiffness}'"
-                faults.at(root, (*path, key), message, f"give '{stiffness}' too, or remove it")
+                problems.at(root, (*path, key), message, f"give '{stiffness}' too, or remove it")
     if not sways and not rocks:
         hint = "give 'sway_stiffness' or 'rocking_stiffness', or write `foundation: fixed`"
-        faults.at(root, path, "this foundation cannot move", hint)
-    if len(faults.problems) > before:
+        problems.at(root, path, "this foundation cannot move", hint)
+    if len(problems.found) > before:
         return None
     return Foundation(
         spec.mass, spec.sway_stiffness or 0.0, spec.sway_damping,
@@ -179,7 +181,7 @@ def design_displacements(spec: BuildingSpec, building: Building) -> np.ndarray |
     """Design displacements by the code that set the yield shears [m], shape (n,); None without one."""
     if spec.yield_shear is not None or isinstance(spec.yield_, BaseShear):
         return None
-    design = _design(spec.yield_, Node({}, (0, 0), keys={}), (), Faults(""))
+    design = _design(spec.yield_, Node({}, (0, 0), keys={}), (), Problems(""))
     assert isinstance(design, UbcDesign)
     return design.design_displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
 

@@ -17,7 +17,7 @@ from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.plausible import few
 from pounding_cli.study.plausible_systems import CONNECTOR, doubt_period, doubt_spec
 from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
-from pounding_cli.study.problems import Faults
+from pounding_cli.study.problems import Problems
 from pounding_cli.study.schema import Mass, Model, Period
 from pounding_cli.study.source import Node
 from pounding_cli.study.units import LONGEST, NUMBER, Quantity, TextForm, limited, whole_number
@@ -145,34 +145,34 @@ def load_connector_study(path: Path) -> ConnectorStudy:
     """Read and validate a study of two oscillators.  Raises `InputError` with every problem."""
     text, root = read_source(path)
     refuse_other_kinds(root, str(path), "connector")
-    faults = Faults(str(path))
-    axes = read_point_axes(root, ConnectorStudyModel, faults)
+    problems = Problems(str(path))
+    axes = read_point_axes(root, ConnectorStudyModel, problems)
     for axis in axes:
         for name in axis.names:
             if name.startswith("frequencies"):
-                faults.at(
+                problems.at(
                     root,
                     ("sweep", name),
                     f"'{name}' cannot be an axis",
                     "give one range for the study",
                     key=True,
                 )
-    faults.refuse()
+    problems.refuse()
     points = []
-    spec, notes = None, Faults(str(path))
+    spec, notes = None, Problems(str(path))
     for index, tree in points_of(root, axes):
         try:
             spec = ConnectorStudyModel.model_validate(tree.plain())
         except ValidationError as error:
-            faults.validation(tree, error, ConnectorStudyModel)
+            problems.validation(tree, error, ConnectorStudyModel)
             continue
-        before = len(faults.problems)
-        _alternatives(spec, tree, faults)
-        if len(faults.problems) == before:
+        before = len(problems.found)
+        _alternatives(spec, tree, problems)
+        if len(problems.found) == before:
             values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
             points.append(ConnectorPoint(index, values, point_label(axes, values), _pair(spec)))
             _doubt(spec, points[-1].pair, tree, notes)
-    faults.refuse()
+    problems.refuse()
     assert spec is not None  # a study has at least one point, and a refused one did not come this far
     resolved = ConnectorStudyModel.model_validate(points_of(root, axes)[0][1].plain()).model_dump(mode="json")
     span = spec.frequencies
@@ -186,11 +186,11 @@ def load_connector_study(path: Path) -> ConnectorStudy:
         span.high,
         span.points,
         resolved,
-        tuple(few(notes.problems)),
+        tuple(few(notes.found)),
     )
 
 
-def _doubt(spec: ConnectorStudyModel, pair: Oscillators, tree: Node, notes: Faults) -> None:
+def _doubt(spec: ConnectorStudyModel, pair: Oscillators, tree: Node, notes: Problems) -> None:
     """Note what is unlikely at a point of the sweep."""
     doubt_spec(spec, CONNECTOR, tree, notes)
     for who, given, mass, stiffness in (
@@ -201,7 +201,7 @@ def _doubt(spec: ConnectorStudyModel, pair: Oscillators, tree: Node, notes: Faul
             doubt_period(2 * math.pi * math.sqrt(mass / stiffness), who, tree, notes)
 
 
-def _alternatives(spec: ConnectorStudyModel, tree: Node, faults: Faults) -> None:
+def _alternatives(spec: ConnectorStudyModel, tree: Node, problems: Problems) -> None:
     """Note keys that say one thing in two ways, and a range without extent."""
     for name, part, keys in (
         ("first", spec.first, ("period", "stiffness")),
@@ -210,7 +210,7 @@ def _alternatives(spec: ConnectorStudyModel, tree: Node, faults: Faults) -> None
     ):
         given = [key for key in keys if getattr(part, key) is not None]
         if len(given) > 1:
-            faults.at(
+            problems.at(
                 tree,
                 (name, given[1]),
                 f"'{given[0]}' and '{given[1]}' cannot both be given",
@@ -218,9 +218,9 @@ def _alternatives(spec: ConnectorStudyModel, tree: Node, faults: Faults) -> None
                 key=True,
             )
         if name == "second" and not given:
-            faults.at(tree, (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period")
+            problems.at(tree, (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period")
     if spec.frequencies.low >= spec.frequencies.high:
-        faults.at(tree, ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}")
+        problems.at(tree, ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}")
 
 
 def _value(spec: Any, name: str, tree: Node) -> float | str:

@@ -134,17 +134,17 @@ class _Builder:
         return found
 
     def _around_anew(self, point: Point) -> _Around:
-        street, motions = self._resolver.group(point), self._resolver.motions(point)
-        assert street is not None
+        group, motions = self._resolver.group(point), self._resolver.motions(point)
+        assert group is not None
         assert motions is not None
         tail = self._resolver.section(point, "tail")
-        free = [Digests((building,), ()) for building in street.group]
+        free = [Digests((building,), ()) for building in group.buildings]
         alone = {
             (analysis, record): tuple(each.of(motions[record].motion, analysis, tail) for each in free)
             for analysis in self._analyses
             for record in self._records
         }
-        return _Around(tuple(street.group), motions, tail, alone)
+        return _Around(tuple(group.buildings), motions, tail, alone)
 
     def links(self, point: Point, case: str) -> tuple[Link, ...]:
         """The links of a case at a point."""

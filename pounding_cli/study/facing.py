@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from pounding_cli.model.building import Building
+from pounding_cli.numbers import counted
 from pounding_cli.study.buildings import FLOOR_TOLERANCE
-from pounding_cli.study.problems import Faults, Path, Tree
-from pounding_cli.words import counted
+from pounding_cli.study.problems import Path, Problems, Tree
 
 
 def unmet(left: Building, right: Building, common: Sequence[tuple[int, int]]) -> tuple[list[int], list[int]]:
@@ -25,7 +25,7 @@ def unmet(left: Building, right: Building, common: Sequence[tuple[int, int]]) ->
 
 
 def tell(
-    group: Sequence[Building], common: Sequence[Sequence[tuple[int, int]]], root: Tree, path: Path, notes: Faults
+    group: Sequence[Building], common: Sequence[Sequence[tuple[int, int]]], root: Tree, path: Path, notes: Problems
 ) -> None:
     """Note the floors of every pair of neighbours that meet nothing."""
     for place, ((left, right), pairs) in enumerate(zip(pairwise(group), common, strict=True)):

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli import records
+from pounding_cli.numbers import Unit
 from pounding_cli.study.expand import expand
 from pounding_cli.study.fragility_keys import FragilitySpec, Measure
 from pounding_cli.study.fragility_rounds import Asked, Layout
 from pounding_cli.study.limits import COLLAPSE, CONTACT, Target
 from pounding_cli.study.load import Study
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.resolve import places
-from pounding_cli.words import Unit
 
 if TYPE_CHECKING:
     from pounding_cli.records import Motion
@@ -64,22 +64,22 @@ def expand_fragility(study: Study) -> Plan:
 def question_of(study: Study) -> Question:
     """What a study asks.  Raises `InputError` as `expand_fragility`."""
     spec: FragilitySpec = study.model.fragility  # type: ignore[attr-defined]  # a section that the registry adds
-    faults, root = Faults(study.resolver.file), study.resolver.root
+    problems, root = Problems(study.resolver.file), study.resolver.root
     if not spec.limits:
         hint = "write e.g. `fragility: {limits: [mu > 4]}`"
-        faults.at(root, ("fragility",), "the study has no limit, whose fragility could be sought", hint, key=True)
-    targets = _targets(study, spec, faults)
-    axis, measure = _intensity(study, spec, faults)
+        problems.at(root, ("fragility",), "the study has no limit, whose fragility could be sought", hint, key=True)
+    targets = _targets(study, spec, problems)
+    axis, measure = _intensity(study, spec, problems)
     if spec.method == "ida" and study.model.keep is not None:
         what = "histories cannot be kept where `pound fragility` chooses which intensities are solved"
         hint = "remove `keep:`, or write `method: stripes`; `pound run` keeps those of chosen intensities"
-        faults.at(root, ("keep",), what, hint, key=True)
-    faults.refuse()
+        problems.at(root, ("keep",), what, hint, key=True)
+    problems.refuse()
     assert measure is not None
     return Question(spec, axis, measure, targets)
 
 
-def _targets(study: Study, spec: FragilitySpec, faults: Faults) -> tuple[Target, ...]:
+def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Target, ...]:
     root, group = study.resolver.root, study.model.group
     names = places(group)
     node = root.get("fragility", "limits")
@@ -94,7 +94,7 @@ def _targets(study: Study, spec: FragilitySpec, faults: Faults) -> tuple[Target,
         ]
         if not mine:
             known = dict.fromkeys((*names, *group))
-            faults.at(
+            problems.at(
                 root, path, f"'{limit}': no building '{limit.building}' in the group", nearest(limit.building, known)
             )
         if limit.quantity == COLLAPSE and mine:
@@ -102,15 +102,15 @@ def _targets(study: Study, spec: FragilitySpec, faults: Faults) -> tuple[Target,
             if not mine:
                 who = " and ".join(names[place] for place in standing)
                 hint = "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`"
-                faults.at(root, path, f"'{limit}': no storey of {who} can collapse", hint)
+                problems.at(root, path, f"'{limit}': no storey of {who} can collapse", hint)
         tall = [place for place in mine if study.building((0,) * len(study.axes), place).storeys >= limit.level]
         if mine and not tall:
             most = max(study.building((0,) * len(study.axes), place).storeys for place in mine)
-            faults.at(root, path, f"'{limit}': the highest is {most}", f"write a number from 1 to {most}")
+            problems.at(root, path, f"'{limit}': the highest is {most}", f"write a number from 1 to {most}")
         for place in tall:
             target = Target(limit, place)
             if target in found:
-                faults.at(root, path, f"the limit '{limit}' stands twice", "remove one of the two")
+                problems.at(root, path, f"the limit '{limit}' stands twice", "remove one of the two")
             found[target] = None
     return tuple(found)
 
@@ -118,13 +118,13 @@ def _targets(study: Study, spec: FragilitySpec, faults: Faults) -> tuple[Target,
 def _can_collapse(study: Study, place: int) -> bool:
     """Whether a building may collapse, at the first point of the sweep or where one axis has another value."""
     first = [0] * len(study.axes)
-    points = {
-        (*first[:n], value, *first[n + 1 :]) for n, axis in enumerate(study.axes) for value in range(len(axis.values))
-    }
-    return any(np.isfinite(study.building(point, place).collapse_drift).any() for point in points | {tuple(first)})
+    points = [tuple(first)]
+    for number, axis in enumerate(study.axes):
+        points += [(*first[:number], value, *first[number + 1 :]) for value in range(1, len(axis.values))]
+    return any(np.isfinite(study.building(point, place).collapse_drift).any() for point in points)
 
 
-def _intensity(study: Study, spec: FragilitySpec, faults: Faults) -> tuple[int | None, Measure | None]:
+def _intensity(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[int | None, Measure | None]:
     """The axis that varies the intensity and the measure of the curves."""
     root = study.resolver.root
     where = ("fragility", "intensity") if root.get("fragility", "intensity") is not None else ("fragility",)
@@ -132,29 +132,31 @@ def _intensity(study: Study, spec: FragilitySpec, faults: Faults) -> tuple[int |
     axis = varied[0] if varied else None
     if axis is None and spec.method != "cloud":
         what = f"the intensity{f' {spec.intensity}' if spec.intensity else ''} is not swept"
-        faults.at(
+        problems.at(
             root, where, what, f"{_SWEEP}, or `method: cloud` for motions as they are", key=where[-1] == "fragility"
         )
         return None, None
     if axis is not None:
-        _check_axis(study, axis, spec, faults)
+        _check_axis(study, axis, spec, problems)
     own = INTENSITY_KEYS.get(study.axes[axis].names[0]) if axis is not None else None
     wanted = spec.intensity or Measure(own or "pga")
     if wanted == Measure("sa") and own != "sa":
-        faults.at(root, where, "sa is not swept and has no period", "write e.g. `intensity: sa(0.5 s)`")
+        problems.at(root, where, "sa is not swept and has no period", "write e.g. `intensity: sa(0.5 s)`")
     return axis, wanted
 
 
-def _check_axis(study: Study, number: int, spec: FragilitySpec, faults: Faults) -> None:
+def _check_axis(study: Study, number: int, spec: FragilitySpec, problems: Problems) -> None:
     root, axis = study.resolver.root, study.axes[number]
     name = axis.names[0]
     if len(axis.names) > 1:
         together = " and ".join(axis.names)
-        faults.at(root, ("sweep",), f"{together} move together: the intensity is an axis of its own", _SWEEP, key=True)
+        problems.at(
+            root, ("sweep",), f"{together} move together: the intensity is an axis of its own", _SWEEP, key=True
+        )
     elif any(isinstance(value, str) for (value,) in axis.values):
-        faults.at(root, ("sweep",), f"'{name}' takes values that are no numbers", _SWEEP, key=True)
+        problems.at(root, ("sweep",), f"'{name}' takes values that are no numbers", _SWEEP, key=True)
     elif len(axis.values) < 2 and spec.method != "cloud":
-        faults.at(root, ("sweep", name), "a fragility curve takes two intensities at least", _SWEEP)
+        problems.at(root, ("sweep", name), "a fragility curve takes two intensities at least", _SWEEP)
 
 
 def intensities(plan: Plan, question: Question) -> np.ndarray:

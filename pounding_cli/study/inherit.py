@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.source import Node
 
 MOST_LIKES = 50
@@ -26,7 +26,7 @@ ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
 """Keys of which one mapping may give one side only; an inherited one gives way to the other side."""
 
 
-def refuse_alternatives(node: Node, kind: str, faults: Faults) -> None:
+def refuse_alternatives(node: Node, kind: str, problems: Problems) -> None:
     """Note every pair of keys in this one mapping that say the same thing in two ways."""
     if not node.is_mapping:
         return
@@ -34,7 +34,7 @@ def refuse_alternatives(node: Node, kind: str, faults: Faults) -> None:
         first = [key for key in node.value if key in one]
         second = [key for key in node.value if key in other]
         if first and second:
-            faults.at(
+            problems.at(
                 node,
                 (first[0],),
                 f"'{first[0]}' and '{second[0]}' cannot both be given",
@@ -43,14 +43,14 @@ def refuse_alternatives(node: Node, kind: str, faults: Faults) -> None:
             )
 
 
-def inherited(buildings: Node, faults: Faults) -> Node:
+def inherited(buildings: Node, problems: Problems) -> Node:
     """The buildings with every `like:` carried out; unknown names and circles are noted and left out."""
     if not buildings.is_mapping:
         return buildings
-    own = {name: _own(node, faults) for name, node in buildings.value.items()}
+    own = {name: _own(node, problems) for name, node in buildings.value.items()}
     done: dict[str, Node] = {}
     for name in own:
-        chain = _chain(name, own, done, faults)
+        chain = _chain(name, own, done, problems)
         for each in reversed(chain):
             like = _like(own[each]) or ""
             parent = done.get(like, own.get(like))  # as it is written only where that is told as a fault
@@ -58,13 +58,13 @@ def inherited(buildings: Node, faults: Faults) -> Node:
     return Node({name: done[name] for name in own}, buildings.mark, keys=buildings.keys)
 
 
-def _own(node: Node, faults: Faults) -> Node:
+def _own(node: Node, problems: Problems) -> Node:
     """A building as it is written, of keys that say the same in two ways the first."""
-    refuse_alternatives(node, "building", faults)
+    refuse_alternatives(node, "building", problems)
     below = node.get("yield")
     if below is None:
         return node
-    refuse_alternatives(below, "yield", faults)
+    refuse_alternatives(below, "yield", problems)
     if not (below.is_mapping and "base_shear" in below.value):
         return node
     kept = {key: value for key, value in below.value.items() if key not in CODE}
@@ -76,7 +76,7 @@ def _like(node: Node) -> str | None:
     return like.value if like is not None and isinstance(like.value, str) else None
 
 
-def _chain(name: str, own: dict[str, Node], done: dict[str, Node], faults: Faults) -> list[str]:
+def _chain(name: str, own: dict[str, Node], done: dict[str, Node], problems: Problems) -> list[str]:
     """A building, the one it is like, and so on, up to one that stands on its own or is done."""
     chain: list[str] = []
     while name not in done:
@@ -87,14 +87,14 @@ def _chain(name: str, own: dict[str, Node], done: dict[str, Node], faults: Fault
         mark = own[name].value["like"].mark
         if like not in own:
             known = [other for other in own if other != name]
-            faults.add(mark, f"like: no building '{like}' is defined", nearest(like, known))
+            problems.add(mark, f"like: no building '{like}' is defined", nearest(like, known))
             break
         if like in chain:
             shown = " -> ".join((*chain[:5], *(("...",) if len(chain) > 5 else ()), like))
-            faults.add(mark, f"like: goes round in a circle: {shown}", "let one of them stand on its own")
+            problems.add(mark, f"like: goes round in a circle: {shown}", "let one of them stand on its own")
             break
         if len(chain) > MOST_LIKES:
-            faults.add(
+            problems.add(
                 mark, f"like: leads through more than {MOST_LIKES} buildings", "let one of them stand on its own"
             )
             break

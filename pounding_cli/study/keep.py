@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.plan import Plan, Row
-from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.schema import HistoriesSpec, KeepSpec, StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis
@@ -34,7 +34,7 @@ def wanted(model: StudyModel) -> HistoriesSpec | None:
 
 
 def check_keep(
-    model: StudyModel, root: Node, axes: Sequence[SweepAxis], records: Iterable[str] | None, faults: Faults
+    model: StudyModel, root: Node, axes: Sequence[SweepAxis], records: Iterable[str] | None, problems: Problems
 ) -> None:
     """Note every name under `keep` that the study does not have; `records` is None where they are faulty."""
     spec = wanted(model)
@@ -43,7 +43,7 @@ def check_keep(
     path = ("keep", "histories")
     if model.method not in ("auto", "taylor"):
         message = f"method: {model.method} keeps no histories, only auto and taylor do"
-        faults.at(root, ("keep",), message, "write `method: auto`, or remove `keep`", key=True)
+        problems.at(root, ("keep",), message, "write `method: auto`, or remove `keep`", key=True)
     known: dict[str, list[str]] = {
         "cases": list(model.cases),
         "analyses": list(model.analyses),
@@ -54,19 +54,19 @@ def check_keep(
             if there and word not in there:
                 one = {"cases": "case", "analyses": "analysis", "records": "record"}[name]
                 message = f"keep: the study has no {one} '{word}'"
-                faults.at(root, (*path, name, place), message, nearest(word, there))
+                problems.at(root, (*path, name, place), message, nearest(word, there))
     swept = {name: (axis, column) for axis in axes for column, name in enumerate(axis.names)}
     for key in spec.where:
         if key not in swept:
             hint = nearest(key, swept) if swept else "remove `where`, or add a sweep"
-            faults.at(root, (*path, "where", key), f"keep: '{key}' is no axis of the sweep", hint, key=True)
+            problems.at(root, (*path, "where", key), f"keep: '{key}' is no axis of the sweep", hint, key=True)
             continue
         axis, column = swept[key]
         for node in _values(root, key):
             if not _places(axis, column, node):
                 texts = [nodes[column].text or str(nodes[column].plain()) for nodes in axis.nodes]
                 message = f"keep: the axis '{key}' has no value {node.text or node.plain()}"
-                faults.add(node.mark, message, f"known: {', '.join(dict.fromkeys(texts))}")
+                problems.add(node.mark, message, f"known: {', '.join(dict.fromkeys(texts))}")
 
 
 def kept_rows(

@@ -11,31 +11,31 @@ from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.study.law_keys import FROM_CASE, own_parameters, words_of
-from pounding_cli.study.problems import Faults, Path, Tree, nearest
+from pounding_cli.study.problems import Path, Problems, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule, read_stiffness
 from pounding_cli.study.schema import Impact, LinkSpec, ListedLink
 from pounding_cli.study.source import Node
 
 
 @dataclass(frozen=True)
-class Street:
-    """What the links of a case depend on besides the case.
+class Group:
+    """The buildings of a group and what else the links of a case depend on besides the case.
 
-    group, types : buildings by place and by name; common : common floors of each pair of neighbours
+    buildings, types : buildings by place and by name; common : common floors of each pair of neighbours
     impact : the impact element
-    A sketch stands in for a street that is not sound, so that its cases can be looked at all the same:
-    `group` and `common` are empty then, and `defined` still holds every name the file defines.
+    Where the group is not sound an empty one stands in for it, so that its cases can be checked all the same:
+    `buildings` and `common` are empty then, and `defined` still holds every name that the file defines.
     """
 
-    group: Sequence[Building]
+    buildings: Sequence[Building]
     types: Mapping[str, Building]
     common: Sequence[Sequence[tuple[int, int]]]
     impact: Impact
     defined: Sequence[str]
 
     @property
-    def is_sketch(self) -> bool:
-        return not self.group
+    def is_empty(self) -> bool:
+        return not self.buildings
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,11 @@ def where(layers: Sequence[Layer], key: str) -> Path:
 class LawReader:
     """Builds laws of links and notes what is wrong with them."""
 
-    def __init__(self, street: Street, root: Node | Tree, faults: Faults) -> None:
-        self.street, self.root, self.faults = street, root, faults
+    def __init__(self, group: Group, root: Node | Tree, problems: Problems) -> None:
+        self.group, self.root, self.problems = group, root, problems
 
     def refuse(self, path: Path, message: str, hint: str, key: bool = False) -> None:
-        self.faults.at(self.root, path, message, hint, key)
+        self.problems.at(self.root, path, message, hint, key)
 
     def law(self, layers: list[Layer]) -> LinkLaw | None:
         """The law of a link; None where there is none, or where something is wrong."""
@@ -91,7 +91,7 @@ class LawReader:
         if self._conflicts(law, layers, gap=gap):
             return None
         self._refuse_keys_of_others(word, law, layers)
-        impact = self.value(self.street.impact.stiffness, ("impact", "stiffness"))
+        impact = self.value(self.group.impact.stiffness, ("impact", "stiffness"))
         stiffness = self._stiffness(word, law, layers)
         if impact is None or stiffness is None:
             return None
@@ -105,8 +105,8 @@ class LawReader:
             "impact_stiffness": impact,
             "damping_ratio": ratio,
             "restitution": restitution,
-            "tension_cut": self.street.impact.tension_cut if cut is None else cut,
-            "dashpot": DashpotLaw(self.street.impact.dashpot),
+            "tension_cut": self.group.impact.tension_cut if cut is None else cut,
+            "dashpot": DashpotLaw(self.group.impact.dashpot),
         }
         values = {name: given[name] for name in law.parameters() if name in given}
         for name in own_parameters(law):
@@ -182,13 +182,13 @@ class LawReader:
             if layer.spec.stiffness is not None and says(layers[place:], "link") == word:
                 return self.value(layer.spec.stiffness, (*layer.path, "stiffness"))
         rule = law.stiffness_default
-        default = read_stiffness(rule) if rule else self.street.impact.stiffness
+        default = read_stiffness(rule) if rule else self.group.impact.stiffness
         return self.value(default, ("impact", "stiffness"))
 
     def _losses(self, layers: list[Layer]) -> tuple[float, float]:
         """(damping ratio, coefficient of restitution) of a link: the nearest layer gives one, the other follows."""
-        speakers: list[LinkSpec | ListedLink | Impact] = [*(layer.spec for layer in layers), self.street.impact]
-        restitution = self.street.impact.restitution
+        speakers: list[LinkSpec | ListedLink | Impact] = [*(layer.spec for layer in layers), self.group.impact]
+        restitution = self.group.impact.restitution
         for spec in speakers:
             given = spec.model_fields_set
             if "damping_ratio" in given and spec.damping_ratio is not None:
@@ -202,16 +202,16 @@ class LawReader:
         """A stiffness in N/m."""
         if not isinstance(given, StiffnessRule):
             return given
-        buildings = list(self.street.group)
+        buildings = list(self.group.buildings)
         if given.building is not None:
-            if given.building not in self.street.defined:
+            if given.building not in self.group.defined:
                 self.refuse(
                     path,
                     f"no building '{given.building}' is defined",
-                    nearest(given.building, self.street.defined),
+                    nearest(given.building, self.group.defined),
                 )
                 return None
-            buildings = [self.street.types[given.building]] if given.building in self.street.types else []
+            buildings = [self.group.types[given.building]] if given.building in self.group.types else []
         if not buildings:
             return None
         of = max if given.which == "stiffest" else _mean

@@ -9,12 +9,12 @@ from typing import Any
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.links import Link
+from pounding_cli.numbers import counted
 from pounding_cli.study.law_keys import own_parameters
-from pounding_cli.study.link_laws import LawReader, Layer, Street, says, where
-from pounding_cli.study.problems import Faults, Path, Tree
+from pounding_cli.study.link_laws import Group, LawReader, Layer, says, where
+from pounding_cli.study.problems import Path, Problems, Tree
 from pounding_cli.study.schema import CaseSpec, LinkSpec, ListedLink, PairSpec
 from pounding_cli.study.source import Node
-from pounding_cli.words import counted
 
 
 @dataclass(frozen=True)
@@ -26,12 +26,12 @@ class _Element:
     path: Path
 
 
-def links_of(case: CaseSpec, street: Street, root: Node | Tree, path: Path, faults: Faults) -> tuple[Link, ...]:
-    """All links of a case, by pair and then from the ground up; what is wrong is noted in `faults`."""
-    reader = _Reader(street, root, faults)
-    pairs = len(case.pairs or "1") if street.is_sketch else len(street.group) - 1
+def links_of(case: CaseSpec, group: Group, root: Node | Tree, path: Path, problems: Problems) -> tuple[Link, ...]:
+    """All links of a case, by pair and then from the ground up; what is wrong is noted in `problems`."""
+    reader = _Reader(group, root, problems)
+    pairs = len(case.pairs or "1") if group.is_empty else len(group.buildings) - 1
     if case.pairs is not None and len(case.pairs) != pairs:
-        faults.at(
+        problems.at(
             root,
             (*path, "pairs"),
             f"pairs has {counted(len(case.pairs), 'entry', 'entries')} for {counted(pairs, 'pair')} of neighbours",
@@ -58,11 +58,11 @@ class _Reader(LawReader):
 
     def pair(self, place: int, layers: list[Layer]) -> list[Link]:
         floors, by_floor, elsewhere = (says(layers, key) for key in ("floors", "by_floor", "elsewhere"))
-        if self.street.is_sketch:
+        if self.group.is_empty:
             listed = {*by_floor, *(() if floors == "all" else floors)} or {1}
             common = {floor: floor for floor in (*listed, max(listed) + 1)}
         else:
-            common = dict(self.street.common[place])
+            common = dict(self.group.common[place])
         named = set(common) if floors == "all" else set(floors)
         if floors != "all":
             for number, floor in enumerate(floors):
@@ -105,7 +105,7 @@ class _Reader(LawReader):
         """Note floors of one link in a list that the list does not stand on."""
         for element in elements:
             for number, floor in enumerate(element.floors or ()):
-                if floor not in stood[element.path] and not self.street.is_sketch:
+                if floor not in stood[element.path] and not self.group.is_empty:
                     listed = ", ".join(map(str, sorted(stood[element.path])))
                     message = f"the list that this link is in does not stand on floor {floor}"
                     self.refuse((*element.path, "floors", number), message, f"write floors among {listed}")
@@ -141,11 +141,11 @@ class _Reader(LawReader):
                 self.refuse((*layer.path, name), message, hint, key=True)
 
     def _exists(self, place: int, floor: int, path: Path, hint: str) -> None:
-        if self.street.is_sketch:
+        if self.group.is_empty:
             return
-        floors = [left for left, _ in self.street.common[place]]
+        floors = [left for left, _ in self.group.common[place]]
         if floor not in floors:
-            one, other = self.street.group[place].name, self.street.group[place + 1].name
+            one, other = self.group.buildings[place].name, self.group.buildings[place + 1].name
             self.refuse(
                 path,
                 f"{one} and {other} have no common floor {floor}",

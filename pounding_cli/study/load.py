@@ -14,6 +14,7 @@ from pounding_cli import records
 from pounding_cli.errors import Problem
 from pounding_cli.methods import TIME_STEP, setting_of
 from pounding_cli.model.building import Building
+from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import buildings as building_room
 from pounding_cli.study.bracket import with_brackets
@@ -22,14 +23,13 @@ from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis
 from pounding_cli.study.plausible import few
-from pounding_cli.study.problems import Faults, nearest
+from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis, read_axes
 from pounding_cli.study.written import unit_in, unit_of
 from pounding_cli.study.yaml_file import read_source
-from pounding_cli.words import Unit
 
 MOST_CORNERS = 256
 """Combinations of swept values that are looked at for what is implausible together."""
@@ -117,9 +117,9 @@ class Study:
         plain: dict[str, Any] = shown(self.model)
         plain["title"] = self.title
         plain["sweep"] = [{"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in self.axes]
-        types, street = resolver.types(base), resolver.group(base)
+        types, group = resolver.types(base), resolver.group(base)
         assert types is not None
-        assert street is not None
+        assert group is not None
         for name, building in types.items():
             plain["buildings"][name]["derived"] = {
                 **{key: getattr(building, key).tolist() for key in ("mass", "height", "stiffness")},
@@ -149,25 +149,25 @@ def validated(path: Path, text: str, root: Node) -> Study:
     """The study of a tree; `text` is what it says, record files are sought beside `path`. Raises as `load_study`."""
     file = shortened(path)
     refuse_other_kinds(root, file)
-    faults = Faults(file)
-    root = with_brackets(root, faults)
-    axes = read_axes(root, faults)
+    problems = Problems(file)
+    root = with_brackets(root, problems)
+    axes = read_axes(root, problems)
     resolver = Resolver(root, axes, file, path.resolve().parent)
-    faults.extend(resolver.problems(resolver.base))
-    faulty = bool(faults.problems)
+    problems.extend(resolver.problems(resolver.base))
+    faulty = bool(problems.found)
     for place, axis in enumerate(axes):
         for index in range(len(axis)):
             point = (*resolver.base[:place], index, *resolver.base[place + 1 :])
-            faults.extend(_at_value(resolver.problems(point), axis, index, faulty))
+            problems.extend(_at_value(resolver.problems(point), axis, index, faulty))
     model = resolver.model()
     if model is not None:
-        _whole_study(model, root, faults)
-        check_keep(model, root, axes, resolver.motions(resolver.base), faults)
-    faults.refuse()
+        _whole_study(model, root, problems)
+        check_keep(model, root, axes, resolver.motions(resolver.base), problems)
+    problems.refuse()
     assert model is not None
     said = _said(axes, resolver)
-    _refuse_twins(said, axes, faults)
-    faults.refuse()
+    _refuse_twins(said, axes, problems)
+    problems.refuse()
     for point in (*_along_axes(axes), *_corners(said)):
         resolver.doubt(point)
     return Study(
@@ -242,7 +242,7 @@ def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
     return tuple(said)
 
 
-def _refuse_twins(said: tuple[Axis, ...], axes: tuple[SweepAxis, ...], faults: Faults) -> None:
+def _refuse_twins(said: tuple[Axis, ...], axes: tuple[SweepAxis, ...], problems: Problems) -> None:
     """Note points of an axis that are one and the same: 0.5 and 1/2."""
     for axis, written in zip(said, axes, strict=True):
         first: dict[tuple[float | str, ...], int] = {}
@@ -251,7 +251,7 @@ def _refuse_twins(said: tuple[Axis, ...], axes: tuple[SweepAxis, ...], faults: F
                 texts = [", ".join(map(_text, written.nodes[number])) for number in (first[values], place)]
                 both = texts[0] if texts[0] == texts[1] else f"{texts[0]} and {texts[1]} are the same and"
                 where = ", ".join(axis.names)
-                faults.add(
+                problems.add(
                     written.nodes[place][0].mark,
                     f"{both} {'stands twice' if texts[0] == texts[1] else 'stand'} on the axis '{where}'",
                     "remove one of the two",
@@ -276,14 +276,14 @@ def _value(resolver: Resolver, point: tuple[int, ...], path: tuple[str, ...], no
     return _text(node)
 
 
-def _whole_study(model: StudyModel, root: Node, faults: Faults) -> None:
+def _whole_study(model: StudyModel, root: Node, problems: Problems) -> None:
     """What concerns no section alone."""
     setting = setting_of(model.method)
     if setting is TIME_STEP and model.time_step is None:
         hint = f"write e.g. `time_step: {TIME_STEP.example}`"
-        faults.at(root, ("method",), f"method: {model.method} needs 'time_step'", hint)
+        problems.at(root, ("method",), f"method: {model.method} needs 'time_step'", hint)
     if setting is not TIME_STEP and model.time_step is not None:
-        faults.at(
+        problems.at(
             root,
             ("time_step",),
             f"'time_step' means nothing to method: {model.method}",
@@ -292,10 +292,10 @@ def _whole_study(model: StudyModel, root: Node, faults: Faults) -> None:
         )
     for place, case in enumerate(model.report.plot or ()):
         if case not in model.cases:
-            faults.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, model.cases))
+            problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, model.cases))
     known = dict.fromkeys((*places(model.group), *model.group))
     if model.report.building is not None and model.report.building not in known:
-        faults.at(
+        problems.at(
             root,
             ("report", "building"),
             f"no building '{model.report.building}' in the group",
@@ -303,7 +303,7 @@ def _whole_study(model: StudyModel, root: Node, faults: Faults) -> None:
         )
     for place, analysis in enumerate(model.analyses):
         if analysis in model.analyses[:place]:
-            faults.at(root, ("analyses", place), f"'{analysis}' stands twice", "remove one")
+            problems.at(root, ("analyses", place), f"'{analysis}' stands twice", "remove one")
 
 
 def _warnings(model: StudyModel, root: Node, resolver: Resolver) -> tuple[Problem, ...]:
@@ -315,4 +315,4 @@ def _warnings(model: StudyModel, root: Node, resolver: Resolver) -> tuple[Proble
             "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass",
             "leave it out for the dashpot that gives the coefficient of restitution",
         )
-    return tuple(few(sorted(notes.problems, key=lambda note: (note.file, note.line, note.column))))
+    return tuple(few(sorted(notes.found, key=lambda note: (note.file, note.line, note.column))))

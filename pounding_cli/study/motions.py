@@ -8,10 +8,10 @@ from functools import partial
 from pounding_cli import records
 from pounding_cli.errors import InputError
 from pounding_cli.records import Motion
+from pounding_cli.study.motion_reader import MotionReader
 from pounding_cli.study.plan import MotionUse
-from pounding_cli.study.problems import Faults, Tree, nearest
+from pounding_cli.study.problems import Problems, Tree, nearest
 from pounding_cli.study.record_schema import AriasScale, PgaScale, PgvScale, Records, SaScale, SpectrumScale
-from pounding_cli.study.shelf import Shelf
 from pounding_cli.study.source import Node
 
 
@@ -24,22 +24,24 @@ class Used:
     target: records.TargetSpectrum | None = None
 
 
-def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, warnings: Faults) -> dict[str, Used]:
-    """The motions of a study by name, as they are used; what is wrong is noted in `faults`."""
+def motions_of(
+    spec: Records, reader: MotionReader, root: Node | Tree, problems: Problems, warnings: Problems
+) -> dict[str, Used]:
+    """The motions of a study by name, as they are used; what is wrong is noted in `problems`."""
     found: dict[str, Motion] = {}
     names: set[str] = set()
     sound = True
     for place, record in enumerate(spec.use):
         path = ("records", "use", place)
         try:
-            items = shelf.items(record)
+            items = reader.items(record)
         except InputError as refused:
-            _pass_on(refused, root, (*path, "file"), faults)
+            _pass_on(refused, root, (*path, "file"), problems)
             sound = False
             continue
         for item in items:
             if item.name in found:
-                faults.at(
+                problems.at(
                     root, path, f"the record '{item.name}' stands twice", "remove one, or give it another `name:`"
                 )
                 sound = False
@@ -50,15 +52,15 @@ def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, w
             if item.known:
                 names.add(item.name)
             try:
-                found[item.name] = shelf.take(record, item)
+                found[item.name] = reader.take(record, item)
             except InputError as refused:
-                _pass_on(refused, root, (*path, "file"), faults)
+                _pass_on(refused, root, (*path, "file"), problems)
                 sound = False
     if not sound:
         return {}
     cut: dict[str, Motion] = {}
     for name, motion in found.items():
-        seconds = _seconds(spec.duration, name, name in names, motion, root, ("records", "duration"), faults)
+        seconds = _seconds(spec.duration, name, name in names, motion, root, ("records", "duration"), problems)
         if seconds is None:
             return {}
         if isinstance(spec.duration, float) and seconds > motion.duration + motion.dt:
@@ -73,12 +75,12 @@ def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, w
     target = None
     if isinstance(spec.scale, SpectrumScale):
         try:
-            target = _target(spec.scale, spec, found, cut, shelf, root, faults)
+            target = _target(spec.scale, spec, found, cut, reader, root, problems)
         except InputError as refused:
-            _pass_on(refused, root, ("records", "scale"), faults)
+            _pass_on(refused, root, ("records", "scale"), problems)
         if target is None:
             return {}
-    factors = _factors(spec, found, cut, names, target, shelf, root, faults)
+    factors = _factors(spec, found, cut, names, target, reader, root, problems)
     used = {}
     for name, factor in factors.items():
         motion = cut[name].scaled(factor) if factor != 1.0 else cut[name]
@@ -95,14 +97,14 @@ def motions_of(spec: Records, shelf: Shelf, root: Node | Tree, faults: Faults, w
     return used
 
 
-def _pass_on(refused: InputError, root: Node | Tree, path: tuple[str | int, ...], faults: Faults) -> None:
+def _pass_on(refused: InputError, root: Node | Tree, path: tuple[str | int, ...], problems: Problems) -> None:
     """Problems inside a record file keep their place; others are put at the study's line."""
     for problem in refused.problems:
         if problem.line:
-            faults.extend([problem])
+            problems.extend([problem])
         else:
             file = f"{problem.file}: " if problem.file else ""
-            faults.at(root, path, f"{file}{problem.message}", problem.hint)
+            problems.at(root, path, f"{file}{problem.message}", problem.hint)
 
 
 def _seconds(
@@ -112,14 +114,14 @@ def _seconds(
     motion: Motion,
     root: Node | Tree,
     path: tuple[str, ...],
-    faults: Faults,
+    problems: Problems,
 ) -> float | None:
     if duration == "whole" or (duration == "auto" and not known):
         return motion.duration
     if duration not in ("auto", "table1"):
         return float(duration)
     if not known:
-        faults.at(
+        problems.at(
             root,
             path,
             f"table1 has no duration for '{name}'",
@@ -135,16 +137,16 @@ def _factors(
     cut: dict[str, Motion],
     names: set[str],
     target: records.TargetSpectrum | None,
-    shelf: Shelf,
+    reader: MotionReader,
     root: Node | Tree,
-    faults: Faults,
+    problems: Problems,
 ) -> dict[str, float]:
     scale, path = spec.scale, ("records", "scale")
     if isinstance(scale, float):
         return dict.fromkeys(cut, scale)
     for name in cut:
         if scale == "table1" and name not in names:
-            faults.at(
+            problems.at(
                 root,
                 path,
                 f"table1 has no scale for '{name}'",
@@ -166,9 +168,9 @@ def _factors(
             assert target is not None
             return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
         assert isinstance(scale, AriasScale)
-        return _arias_factors(scale, spec, whole, names, shelf, root, faults)
+        return _arias_factors(scale, spec, whole, names, reader, root, problems)
     except InputError as refused:
-        _pass_on(refused, root, path, faults)
+        _pass_on(refused, root, path, problems)
         return {}
 
 
@@ -177,13 +179,13 @@ def _arias_factors(
     spec: Records,
     whole: dict[str, Motion],
     names: set[str],
-    shelf: Shelf,
+    reader: MotionReader,
     root: Node | Tree,
-    faults: Faults,
+    problems: Problems,
 ) -> dict[str, float]:
-    part = partial(_measured, scale, spec, root=root, faults=faults)
+    part = partial(_measured, scale, spec, root=root, problems=problems)
     reference = whole.get(scale.arias) or _reference(
-        scale.arias, ("records", "scale", "arias"), whole, shelf, root, faults
+        scale.arias, ("records", "scale", "arias"), whole, reader, root, problems
     )
     if reference is None:
         return {}
@@ -202,20 +204,20 @@ def _target(
     spec: Records,
     whole: dict[str, Motion],
     cut: dict[str, Motion],
-    shelf: Shelf,
+    reader: MotionReader,
     root: Node | Tree,
-    faults: Faults,
+    problems: Problems,
 ) -> records.TargetSpectrum | None:
-    """The target as a spectrum over its range; what is wrong with it is noted in `faults`."""
+    """The target as a spectrum over its range; what is wrong with it is noted in `problems`."""
     path = ("records", "scale")
     if not scale.low < scale.high:
         message = f"the range of periods runs from {scale.low:g} s to {scale.high:g} s"
-        faults.at(root, (*path, "to"), message, "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`")
+        problems.at(root, (*path, "to"), message, "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`")
         return None
     if isinstance(scale.target, dict):
         points = sorted(scale.target.items())
         if len(points) < 2:
-            faults.at(
+            problems.at(
                 root,
                 (*path, "target"),
                 "a target spectrum needs two points at least",
@@ -224,29 +226,34 @@ def _target(
             return None
         if not points[0][0] <= scale.low or not scale.high <= points[-1][0]:
             message = f"the target is given from {points[0][0]:g} to {points[-1][0]:g} s, not over the whole range"
-            faults.at(root, (*path, "target"), message, f"give it from {scale.low:g} to {scale.high:g} s at least")
+            problems.at(root, (*path, "target"), message, f"give it from {scale.low:g} to {scale.high:g} s at least")
             return None
         periods, values = zip(*points, strict=True)
         return records.TargetSpectrum(periods, values, scale.low, scale.high, scale.damping)
     motion = cut.get(scale.target)
     if motion is None:
-        reference = _reference(scale.target, (*path, "target"), whole, shelf, root, faults)
+        reference = _reference(scale.target, (*path, "target"), whole, reader, root, problems)
         if reference is None:
             return None
-        seconds = _seconds(spec.duration, scale.target, True, reference, root, ("records", "duration"), faults)
+        seconds = _seconds(spec.duration, scale.target, True, reference, root, ("records", "duration"), problems)
         assert seconds is not None  # the catalogue has a duration for each of its names
         motion = reference.windowed(seconds)
     return records.TargetSpectrum.of(motion, scale.low, scale.high, scale.damping)
 
 
 def _reference(
-    name: str, path: tuple[str, ...], whole: dict[str, Motion], shelf: Shelf, root: Node | Tree, faults: Faults
+    name: str,
+    path: tuple[str, ...],
+    whole: dict[str, Motion],
+    reader: MotionReader,
+    root: Node | Tree,
+    problems: Problems,
 ) -> Motion | None:
     known = records.names()
     if name not in known:
-        faults.at(root, path, f"no record '{name}'", nearest(name, dict.fromkeys((*whole, *known))))
+        problems.at(root, path, f"no record '{name}'", nearest(name, dict.fromkeys((*whole, *known))))
         return None
-    return shelf.named(name)
+    return reader.named(name)
 
 
 def _measured(
@@ -256,9 +263,9 @@ def _measured(
     known: bool,
     motion: Motion,
     root: Node | Tree,
-    faults: Faults,
+    problems: Problems,
 ) -> Motion | None:
     """The part of a motion its Arias intensity is measured over."""
     window = spec.duration if scale.window == "duration" else scale.window
-    seconds = _seconds(window, name, known, motion, root, ("records", "scale", "window"), faults)
+    seconds = _seconds(window, name, known, motion, root, ("records", "scale", "window"), problems)
     return None if seconds is None else motion.windowed(seconds)

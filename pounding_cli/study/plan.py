@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pounding_cli.model.links import LinkPlace
 from pounding_cli.model.scene import Scene
-from pounding_cli.words import Unit
+from pounding_cli.numbers import Unit
 
 if TYPE_CHECKING:
     from pounding_cli.study.load import Study

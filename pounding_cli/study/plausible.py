@@ -11,12 +11,12 @@ import numpy as np
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
+from pounding_cli.numbers import counted
 from pounding_cli.study.motions import Used
-from pounding_cli.study.problems import Faults, Path, Tree
+from pounding_cli.study.problems import Path, Problems, Tree
 from pounding_cli.study.schema import BaseShear, BuildingSpec
 from pounding_cli.study.source import Node
 from pounding_cli.study.units import GRAVITY, NUMBER
-from pounding_cli.words import counted
 
 _LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
 _MASSES = {"t": 1e3, "kg": 1.0}
@@ -85,7 +85,7 @@ _AS_MEANT = "the study runs as it is"
 _PARTED = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*\Z")
 
 
-def doubt_building(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Faults) -> None:
+def doubt_building(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Problems) -> None:
     """Note what is unlikely about a building: masses, heights, period, damping, yield shears."""
     given = spec.model_fields_set
     for key, what, values in (
@@ -130,7 +130,7 @@ def slip_of_height(building: Building, root: Tree, path: Path) -> str:
     )
 
 
-def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Faults) -> None:
+def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Problems) -> None:
     period, storeys = spec.period if spec.stiffness is None else float(building.periods[0]), building.storeys
     assert period is not None  # a building has one or the other
     whole, each = RANGES["period"], RANGES["period of a storey"]
@@ -152,7 +152,7 @@ def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path
         notes.at(root, at, f"these stiffnesses give a {words}", _hint(meant))
 
 
-def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, path: Path, notes: Faults) -> None:
+def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, path: Path, notes: Problems) -> None:
     """Note gaps and stiffnesses of a case's links that are unlikely, each once."""
     stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
     for gap in dict.fromkeys(link.gap for link in links if link.gap > 0):
@@ -181,7 +181,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, pa
         )
 
 
-def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Faults) -> None:
+def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Problems) -> None:
     """Note peaks of the ground that are unlikely, asked for or as they come out."""
     asked = root.get("records", "scale", "pga")
     if asked is not None:
@@ -223,7 +223,7 @@ def shown(value: float, units: Mapping[str, float]) -> str:
     return f"{_rounded(value / factor)} {unit}"
 
 
-def doubt(what: str, fits: Plausible, value: float, root: Node | Tree, path: Path, notes: Faults) -> None:
+def doubt(what: str, fits: Plausible, value: float, root: Node | Tree, path: Path, notes: Problems) -> None:
     """Note a value that its range does not hold, with what may have been meant."""
     if fits.holds(value):
         return
@@ -251,7 +251,7 @@ def _meant(text: str, value: float, fits: Plausible, measured: Callable[[float],
     return ""
 
 
-def _note(what: str, value: float, root: Tree, path: Path, notes: Faults) -> None:
+def _note(what: str, value: float, root: Tree, path: Path, notes: Problems) -> None:
     doubt(what, RANGES[what], value, root, path, notes)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from pounding_cli.study.plausible import RANGES, Plausible, doubt
-from pounding_cli.study.problems import Faults
+from pounding_cli.study.problems import Problems
 from pounding_cli.study.source import Node
 
 _LENGTHS = {"cm": 1e-2, "m": 1.0, "mm": 1e-3}
@@ -53,7 +53,7 @@ WALL = {
 """Plausible values of a study of `pound wall`."""
 
 
-def doubt_spec(spec: BaseModel, ranges: Mapping[str, Plausible], root: Node, notes: Faults) -> None:
+def doubt_spec(spec: BaseModel, ranges: Mapping[str, Plausible], root: Node, notes: Problems) -> None:
     """Note what is unlikely in a study at one point of its sweep, of the keys that it says."""
     for key, fits in ranges.items():
         path = tuple(key.split("."))
@@ -64,7 +64,7 @@ def doubt_spec(spec: BaseModel, ranges: Mapping[str, Plausible], root: Node, not
             doubt(_words(key), fits, float(value), root, path, notes)
 
 
-def doubt_period(period: float, who: str, root: Node, notes: Faults) -> None:
+def doubt_period(period: float, who: str, root: Node, notes: Problems) -> None:
     """Note a period [s] that mass and stiffness of the system `who` (first, second) give it."""
     fits = RANGES["period"]
     if not fits.holds(period):

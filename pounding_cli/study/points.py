@@ -8,11 +8,11 @@ from itertools import product
 
 from pydantic import BaseModel
 
-from pounding_cli.study.problems import Faults, keys_at, nearest
+from pounding_cli.numbers import Unit
+from pounding_cli.study.problems import Problems, keys_at, nearest
 from pounding_cli.study.ranges import axis_values
 from pounding_cli.study.source import Node
 from pounding_cli.study.written import unit_of
-from pounding_cli.words import Unit
 
 MOST_POINTS = 10_000
 MOST_AXES = 20
@@ -31,7 +31,7 @@ class PointAxis:
     units: tuple[Unit, ...]
 
 
-def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple[PointAxis, ...]:
+def read_point_axes(root: Node, model: type[BaseModel], problems: Problems) -> tuple[PointAxis, ...]:
     """The axes under `sweep:`: each key of a mapping is one; the keys of a list's entry move together."""
     sweep = root.get("sweep")
     if sweep is None or sweep.value is None:
@@ -41,31 +41,31 @@ def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple
     elif sweep.is_list and all(node.is_mapping and node.value for node in sweep.value):
         entries = [(node, tuple(node.value)) for node in sweep.value]
     else:
-        faults.add(
+        problems.add(
             sweep.mark,
             "'sweep' is not a mapping of keys to lists",
             "write `sweep: {mesh.size: [0.5 m, 0.25 m]}`",
         )
         return ()
     if len(entries) > MOST_AXES:
-        faults.add(sweep.mark, f"the sweep has {len(entries)} axes", f"keep it to {MOST_AXES}")
+        problems.add(sweep.mark, f"the sweep has {len(entries)} axes", f"keep it to {MOST_AXES}")
         return ()
     axes: list[PointAxis] = []
     names_seen: set[str] = set()
     for holder, names in entries:
         columns: list[list[Node]] = []
         for name in names:
-            known = _is_axis(name, holder, root, model, faults)
-            values = axis_values(name, holder.value[name], model, faults)
+            known = _is_axis(name, holder, root, model, problems)
+            values = axis_values(name, holder.value[name], model, problems)
             if name in names_seen:
-                faults.add((holder.keys or {})[name], f"'{name}' is an axis twice", "remove one of the two")
+                problems.add((holder.keys or {})[name], f"'{name}' is an axis twice", "remove one of the two")
             elif known and values is not None:
                 columns.append(values)
             names_seen.add(name)
         if len(columns) < len(names):
             continue
         if len({len(column) for column in columns}) > 1:
-            faults.add(holder.mark, "keys that move together need as many values each", "give as many values of each")
+            problems.add(holder.mark, "keys that move together need as many values each", "give as many values of each")
             continue
         units = tuple(unit_of(model, name.split("."), column) for name, column in zip(names, columns, strict=True))
         axes.append(PointAxis(names, tuple(zip(*columns, strict=True)), units))
@@ -73,7 +73,7 @@ def read_point_axes(root: Node, model: type[BaseModel], faults: Faults) -> tuple
     for axis in axes:
         count *= len(axis.nodes)
     if count > MOST_POINTS:
-        faults.add(sweep.mark, f"the sweep has {count} points", f"keep it to {MOST_POINTS}")
+        problems.add(sweep.mark, f"the sweep has {count} points", f"keep it to {MOST_POINTS}")
     return tuple(axes)
 
 
@@ -95,19 +95,19 @@ def point_label(axes: tuple[PointAxis, ...], values: Mapping[str, float | str]) 
     return ", ".join(f"{name} = {units[name].text(value)}" for name, value in values.items())
 
 
-def _is_axis(name: str, holder: Node, root: Node, model: type[BaseModel], faults: Faults) -> bool:
+def _is_axis(name: str, holder: Node, root: Node, model: type[BaseModel], problems: Problems) -> bool:
     mark = (holder.keys or {})[name]
     path = name.split(".")
     if path[0] in _FIXED:
-        faults.add(mark, f"'{name}' cannot be an axis", "run one study for each value")
+        problems.add(mark, f"'{name}' cannot be an axis", "run one study for each value")
         return False
     for place, step in enumerate(path):
         known = keys_at(model, path[:place], root)
         if step not in known:
-            faults.add(mark, f"sweep axis '{name}': no key '{step}'", nearest(step, known))
+            problems.add(mark, f"sweep axis '{name}': no key '{step}'", nearest(step, known))
             return False
     below = keys_at(model, path, root)
     if len(below) > 0 and set(below) != set(keys_at(model, path[:-1], root)):
-        faults.add(mark, f"sweep axis '{name}' is a whole section", f"name one value in it, e.g. `{name}.{below[0]}`")
+        problems.add(mark, f"sweep axis '{name}' is a whole section", f"name one value in it, e.g. `{name}.{below[0]}`")
         return False
     return True

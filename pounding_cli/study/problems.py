@@ -45,12 +45,15 @@ class Tree:
         return self.node.locate(path, key)
 
 
-class Faults:
-    """Collects problems of one file; two at one place with one message count once."""
+class Problems:
+    """Collects problems of one file; two at one place with one message count once.
+
+    found : those so far
+    """
 
     def __init__(self, file: str) -> None:
         self.file = file
-        self.problems: list[Problem] = []
+        self.found: list[Problem] = []
         self._seen: set[Problem] = set()
 
     def add(self, mark: Mark, message: str, hint: str = "") -> None:
@@ -58,7 +61,7 @@ class Faults:
         problem = Problem(message, hint, self.file, *mark)
         if problem not in self._seen:
             self._seen.add(problem)
-            self.problems.append(problem)
+            self.found.append(problem)
 
     def knows(self, problem: Problem) -> bool:
         """Whether a problem is noted already."""
@@ -87,16 +90,16 @@ class Faults:
         for problem in problems:
             if problem not in self._seen:
                 self._seen.add(problem)
-                self.problems.append(problem)
+                self.found.append(problem)
 
     def refuse(self) -> None:
         """Raise `InputError` with everything noted, in the file's order, if anything was."""
-        if self.problems:
-            found = sorted(self.problems, key=lambda p: (p.file, p.line, p.column))
-            if len(found) > 2 * MOST_TOLD:
-                last = Problem(f"and {len(found) - 2 * MOST_TOLD} more problems", "mend these first", self.file)
-                found = [*found[: 2 * MOST_TOLD], last]
-            raise InputError(found)
+        if self.found:
+            ordered = sorted(self.found, key=lambda p: (p.file, p.line, p.column))
+            if len(ordered) > 2 * MOST_TOLD:
+                last = Problem(f"and {len(ordered) - 2 * MOST_TOLD} more problems", "mend these first", self.file)
+                ordered = [*ordered[: 2 * MOST_TOLD], last]
+            raise InputError(ordered)
 
 
 def nearest(word: str, names: Iterable[str]) -> str:

@@ -16,18 +16,18 @@ from pydantic import BaseModel, ValidationError
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
+from pounding_cli.numbers import counted
 from pounding_cli.study import buildings as building_room
 from pounding_cli.study import facing, plausible
 from pounding_cli.study.inherit import inherited, refuse_alternatives
-from pounding_cli.study.link_laws import Street
+from pounding_cli.study.link_laws import Group
 from pounding_cli.study.links import links_of
-from pounding_cli.study.motions import Shelf, Used, motions_of
-from pounding_cli.study.problems import Faults, Tree, nearest
+from pounding_cli.study.motions import MotionReader, Used, motions_of
+from pounding_cli.study.problems import Problems, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.schema import BuildingSpec, Impact, StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis
-from pounding_cli.words import counted
 
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
@@ -52,8 +52,8 @@ class Resolver:
 
     def __init__(self, root: Node, axes: tuple[SweepAxis, ...], file: str, folder: Path) -> None:
         self.root, self.axes, self.file = root, axes, file
-        self.warnings = Faults(file)
-        self.shelf = Shelf(folder)
+        self.warnings = Problems(file)
+        self.reader = MotionReader(folder)
         self.base: Point = (-1,) * len(axes)
         self._touched = [touched_by(axis, root) for axis in axes]
         self._found: OrderedDict[tuple[Any, ...], tuple[Any, tuple[Problem, ...]]] = OrderedDict()
@@ -61,7 +61,7 @@ class Resolver:
         buildings = root.get("buildings")
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self._met: dict[Problem, None] = {}
-        self._last: tuple[Point, Street] | None = None
+        self._last: tuple[Point, Group] | None = None
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
         """For every axis, whether it touches one of `subjects`."""
@@ -78,12 +78,12 @@ class Resolver:
         kept = self.touching(*subjects)
         return tuple([place if keep else -1 for place, keep in zip(point, kept, strict=True)])
 
-    def _once(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Faults], Any]) -> Any:
+    def _once(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Problems], Any]) -> Any:
         key = (name, self.key(point, subjects))
         found = self._found.get(key)
         if found is None:
-            faults = Faults(self.file)
-            found = (work(faults), tuple(faults.problems))
+            collected = Problems(self.file)
+            found = (work(collected), tuple(collected.found))
             self._found[key] = found
             if len(self._found) > MOST_KEPT:
                 self._found.popitem(last=False)
@@ -130,10 +130,10 @@ class Resolver:
             ("tree", section),
             point,
             (section,),
-            lambda faults: self._tree(self.key(point, (section,)), section, faults),
+            lambda problems: self._tree(self.key(point, (section,)), section, problems),
         )
 
-    def _tree(self, point: Point, section: str, faults: Faults) -> Node | None:
+    def _tree(self, point: Point, section: str, problems: Problems) -> Node | None:
         root = Node({}, self.root.mark, keys={})
         own = self.root.get(section)
         if own is not None:
@@ -145,7 +145,7 @@ class Resolver:
                 if path[0] == section:
                     root = root.replaced(path, node)
         found = root.get(section)
-        return inherited(found, faults) if section == "buildings" and found is not None else found
+        return inherited(found, problems) if section == "buildings" and found is not None else found
 
     def root_at(self, point: Point) -> Tree:
         """The whole tree at this point, to place problems in: made on demand, as most points have none."""
@@ -165,13 +165,13 @@ class Resolver:
         """The validated study as written."""
         return self._once("model", self.base, (), self._whole)
 
-    def _whole(self, faults: Faults) -> StudyModel | None:
+    def _whole(self, problems: Problems) -> StudyModel | None:
         root = self.root_at(self.base)
-        _refuse_twofold(root, faults)
+        _refuse_twofold(root, problems)
         try:
             return StudyModel.model_validate(root.node.plain())
         except ValidationError as error:
-            faults.validation(root, error, StudyModel)
+            problems.validation(root, error, StudyModel)
             return None
 
     def section(self, point: Point, name: str) -> Any:
@@ -179,20 +179,20 @@ class Resolver:
 
         Of a section with problems, what remains without the faulty entries: the rest is looked at too.
         """
-        return self._once(("section", name), point, (name,), lambda faults: self._section(point, name, faults))
+        return self._once(("section", name), point, (name,), lambda problems: self._section(point, name, problems))
 
-    def _section(self, point: Point, name: str, faults: Faults) -> Any:
+    def _section(self, point: Point, name: str, problems: Problems) -> Any:
         node = self.tree(point, name)
         if node is None:
             field = StudyModel.model_fields[name]
             return None if field.is_required() else field.get_default()
         root = Node({name: node}, self.root.mark, keys={name: node.mark})
-        _refuse_twofold(root, faults)
+        _refuse_twofold(root, problems)
         value = node.plain()
         try:
             return _validated(name, value)
         except ValidationError as error:
-            faults.validation(root, error, StudyModel)
+            problems.validation(root, error, StudyModel)
             if not isinstance(value, dict):
                 return None
             faulty = {str(item["loc"][1]) for item in error.errors() if len(item["loc"]) > 1}
@@ -220,14 +220,14 @@ class Resolver:
         if spec is None:
             return None
 
-        def work(faults: Faults) -> Building | None:
-            root, own = self.root_at(point), Faults(self.file)
+        def work(problems: Problems) -> Building | None:
+            root, own = self.root_at(point), Problems(self.file)
             building = building_room.build(name, spec, root, ("buildings", name), own)
-            if own.problems:
+            if own.found:
                 # What the whole of a building lacks is told of the one it is like, where that lacks it too.
                 inherits = spec.like is not None and not self._stands(point, spec.like, root)
                 whole = root.locate(("buildings", name)) if inherits else None
-                faults.extend(p for p in own.problems if (p.line, p.column) != whole)
+                problems.extend(p for p in own.found if (p.line, p.column) != whole)
             return building
 
         return self._once(("type", name), point, (("buildings", name),), work)
@@ -237,7 +237,7 @@ class Resolver:
         spec: BuildingSpec | None = self.entry(point, "buildings", name)
         if spec is None:
             return False
-        return building_room.build(name, spec, root, ("buildings", name), Faults(self.file)) is not None
+        return building_room.build(name, spec, root, ("buildings", name), Problems(self.file)) is not None
 
     def design_displacements(self, point: Point, name: str) -> np.ndarray | None:
         """Displacements a building type is designed for [m], shape (n,), from the ground up; None without a code."""
@@ -247,10 +247,10 @@ class Resolver:
             ("design", name),
             point,
             (("buildings", name),),
-            lambda faults: building_room.design_displacements(spec, building),
+            lambda problems: building_room.design_displacements(spec, building),
         )
 
-    def group(self, point: Point) -> Street | None:
+    def group(self, point: Point) -> Group | None:
         """The buildings by place, their common floors, and the impact element."""
         if self._last is not None and self._last[0] == point:
             return self._last[1]
@@ -260,11 +260,11 @@ class Resolver:
         if names is None:
             return None
 
-        def work(faults: Faults) -> Street | None:
+        def work(problems: Problems) -> Group | None:
             root = self.root_at(point)
             known = self._defined
             # Names are compared with what the file calls its buildings, however faulty those are.
-            sound = _group_is_sound(names, known, root, faults) if known else False
+            sound = _group_is_sound(names, known, root, problems) if known else False
             if not sound or types is None or impact is None or any(name not in types for name in names):
                 return None
             placed = [_named(types[name], label) for name, label in zip(names, places(names), strict=True)]
@@ -277,27 +277,27 @@ class Resolver:
                         for name in names[place : place + 2]
                     )
                     slip = next(filter(None, slips), "let the storey heights agree somewhere")
-                    faults.at(
+                    problems.at(
                         root,
                         ("group", place + 1),
                         f"{one.name} and {other.name} have no floor at one elevation: "
                         f"{_metres(one)} against {_metres(other)} m",
                         f"a floor striking a column is not modelled; {slip}",
                     )
-            return Street(placed, types, common, impact, known) if all(common) else None
+            return Group(placed, types, common, impact, known) if all(common) else None
 
-        street = self._once("group", point, ("buildings", "group", "impact"), work)
-        self._last = None if street is None else (point, street)
-        return street
+        group = self._once("group", point, ("buildings", "group", "impact"), work)
+        self._last = None if group is None else (point, group)
+        return group
 
     def links(self, point: Point, case: str) -> tuple[Link, ...] | None:
         """The links of one case."""
-        street, spec = self.group(point), self.entry(point, "cases", case)
+        group, spec = self.group(point), self.entry(point, "cases", case)
 
-        def work(faults: Faults) -> tuple[Link, ...]:
+        def work(problems: Problems) -> tuple[Link, ...]:
             root = self.root_at(point)
-            around = street or self._sketch(point)
-            return links_of(spec, around, root, ("cases", case), faults)
+            around = group or self._empty_group(point)
+            return links_of(spec, around, root, ("cases", case), problems)
 
         return self._once(("links", case), point, ("buildings", "group", "impact", ("cases", case)), work)
 
@@ -308,15 +308,15 @@ class Resolver:
                 spec = self.entry(point, "buildings", name)
                 work = partial(plausible.doubt_building, spec, building, self.root_at(point), ("buildings", name))
                 self._noted(("building", name), point, (("buildings", name),), work)
-        street = self.group(point)
-        if street is not None:
-            work = partial(facing.tell, street.group, street.common, self.root_at(point), ("group",))
+        group = self.group(point)
+        if group is not None:
+            work = partial(facing.tell, group.buildings, group.common, self.root_at(point), ("group",))
             self._noted("group", point, ("buildings", "group"), work)
             for case in self._entries(point, "cases"):
                 work = partial(
                     plausible.doubt_links,
                     self.links(point, case) or (),
-                    street.group,
+                    group.buildings,
                     self.root_at(point),
                     ("cases", case),
                 )
@@ -324,11 +324,11 @@ class Resolver:
         work = partial(plausible.doubt_motions, self.motions(point) or {}, self.root_at(point))
         self._noted("motions", point, ("records",), work)
 
-    def _noted(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Faults], None]) -> None:
+    def _noted(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Problems], None]) -> None:
         """Take over what `work` notes; where several swept values make it together, they are named."""
 
-        def take(_: Faults) -> None:
-            own = Faults(self.file)
+        def take(_: Problems) -> None:
+            own = Problems(self.file)
             work(own)
             swept = [
                 (axis, at) for axis, at, mine in zip(self.axes, point, self.touching(*subjects), strict=True) if mine
@@ -336,15 +336,15 @@ class Resolver:
             told = [pair for axis, at in swept for pair in zip(axis.names, axis.nodes[at], strict=True)]
             where = ", ".join(f"{key} = {node.text or node.plain()}" for key, node in told)
             jointly = sum(at > 0 for _, at in swept) > 1
-            for problem in own.problems:
+            for problem in own.found:
                 if jointly and not self.warnings.knows(problem):
                     problem = replace(problem, message=f"{problem.message} (where {where})")
                 self.warnings.extend([problem])
 
         self._once(("doubt", name), point, subjects, take)
 
-    def _sketch(self, point: Point) -> Street:
-        return Street((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), self._defined)
+    def _empty_group(self, point: Point) -> Group:
+        return Group((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), self._defined)
 
     def motions(self, point: Point) -> dict[str, Used] | None:
         """The motions by name, cut and scaled."""
@@ -355,7 +355,7 @@ class Resolver:
             "motions",
             point,
             ("records",),
-            lambda faults: motions_of(spec, self.shelf, self.root_at(point), faults, self.warnings),
+            lambda problems: motions_of(spec, self.reader, self.root_at(point), problems, self.warnings),
         )
 
 
@@ -415,16 +415,16 @@ def _metres(building: Building) -> str:
     return ", ".join(shown) + (", ..." if building.storeys > 6 else "")
 
 
-def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Tree, faults: Faults) -> bool:
-    before = len(faults.problems)
+def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Tree, problems: Problems) -> bool:
+    before = len(problems.found)
     if len(names) > MOST:
-        faults.at(root, ("group",), f"the group has {len(names)} buildings", f"name at most {MOST}")
+        problems.at(root, ("group",), f"the group has {len(names)} buildings", f"name at most {MOST}")
         return False
     for place, name in enumerate(names):
         if name not in types:
-            faults.at(root, ("group", place), f"no building '{name}' is defined", nearest(name, types))
+            problems.at(root, ("group", place), f"no building '{name}' is defined", nearest(name, types))
     if len(names) < FEWEST:
-        faults.at(
+        problems.at(
             root,
             ("group",),
             f"the group has {counted(len(names), 'building')}: pounding takes two",
@@ -433,13 +433,13 @@ def _group_is_sound(names: tuple[str, ...], types: Sequence[str], root: Tree, fa
     labels = places(names)
     for place, label in enumerate(labels):
         if labels.index(label) != place:
-            faults.at(
+            problems.at(
                 root,
                 ("group", place),
                 f"two places of the group are called '{label}'",
                 "give the building another name",
             )
-    return len(faults.problems) == before
+    return len(problems.found) == before
 
 
 _holder = StudyModel.model_construct()
@@ -457,16 +457,16 @@ def _harmless(section: str, faulty: set[str]) -> dict[str, Any]:
     return {key: value for key, value in values.items() if key in faulty}
 
 
-def _refuse_twofold(root: Node | Tree, faults: Faults) -> None:
+def _refuse_twofold(root: Node | Tree, problems: Problems) -> None:
     """Restitution and damping ratio in one mapping, under `impact` and in every link of every case."""
     impact = root.get("impact")
     if impact is not None:
-        refuse_alternatives(impact, "link", faults)
+        refuse_alternatives(impact, "link", problems)
     stack = [root.get("cases")]
     while stack:
         node = stack.pop()
         if node is not None and node.is_mapping:
-            refuse_alternatives(node, "link", faults)
+            refuse_alternatives(node, "link", problems)
             stack += node.value.values()
         elif node is not None and node.is_list:
             stack += node.value

@@ -16,9 +16,9 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study.buildings import common_floors
 from pounding_cli.study.data import at_keys, tree_of
-from pounding_cli.study.link_laws import Street
+from pounding_cli.study.link_laws import Group
 from pounding_cli.study.links import links_of
-from pounding_cli.study.problems import Faults
+from pounding_cli.study.problems import Problems
 from pounding_cli.study.resolve import Resolver, places
 from pounding_cli.study.units import Quantity
 
@@ -58,10 +58,10 @@ def links_between(
         spec, element = resolver.entry((), "cases", "case"), resolver.section((), "impact")
         _refuse(resolver)
         names = [building.name for building in buildings]
-        street = Street(buildings, dict(zip(names, buildings, strict=True)), common, element, names)
-        faults = Faults(str(_FILE))
-        links = links_of(spec, street, resolver.root_at(()), ("cases", "case"), faults)
-        faults.refuse()
+        group = Group(buildings, dict(zip(names, buildings, strict=True)), common, element, names)
+        problems = Problems(str(_FILE))
+        links = links_of(spec, group, resolver.root_at(()), ("cases", "case"), problems)
+        problems.refuse()
         return links
 
 

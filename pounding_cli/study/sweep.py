@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pounding_cli.study.problems import Faults, keys_at, nearest
+from pounding_cli.study.problems import Problems, keys_at, nearest
 from pounding_cli.study.ranges import axis_values
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
@@ -47,7 +47,7 @@ class SweepAxis:
         return len(self.nodes)
 
 
-def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
+def read_axes(root: Node, problems: Problems) -> tuple[SweepAxis, ...]:
     """The axes under `sweep:`: each key of a mapping is one; keys of one entry of a list move together."""
     sweep = root.get("sweep")
     if sweep is None or sweep.value is None:
@@ -59,28 +59,28 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
         holders = [node for node in sweep.value if node.is_mapping and node.value]
         for node in sweep.value:
             if not (node.is_mapping and node.value):
-                faults.add(
+                problems.add(
                     node.mark,
                     "an axis is a mapping of keys to lists",
                     "write `- {impact.restitution: [0.4, 0.5]}`",
                 )
         groups = [list(holder.value) for holder in holders]
     else:
-        faults.add(sweep.mark, "'sweep' is not a mapping", "write `sweep: {impact.restitution: [0.4, 0.5]}`")
+        problems.add(sweep.mark, "'sweep' is not a mapping", "write `sweep: {impact.restitution: [0.4, 0.5]}`")
         return ()
     if len(groups) > MOST_AXES:
-        faults.add(sweep.mark, f"the sweep has {len(groups)} axes", f"keep it to {MOST_AXES}")
+        problems.add(sweep.mark, f"the sweep has {len(groups)} axes", f"keep it to {MOST_AXES}")
         return ()
     axes: list[SweepAxis] = []
     seen: dict[str, int] = {}
     for holder, names in zip(holders, groups, strict=True):
         columns: list[list[Node]] = []
         for name in names:
-            known = _key(name, holder, root, faults)
-            values = axis_values(name, holder.value[name], StudyModel, faults)
+            known = _key(name, holder, root, problems)
+            values = axis_values(name, holder.value[name], StudyModel, problems)
             mark = (holder.keys or {})[name]
             if name in seen:
-                faults.add(mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two")
+                problems.add(mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two")
             elif known and values is not None:
                 columns.append(values)
             seen.setdefault(name, mark[0])
@@ -88,7 +88,7 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
             continue
         if len({len(column) for column in columns}) > 1:
             lengths = ", ".join(f"{name} has {len(column)}" for name, column in zip(names, columns, strict=True))
-            faults.add(
+            problems.add(
                 holder.mark,
                 f"keys that move together need as many values each: {lengths}",
                 "give as many values of each",
@@ -99,7 +99,7 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
     for axis in axes:
         points *= len(axis)
     if points > MOST_POINTS:
-        faults.add(
+        problems.add(
             sweep.mark,
             f"the sweep has {points} points",
             f"keep it to {MOST_POINTS}: make axes shorter, or let keys move together in a list entry",
@@ -108,14 +108,14 @@ def read_axes(root: Node, faults: Faults) -> tuple[SweepAxis, ...]:
     return tuple(axes)
 
 
-def _key(name: str, holder: Node, root: Node, faults: Faults) -> bool:
+def _key(name: str, holder: Node, root: Node, problems: Problems) -> bool:
     mark = (holder.keys or {})[name]
     path = tuple(name.split("."))
     whole = path[0] in ("records", "buildings", "impact", "cases") and len(path) < (
         3 if path[0] in ("buildings", "cases") else 2
     )
     if path[0] in FIXED or path[:2] == ("records", "use") or path[-1] == "like":
-        faults.add(mark, f"'{name}' cannot be an axis: it is one for the whole study", "run one study for each value")
+        problems.add(mark, f"'{name}' cannot be an axis: it is one for the whole study", "run one study for each value")
         return False
     for place, step in enumerate(path):
         known = keys_at(StudyModel, path[:place], root)
@@ -125,10 +125,10 @@ def _key(name: str, holder: Node, root: Node, faults: Faults) -> bool:
         if step not in known:
             before = ".".join(path[:place])
             where = f" under '{before}'" if before else ""
-            faults.add(mark, f"sweep axis '{name}': no key '{step}'{where}", nearest(step, known))
+            problems.add(mark, f"sweep axis '{name}': no key '{step}'{where}", nearest(step, known))
             return False
     if whole:
-        faults.add(
+        problems.add(
             mark,
             f"sweep axis '{name}' is a whole section",
             f"name one value in it, e.g. `{name}.{_first(name, root)}`",

@@ -10,18 +10,18 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import counted
 from pounding_cli.study import units
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.plausible import few
 from pounding_cli.study.plausible_systems import WALL, doubt_spec
 from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
-from pounding_cli.study.problems import Faults
+from pounding_cli.study.problems import Problems
 from pounding_cli.study.schema import Length, Mass, Model
 from pounding_cli.study.source import Node
 from pounding_cli.study.units import Quantity, TextForm, limited, refuse, whole_number
 from pounding_cli.study.yaml_file import read_source
 from pounding_cli.wall import model as wall
-from pounding_cli.words import counted
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
 _HEIGHT = limited(units.LENGTH, name="height", example="13.5 m", low=0.0, open_low=False)
@@ -165,17 +165,17 @@ def load_wall_study(path: Path) -> WallStudy:
     """Read and validate a study of the wall.  Raises `InputError` with the place of every problem."""
     text, root = read_source(path)
     refuse_other_kinds(root, str(path), "wall")
-    faults = Faults(str(path))
-    axes = read_point_axes(root, WallStudyModel, faults)
-    faults.refuse()
+    problems = Problems(str(path))
+    axes = read_point_axes(root, WallStudyModel, problems)
+    problems.refuse()
     points = []
     resolved: dict[str, Any] = {}
-    title, notes = "", Faults(str(path))
+    title, notes = "", Problems(str(path))
     for index, tree in points_of(root, axes):
         try:
             spec = WallStudyModel.model_validate(tree.plain())
         except ValidationError as error:
-            faults.validation(tree, error, WallStudyModel)
+            problems.validation(tree, error, WallStudyModel)
             continue
         title = spec.title
         doubt_spec(spec, WALL, tree, notes)
@@ -185,9 +185,9 @@ def load_wall_study(path: Path) -> WallStudy:
             points.append(WallPoint(index, values, point_label(axes, values), _model(spec)))
         except InputError as refused:
             where = f" ({point_label(axes, values)})" if values else ""
-            faults.extend(Problem(p.message + where, p.hint, str(path), *_mark(p, tree)) for p in refused.problems)
-    faults.refuse()
-    return WallStudy(path, text, title, axes, tuple(points), resolved, tuple(few(notes.problems)))
+            problems.extend(Problem(p.message + where, p.hint, str(path), *_mark(p, tree)) for p in refused.problems)
+    problems.refuse()
+    return WallStudy(path, text, title, axes, tuple(points), resolved, tuple(few(notes.found)))
 
 
 def _mark(problem: Problem, tree: Node) -> tuple[int, int]:

@@ -8,10 +8,10 @@ from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_
 
 from pydantic import BaseModel
 
+from pounding_cli.numbers import Unit
 from pounding_cli.study.problems import Tree
 from pounding_cli.study.source import Node
 from pounding_cli.study.units import GRAVITY, Quantity, TextForm, factor_of, written_unit
-from pounding_cli.words import Unit
 
 
 def unit_of(model: type[BaseModel], path: Sequence[str], values: Sequence[Node]) -> Unit:

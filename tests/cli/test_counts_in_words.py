@@ -7,7 +7,7 @@ import re
 import pytest
 from test_run import folder, pound  # noqa: F401
 
-from pounding_cli.words import counted
+from pounding_cli.numbers import counted
 
 NOUNS = (
     "analyses|baselines|buildings|cases|channels|entries|figures|files|floors|frames|groups|impacts|keys|links|motions|"

@@ -104,7 +104,7 @@ def plan(monkeypatch):
     """120 scenes, given to workers though they take little time."""
     monkeypatch.setattr("pounding_cli.batch.runner.WORTH_WORKERS", 0.0)
     monkeypatch.setattr("pounding_cli.batch.cluster.WORK", 0.1)
-    monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", 60.0)  # a busy machine may take long to answer
+    monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", 180.0)  # a busy machine may take minutes to answer
     return small_plan(records=tuple((f"r{number}", float(number)) for number in range(1, 16)))
 
 

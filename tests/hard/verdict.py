@@ -37,7 +37,7 @@ class Tally:
     scenes: int = 0
     studies: int = 0
     refused: int = 0
-    spared: int = 0
+    not_simulated: int = 0
     outcomes: Counter[str] = field(default_factory=Counter)
     worst_residual: float = 0.0
     over: int = 0
@@ -123,7 +123,7 @@ def faults_in(path: Path, tally: Tally) -> list[str]:
                 if response.status in ("stalled", "not finite"):
                     fault = response.status
                 if not fault and response.steps == 0 and response.status == "done":
-                    tally.spared += 1
+                    tally.not_simulated += 1
                     fault = unlike_the_whole(scene, response)
                 if fault:
                     found.append(f"{where}: {fault}")

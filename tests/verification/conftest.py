@@ -6,10 +6,17 @@ import functools
 
 import pytest
 
+from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from pounding_cli.solve.method import is_linear
 
 
-@pytest.fixture(params=["auto", "taylor"])
+def _exactly(scene: Scene, *arguments, **settings):
+    return solve(scene, *arguments, method="exponential" if is_linear(scene) else "taylor", **settings)
+
+
+@pytest.fixture(params=["exponential", "taylor"])
 def exact_steps_and_series(request, monkeypatch):
-    """Runs the tests of a module twice: `auto` takes exact steps where a scene is linear, `taylor` never does."""
-    monkeypatch.setattr(request.module, "solve", functools.partial(solve, method=request.param))
+    """Runs the tests of a module twice: with exact steps where a scene is linear, and with series throughout."""
+    by = {"exponential": _exactly, "taylor": functools.partial(solve, method="taylor")}
+    monkeypatch.setattr(request.module, "solve", by[request.param])

@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 from itertools import pairwise
 
+from pounding_cli.numbers import counted
 from pounding_cli.records.formats.text import Asked, Samples, Text, number, one_blank, tokens
 from pounding_cli.records.formats.times import even_step
 from pounding_cli.records.units import quantity_of
-from pounding_cli.words import counted
 
 _BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 _WORD = re.compile(r"[^\s(\[]+(?:\s*[(\[][^()\[\]]*[)\]])?")

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import counted
 from pounding_cli.reading import read_bytes
-from pounding_cli.words import counted
 
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
 _HEADER = re.compile(r"([A-Za-z0-9 ]+)[:=](.*)\Z")

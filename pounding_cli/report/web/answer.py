@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import pandas as pd
 
 from pounding_cli.laws import drawn
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.web.story import digits
 from pounding_cli.solve.response import OUTCOMES
 from pounding_cli.store import FlagGroup, flag_groups_of
-from pounding_cli.words import Unit, counted
 
 MOST_BUILDINGS = 3
 """Buildings with columns of their own, as many as fit a window of 1400 pixels; of more, the largest of all is shown."""

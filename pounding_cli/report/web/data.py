@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.numbers import Unit
 from pounding_cli.report.columns import Shown, shown
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys
 from pounding_cli.store import flagged_scenes
-from pounding_cli.words import Unit
 from pounding_cli.workflows import WORKFLOWS
 
 MOST_ROWS = 6000

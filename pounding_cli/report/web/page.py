@@ -15,6 +15,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pounding_cli import __version__
+from pounding_cli.numbers import counted
 from pounding_cli.report.answer_page import AnswerPage
 from pounding_cli.report.evidence import Evidence, Tables, motion_label, motion_sentence
 from pounding_cli.report.figures import drawn_part
@@ -29,7 +30,6 @@ from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, SPECTRUM, pictures
 from pounding_cli.report.web.sweep import sweep_data
 from pounding_cli.store import flag_groups_of
-from pounding_cli.words import counted
 
 PAGE = "report.html"
 """File name of the page."""

@@ -11,10 +11,10 @@ from typing import Any
 import pandas as pd
 
 from pounding_cli.model.links import APART
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
 from pounding_cli.store.flagged import failed_scenes
-from pounding_cli.words import Unit, counted
 
 MOST_REASONS = 4
 """Reasons shown for one effect; further ones are counted."""

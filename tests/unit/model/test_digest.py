@@ -19,7 +19,7 @@ OTHER = {
     "tension_cut": True, "law": InfillLaw.PRINTED, "dashpot": DashpotLaw.PRINTED,
 }  # fmt: skip
 LINK = Link(0, 2, 3, LAWS[1])
-ENDS = {"left": 1, "left_floor": 4, "right_floor": 4, "law": LAWS[0]}
+ENDS = {"left": 1, "left_floor": 4, "right_floor": 4, "law": LAWS[0], "left_at": 0.5, "right_at": 0.5}
 
 
 @pytest.mark.parametrize("field", [field.name for field in dataclasses.fields(Link)])

@@ -7,10 +7,10 @@ import json
 import numpy as np
 import pytest
 
+from pounding_cli.numbers import Unit
 from pounding_cli.records import TargetSpectrum, find, spectrum, spectrum_factors, spectrum_match
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.report.spectra import draw_spectra
-from pounding_cli.words import Unit
 
 TARGET = TargetSpectrum((0.1, 0.4, 2.0), (8.0, 8.0, 1.6), 0.2, 1.5)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.words import Unit
+from pounding_cli.numbers import Unit
 
 RECORDS = ("elcentro", "taft", "eureka", "olympia", "parkfield")
 PERIODS = {"stiff": 0.36, "soft": 0.60, "soft-1": 0.60, "soft-2": 0.60}

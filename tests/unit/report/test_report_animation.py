@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from pounding_cli.numbers import Unit
 from pounding_cli.report.animation import Film, _Stage, fitting_scale, frames
 from pounding_cli.report.picture import DrawnLink, Picture
 from pounding_cli.solve.histories import ENERGIES, History
-from pounding_cli.words import Unit
 
 GAP = 0.05
 

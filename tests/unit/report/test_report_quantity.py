@@ -10,9 +10,9 @@ import pytest
 from report_fakes import MOTIONS, make
 
 from pounding_cli.errors import InputError
+from pounding_cli.numbers import Unit
 from pounding_cli.report.axes import swept_axes
 from pounding_cli.report.quantity import Choice, over_sweep, quantities
-from pounding_cli.words import Unit
 
 PERIODS = (0.4, 0.5, 0.6)
 GAPS = (0.0, 0.05)

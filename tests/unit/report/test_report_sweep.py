@@ -10,12 +10,12 @@ from report_fakes import MOTIONS, make
 from report_figures import assert_no_overlap, panels
 
 from pounding_cli.errors import InputError
+from pounding_cli.numbers import Unit
 from pounding_cli.report.evidence import points
 from pounding_cli.report.maps import short
 from pounding_cli.report.quantity import Choice
 from pounding_cli.report.style import RC
 from pounding_cli.report.sweep import Asked, sweep_figures
-from pounding_cli.words import Unit
 
 STRUCK = "connector closes more than the gap, so the floors would have struck: stiff | soft, floor 5, by 3 mm"
 EDITIONS = ["UBC-1985", "UBC-1988", "UBC-1991"]

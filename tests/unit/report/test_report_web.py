@@ -12,6 +12,7 @@ import pytest
 from report_fakes import LEVEL, MOTIONS, PUSH, make
 
 from pounding_cli.laws.connector import Connector
+from pounding_cli.numbers import Unit
 from pounding_cli.report.build import nominal, write_report
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import points
@@ -21,7 +22,6 @@ from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.page import _keys_as_code, write_page
 from pounding_cli.solve.histories import ENERGIES, History
-from pounding_cli.words import Unit
 
 
 def page_of(results, folder, figures=None) -> str:

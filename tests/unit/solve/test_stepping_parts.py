@@ -126,12 +126,17 @@ def test_matrices_against_the_building(foundation):
     building = tower(foundation)
     arrays = pack(Scene((building,), (), STILL, Analysis.ELASTIC))
     mine, theirs = matrices(arrays), building_matrices(building)
-    base = [] if arrays.bases[0] < 0 else [arrays.bases[0]]
-    rocks = [] if foundation is None or not foundation.rocks else [mine.mass.size - 1]
-    here = [*range(arrays.floors[0].start, arrays.floors[0].stop), *base, *rocks]
-    assert np.diag(mine.mass[here]) == pytest.approx(theirs.mass)
-    assert mine.stiffness[np.ix_(here, here)] == pytest.approx(theirs.stiffness, rel=1e-12, abs=1.0)
-    assert mine.damping[np.ix_(here, here)] == pytest.approx(theirs.damping, rel=1e-12, abs=1e-3)
+    moving = [slot for slot in (arrays.bases[0], arrays.rocks[0]) if slot >= 0]
+    wanted = [*range(*arrays.floors[0].indices(arrays.padded)), *moving]
+    here = np.searchsorted(mine.slots, wanted)
+    assert sorted(here) == list(range(mine.mass.size))
+    scale = np.ones(mine.mass.size)  # theirs is the angle, mine the displacement of the roof by it
+    if arrays.rocks[0] >= 0:
+        scale[-1] = building.elevation[-1]
+    both = np.outer(scale, scale)
+    assert np.diag(mine.mass[here] * scale**2) == pytest.approx(theirs.mass)
+    assert mine.stiffness[np.ix_(here, here)] * both == pytest.approx(theirs.stiffness, rel=1e-12, abs=1.0)
+    assert mine.damping[np.ix_(here, here)] * both == pytest.approx(theirs.damping, rel=1e-12, abs=1e-3)
     assert mine.loaded[here] == pytest.approx(theirs.loaded)
 
 

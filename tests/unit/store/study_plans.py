@@ -13,11 +13,11 @@ from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import Axis, MotionUse, Plan, Row
 from pounding_cli.study.scenes import seen
-from pounding_cli.words import Unit
 
 
 @dataclass(frozen=True)

@@ -597,7 +597,7 @@ def test_problem_inside_a_record_file_keeps_its_own_place(refused, tmp_path):
 
 
 def test_everything_in_one_go(refused):
-    """Faults in six sections, of the file, of its meaning and of its sweep: none hides another."""
+    """Problems in six sections, of the file, of its meaning and of its sweep: none hides another."""
     problems = refused(
         ("taft", "tafft"),
         ("0.36 s", "0.36 kg"),

@@ -79,8 +79,13 @@ def coordinates(scene: Scene) -> Coordinates:
 
     closing = np.zeros((len(scene.links), total))
     for e, link in enumerate(scene.links):
-        closing[e, floors[link.left][link.left_floor - 1]] = 1.0
-        closing[e, floors[link.left + 1][link.right_floor - 1]] = -1.0
+        for place, floor, at, sign in (
+            (link.left, link.left_floor, link.left_at, 1.0),
+            (link.left + 1, link.right_floor, link.right_at, -1.0),
+        ):
+            closing[e] += sign * _column(
+                scene.buildings[place], floors[place], bases[place], turns[place], floor, at, total
+            )
     return Coordinates(
         floors,
         np.vstack(rows),
@@ -95,6 +100,20 @@ def coordinates(scene: Scene) -> Coordinates:
     )
 
 
+def _column(building, at, base, turn, floor, x, total) -> np.ndarray:
+    """The row that gives the displacement of the columns below a floor at the part x of their height: a beam whose ends
+    move as the floors and turn as the base (cubic Hermite shapes)."""
+    row = np.zeros(total)
+    row[at[floor - 1]] = x * x * (3 - 2 * x)
+    if floor > 1:
+        row[at[floor - 2]] = 1 - x * x * (3 - 2 * x)
+    elif base is not None:
+        row[base] = 1 - x * x * (3 - 2 * x)
+    if turn is not None:
+        row[turn] = building.height[floor - 1] * (x * (1 - x) ** 2 - x * x * (1 - x))
+    return row
+
+
 def start(scene: Scene, c: Coordinates, initial) -> tuple[np.ndarray, np.ndarray]:
     """Displacements and velocities q, q' at t = 0; `initial` as in `solve`, None is rest."""
     q, rate = np.zeros(c.mass.size), np.zeros(c.mass.size)
@@ -105,8 +124,12 @@ def start(scene: Scene, c: Coordinates, initial) -> tuple[np.ndarray, np.ndarray
 
 
 def reduced_mass(scene: Scene, e: int) -> float:
-    """m1 m2 / (m1 + m2) of link e [kg]; its inverse where eq. (7) is taken as printed."""
+    """m1 m2 / (m1 + m2) of link e [kg]; its inverse where eq. (7) is taken as printed. Columns that are struck move
+    the mass 1 / sum(weight^2 / mass)."""
     link = scene.links[e]
+    if (link.left_at, link.right_at) != (1.0, 1.0):
+        c = coordinates(scene)
+        return float(1.0 / np.sum(c.closing[e] ** 2 / c.mass))
     m1 = scene.buildings[link.left].mass[link.left_floor - 1]
     m2 = scene.buildings[link.left + 1].mass[link.right_floor - 1]
     return (m1 + m2) / (m1 * m2) if str(getattr(link.law, "dashpot", "")) == "printed" else m1 * m2 / (m1 + m2)

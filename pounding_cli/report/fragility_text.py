@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.fragility import CONFIDENCE, DRAWS, Outcome
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.evidence import Tables
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.fragility import ALONE
 from pounding_cli.study.fragility import INTENSITY_KEYS
-from pounding_cli.words import Unit, counted
 
 _WORDS = ("limit", "building", "case", "analysis")
 """Columns of text."""

@@ -7,10 +7,10 @@ from typing import Any
 
 import pandas as pd
 
+from pounding_cli.numbers import Unit
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.gap import EXACT
-from pounding_cli.words import Unit
 
 Part = tuple[dict[str, Any], str, str, pd.DataFrame]
 """Point of the sweep, left and right building, and the rows of the floors that need most."""

@@ -39,7 +39,7 @@ class Item:
     vertical: bool = False
 
 
-class Shelf:
+class MotionReader:
     """Finds and reads every motion once, however many scenes it drives."""
 
     def __init__(self, folder: Path) -> None:

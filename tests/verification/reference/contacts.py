@@ -1,0 +1,89 @@
+"""What tests of contact laws share: a blow of two free masses, and comparisons of a scene with the event-located
+reference, with a finer run and with its history."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.links import Link
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import solve
+from pounding_cli.solve.histories import history
+from pounding_cli.solve.response import Response
+
+from . import events
+from .scenes import ELASTIC, INELASTIC, gather, oscillator, shake, shear_building, still
+
+M1, M2, K, V0, GAP = 2e5, 3e5, 2e9, 0.6, 0.01
+"""Masses [kg], contact stiffness [N/m^b], approach speed [m/s] and gap [m] of a blow."""
+
+REDUCED = M1 * M2 / (M1 + M2)
+BUILDING = ("shear", "drift", "acceleration", "displacement_max", "displacement_min")
+LINK = ("peak_force", "max_closing", "impulse", "contact_time")
+
+
+def blow(law: LinkLaw, accuracy: float, duration: float = 0.2, speed: float = V0) -> tuple[Response, float]:
+    """The run of two masses with hardly any springs, and the speed at which they part [m/s]."""
+    masses = oscillator(M1, 1e-9), oscillator(M2, 1e-9)
+    scene = Scene(masses, (Link(0, 1, 1, law),), still(duration), ELASTIC)
+    found = solve(scene, accuracy, initial=([[0.0], [0.0]], [[speed], [0.0]]))
+    assert found.status == "done"
+    assert abs(found.energy["residual"]) < 1e-10
+    (_, (left,)), (_, (right,)) = found.final
+    return found, float(right - left)
+
+
+def agrees_with_reference(scene: Scene, rel: float = 1e-7) -> events.Run:
+    """The run of the event-located reference, once everything of `solve` has been found to agree with it."""
+    expected, found = events.integrate(scene), solve(scene, 1e-12)
+    assert found.status == "done"
+    for name in BUILDING:
+        assert gather(found, name) == pytest.approx(getattr(expected, name), rel=rel, abs=1e-13), name
+    for name in LINK:
+        value = getattr(expected, name)
+        assert getattr(found.links, name) == pytest.approx(value, rel=rel, abs=1e-8 * np.abs(value).max()), name
+    assert found.links.impacts.tolist() == expected.impacts.tolist()
+    assert expected.impacts.sum() > 0
+    assert abs(found.energy["residual"]) < 1e-9
+    end = np.concatenate([u for u, _ in found.final])
+    assert end == pytest.approx(expected.displacement, abs=rel * np.abs(end).max())
+    return expected
+
+
+def keeps_its_accuracy(scene: Scene, finest: float = 1e-10) -> None:
+    """A run at an accuracy of 1e-6 agrees with one at `finest`."""
+    coarse, fine = solve(scene, 1e-6), solve(scene, finest)
+    for found in (coarse, fine):
+        assert found.status == "done"
+        assert abs(found.energy["residual"]) < 1e-8
+    for name in ("drift", "acceleration"):
+        assert gather(coarse, name) == pytest.approx(gather(fine, name), rel=1e-5), name
+    assert coarse.links.impacts.tolist() == fine.links.impacts.tolist()
+
+
+def islands_equal_the_row(law: LinkLaw) -> tuple[Response, Response]:
+    """Five buildings with the law between all their floors, solved island by island and as a whole."""
+    periods = (0.36, 0.60, 0.30, 0.60, 0.45)
+    joined = tuple(Link(left, j, j, law) for left in range(4) for j in (1, 2, 3))
+    scene = Scene(tuple(map(shear_building, periods)), joined, shake(2.0, 5.0, dt=0.05), INELASTIC)
+    apart, whole = solve(scene, 1e-10), solve(scene, 1e-12, all_effects=True)
+    assert apart.status == whole.status == "done"
+    assert apart.steps != whole.steps
+    assert apart.links.impacts.tolist() == whole.links.impacts.tolist()
+    assert whole.links.impacts.sum() > 5
+    for name in BUILDING:
+        assert gather(apart, name) == pytest.approx(gather(whole, name), rel=1e-7), name
+    assert abs(apart.energy["residual"]) < 1e-9
+    return apart, whole
+
+
+def history_reaches_the_peak(scene: Scene, every: float, rel: float) -> None:
+    """The link forces over time, sampled each `every` seconds, reach those of the run to `rel` and never pass them."""
+    kept, found = history(scene, 1e-9, every), solve(scene, 1e-9)
+    force = kept.link_force.max(axis=0)
+    assert found.links.peak_force.max() > 0
+    assert force == pytest.approx(found.links.peak_force, rel=rel)
+    assert (force <= found.links.peak_force * (1 + 1e-9)).all()
+    assert kept.link_force.min() >= -1e-9 * force.max()
