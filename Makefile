@@ -65,7 +65,7 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "The site: site/index.html"
 
-# The strangers that the solver is checked against (OpenSeesPy needs Debian's libblas3).
+# Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3).
 peers: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
 	$(BIN)/python -m pytest tests/peers

@@ -1,4 +1,4 @@
-"""Reading files from strangers: only regular files, and only so much of them."""
+"""Reading untrusted files: regular files only, and up to a limit."""
 
 from __future__ import annotations
 

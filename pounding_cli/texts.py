@@ -1,4 +1,4 @@
-"""Texts of studies and of files from strangers, made fit for where they go: file names, the screen, cells, Markdown."""
+"""Texts from studies and other untrusted files, made safe for file names, the screen, cells and Markdown."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LONGEST_NAME = 120
 
 
 def file_name(text: str) -> str:
-    """A name for a file in the folder at hand, from any text: no separators, no dots in front; never empty."""
+    """A name for a file in a given folder, from any text: no separators, no dots in front; never empty."""
     name = re.sub(r"[^\w +.-]+", "-", text).strip(" .-")
     return name.encode()[:_LONGEST_NAME].decode(errors="ignore").strip() or "unnamed"
 

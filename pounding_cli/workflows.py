@@ -39,6 +39,7 @@ class Workflow:
     cite : (resolved study, used) -> None; calls `used(key of REFERENCES, what for)`
     compute : (study, path) of a workflow with a model of its own: computes every point and writes the results file
     report : (path, folder, formats, with_page) -> files, of a workflow with a model of its own
+    sampled : whether its last swept axis holds samples that nobody wrote: reports show none of them by itself
     """
 
     name: str
@@ -54,6 +55,7 @@ class Workflow:
     cite: str = ""
     compute: str = ""
     report: str = ""
+    sampled: bool = False
 
     @property
     def has_own_model(self) -> bool:
@@ -96,6 +98,17 @@ _LIST = (
         tables="pounding_cli.store.fragility:fragility_tables",
         page="pounding_cli.report.fragility:fragility_page",
         cite="pounding_cli.report.fragility:cite_fragility",
+    ),
+    Workflow(
+        "sensitivity",
+        "What decides the numbers?",
+        shows=("sensitivity", "sensitivity_outputs", "sensitivity_samples"),
+        schema="pounding_cli.study.sensitivity_keys:SensitivitySpec",
+        expand="pounding_cli.study.sensitivity:expand_sensitivity",
+        tables="pounding_cli.store.sensitivity:sensitivity_tables",
+        page="pounding_cli.report.sensitivity:sensitivity_page",
+        cite="pounding_cli.report.sensitivity:cite_sensitivity",
+        sampled=True,
     ),
     Workflow(
         "connector",

@@ -63,7 +63,7 @@ API = {
 def commands_page() -> str:
     """Every command: its help, its arguments and options, and its subcommands."""
     parts = ["# Commands", "What `pound COMMAND --help` says. Exit codes: 0 done; 1 some scenes failed, or two files "
-             "differ; 2 the input or the output was refused; 70 a fault of the program; 130 stopped; 141 the reader "
+             "differ; 2 the input or the output was refused; 70 an internal error; 130 stopped; 141 the reader "
              "of the output has gone.", _help("pound", cli)]  # fmt: skip
     for name in COMMANDS:
         command = cli.get_command(click.Context(cli), name)

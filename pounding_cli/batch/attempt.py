@@ -22,6 +22,10 @@ Solve = Callable[..., Response]
 study has one."""
 
 
+HARDER = 0.01
+"""Accuracy and time step of a second try over those of the first [-]."""
+
+
 @dataclass
 class _Begun:
     """A scene whose runs are laid out: its own and those that it is judged by; `beside` as in
@@ -53,10 +57,11 @@ class Task:
     estimate: str = "none"
     all_effects: bool = False
     time_step: float | None = None
+    harder: bool = False
 
     def __call__(self, scene: Scene) -> Response:
         """The response; an exception becomes a failed response that names it."""
-        return self._caught(scene, self._respond_or_prove, scene)
+        return self._again(scene, self._caught(scene, self._respond_or_prove, scene))
 
     def each(
         self, scenes: Sequence[Scene], begins: Callable[[int], None], halted: Callable[[], bool]
@@ -81,10 +86,20 @@ class Task:
                 answers[place] = failure or answer
                 if halted():
                     del answers[place + 1 :]
-        return [
-            self._caught(answer.scene, self._ended, answer) if isinstance(answer, _Begun) else answer
-            for answer in answers
-        ]
+        ended = (self._caught(each.scene, self._ended, each) if isinstance(each, _Begun) else each for each in answers)
+        return [self._again(scene, answer) for scene, answer in zip(scenes, ended, strict=False)]
+
+    def _again(self, scene: Scene, response: Response) -> Response:
+        """The response, or of a scene that failed that of a harder try, which says so; the first where that fails."""
+        if not self.harder or response.status == "done":
+            return response
+        step = None if self.time_step is None else self.time_step * HARDER
+        task = dataclasses.replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)
+        second = task._caught(scene, task.respond, scene, False)  # fault: harder-try
+        if second.status != "done":
+            return response
+        note = f"solved once more, {1 / HARDER:g} times as finely: {response.status}"
+        return dataclasses.replace(second, flags=(*second.flags, note), seconds=response.seconds + second.seconds)
 
     def _caught(self, scene: Scene, work: Callable[..., Any], *arguments: Any) -> Any:
         """What `work` gives; an exception becomes a failed response that names it."""
@@ -94,7 +109,7 @@ class Task:
             problem = refused.problems[0]
             return self.without(scene, f"refused: {problem.message}", problem.hint)
         except Exception as error:  # one scene must not take the others with it
-            advice = "this is a fault of the program: please report it with the study file"
+            advice = "this is an internal error: please report it with the study file"
             return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
 
     def _respond_or_prove(self, scene: Scene) -> Response:

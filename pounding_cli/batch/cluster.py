@@ -131,7 +131,7 @@ def _connected(address: str, where: str) -> Client:
     def connect() -> None:
         try:
             found.append(Client(address, timeout=PATIENCE, set_as_default=False))
-        except Exception as error:  # what a stranger answers is not foreseen; told below
+        except Exception as error:  # another program may answer anything; told below
             errors.append(error)
 
     trying = threading.Thread(target=connect, daemon=True)

@@ -73,7 +73,7 @@ def _by_case(plan: Plan, parts: PartStore) -> str:
     """How many scenes of each case are at hand, in words."""
     at_hand: Counter[str] = Counter()
     wanted: Counter[str] = Counter()
-    seen: set[str] = set()
+    seen = {""}  # of rows without a scene
     for row in plan.rows:
         for digest, case in ((row.scene, row.case), *((digest, "buildings alone") for digest in row.baselines)):
             if digest not in seen:

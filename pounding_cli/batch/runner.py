@@ -172,7 +172,10 @@ def _solve_missing(
 
     Returns the engine's name and the time in the solver, all workers together [s].
     """
-    task = Task(solve or _default_solve(), plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step)
+    task = Task(
+        solve or _default_solve(), plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step,
+        plan.harder,
+    )  # fmt: skip
     spent, saved = 0.0, time.monotonic()
 
     def keep(finished: Finished, small: bool = True) -> None:

@@ -19,7 +19,7 @@ def command(study: Path) -> None:
     """Validate STUDY: every problem in one go, as file:line:column, what is wrong, what to write instead.
 
     Studies of `pound run`, `pound connector` and `pound wall` alike. Nothing is computed or written.
-    Exit code 0 when the study is sound, 2 when it was refused.
+    Exit code 0: the study is valid; 2: it was refused.
 
     Example: pound check configs/fig6.yaml
     """

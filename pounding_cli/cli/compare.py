@@ -52,8 +52,7 @@ def _told(found: Comparison, everything: bool) -> list[str]:
     said.append(f"Versions: {'differ' if found.software else 'the same'}.")
     said += [f"  {name}: {one} -> {other}" for name, one, other in found.software]
     said.append(
-        f"Scenes: {len(found.removed)} removed, {len(found.added)} added, "
-        f"{counted(len(found.outcomes), 'ends', 'end')} otherwise."
+        f"Scenes: {len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} with another outcome."
     )
     said += _some([f"  - {place}" for place in found.removed], few)
     said += _some([f"  + {place}" for place in found.added], few)

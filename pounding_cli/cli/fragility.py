@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.cli import streams
-from pounding_cli.cli.solving import Solving, output_option, solve_study, solving_options, time_text
+from pounding_cli.cli.answering import FEW_POINTS, answer_command, print_outcome, print_table
 from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.batch import Outcome
 
-FEW_POINTS = 4
-"""Points of a sweep that are printed; the table `fragility` holds all."""
 
-
-@click.command("fragility", short_help="How likely is a limit passed?")
-@click.argument("study", type=click.Path(path_type=Path))
-@output_option("results/<study>-fragility.h5")
-@solving_options
-@click.pass_context
-def command(ctx: click.Context, study: Path, output: Path | None, **options: Any) -> None:
+@answer_command("fragility")
+def command(path: Path, outcome: Outcome) -> None:
     """How likely the limits of STUDY are passed, over an intensity: each building alone and with pounding.
 
     The limits stand under `fragility:` of the study (`mu > 4`, `drift > 2 %`, `acceleration > 1 g`, `contact`), the
@@ -40,14 +32,6 @@ def command(ctx: click.Context, study: Path, output: Path | None, **options: Any
       pound show results/study-fragility.h5 fragility
       pound report results/study-fragility.h5
     """
-    solve_study(ctx, "fragility", study, output, Solving(**options), _summary)
-
-
-def _summary(path: Path, outcome: Outcome) -> None:
-    """Medians and spreads, a table for each point of the sweep."""
-    from rich import box
-    from rich.table import Table
-
     from pounding_cli.report.fragility_text import asked_of, notes, table
     from pounding_cli.store import open_results
     from pounding_cli.store.fragility import CURVES
@@ -63,21 +47,10 @@ def _summary(path: Path, outcome: Outcome) -> None:
         if keys:
             values = point if isinstance(point, tuple) else (point,)
             click.echo(", ".join(f"{k} = {results.value_label(k, v)}" for k, v in zip(keys, values, strict=True)))
-        heads, cells, words = table(answer, rows)
-        shown = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-        for number, heading in enumerate(heads):
-            shown.add_column(heading, justify="left" if number < words else "right", no_wrap=number < words)
-        for row in cells:
-            shown.add_row(*row)
-        streams.echo_table(shown)
+        print_table(*table(answer, rows))
     if len(parts) > FEW_POINTS:
         click.echo(f"{len(parts) - FEW_POINTS} further points of the sweep: pound show {path} {CURVES}")
     for note in notes(asked, frame):
         click.echo(note)
-    side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
     motions = results.records()["record"].nunique()
-    click.echo(
-        f"{counted(motions, 'motion')}; scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed"
-        f"{side}; solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}"
-    )
-    click.echo(f"Results: {path}")
+    print_outcome(outcome, f"{counted(motions, 'motion')}; scenes")

@@ -40,7 +40,7 @@ def command(name: str, template: str) -> None:
     study, how = written[0], TEMPLATES[template].command
     results = Path("results") / f"{study.stem}.h5"
     steps = [
-        (f"pound check {study}", "says whether it is sound, after every change"),
+        (f"pound check {study}", "checks it; repeat after every change"),
         (f"pound {how} {study}", f"writes {results} and prints a summary"),
     ]
     if how == "run":

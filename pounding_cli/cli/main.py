@@ -26,6 +26,7 @@ COMMANDS = {
     "report": ("pounding_cli.cli.report", "Draw the figures and write the tables and the claims."),
     "gap": ("pounding_cli.cli.gap", "How wide must the gap be?"),
     "fragility": ("pounding_cli.cli.fragility", "How likely is a limit passed?"),
+    "sensitivity": ("pounding_cli.cli.sensitivity", "What decides the numbers?"),
     "animate": ("pounding_cli.cli.animate", "Show a scene over time as a film."),
     "plan": ("pounding_cli.cli.plan", "Show what would run and what would not, before running."),
     "export": ("pounding_cli.cli.export", "Write tables as CSV, Parquet, Excel or netCDF."),
@@ -40,7 +41,7 @@ COMMANDS = {
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
 
 REFUSED, FAULT, STOPPED, NOBODY_READS = 2, 70, 130, 141
-"""Exit codes: refused input; a fault of the program (EX_SOFTWARE); Ctrl-C and SIGPIPE, as shells count them."""
+"""Exit codes: refused input; an internal error (EX_SOFTWARE); Ctrl-C and SIGPIPE, as shells count them."""
 
 FIRST = ("init", "check", "run", "show", "report")
 """What a newcomer needs, in the order of use."""
@@ -120,7 +121,7 @@ def _nearest(word: str, among: Iterable[str]) -> list[str]:
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="pound")
-@click.option("--debug", is_flag=True, help="Show the traceback of a fault of the program, for a report.")
+@click.option("--debug", is_flag=True, help="Show the traceback of an internal error, for a report.")
 def cli(debug: bool) -> None:
     """Batch studies of earthquake pounding between adjacent buildings.
 
@@ -132,7 +133,7 @@ def cli(debug: bool) -> None:
 
     \b
     Exit codes: 0 done; 1 some scenes failed, or results differ (compare);
-    2 the input or the output was refused; 70 a fault of the program;
+    2 the input or the output was refused; 70 an internal error;
     130 stopped by Ctrl-C; 141 the program that read the output has closed.
     """
 
@@ -175,7 +176,7 @@ def _unforeseen(error: Exception) -> int:
         click.echo(f"error: there is no space left on the disk ({error.filename or 'while writing'})", err=True)
         return REFUSED
     first = (str(error).splitlines() or [""])[0]
-    what = f"error: a fault of the program: {type(error).__name__}: {first[:300]}"
+    what = f"internal error: {type(error).__name__}: {first[:300]}"
     import shlex
     import traceback
 

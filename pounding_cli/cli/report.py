@@ -18,7 +18,7 @@ from pounding_cli.numbers import counted
     "formats",
     multiple=True,
     type=click.Choice(("png", "svg", "pdf")),
-    help="Formats of the figures; may be given more than once. All three unless said otherwise.",
+    help="Formats of the figures; may be given more than once. All three unless given.",
 )
 @click.option("--no-figures", is_flag=True, help="Write tables and claims only (much faster).")
 @click.option("--no-page", is_flag=True, help="Write no report.html, the whole report in one file.")

@@ -35,7 +35,7 @@ def command(ctx: click.Context, study: Path, output: Path | None, all_effects: b
     """Run STUDY, write one results file, print a summary.
 
     Scenes that an earlier run solved are reused, also after the study was changed, and the count is printed.
-    A file that holds another study is refused unless --replace is said.
+    A file with the results of another study is refused unless --replace is given.
     After Ctrl-C, a crash or a full disk the same command continues from what was solved.
     Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
 

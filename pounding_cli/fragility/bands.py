@@ -14,10 +14,10 @@ from pounding_cli.fragility.curve import Outcome
 from pounding_cli.fragility.likelihood import Brackets, Fits, fit_many
 
 DRAWS = 1000
-"""Draws of a bootstrap unless said otherwise."""
+"""Draws of a bootstrap by default."""
 
 CONFIDENCE = 0.9
-"""Part of the draws that lies in a band unless said otherwise [-]."""
+"""Part of the draws that lies in a band by default [-]."""
 
 _SEED = 20260101
 

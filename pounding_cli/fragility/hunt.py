@@ -21,7 +21,7 @@ _LONGEST_STEP = 4.0
 """The intensity grows at most by this factor from one level to the next while none has passed."""
 
 _NARROW = 8
-"""A bracket of more levels is halved too, for the case that demand leads astray."""
+"""A bracket of more levels is halved too, for the case that the demand misleads."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from pounding_cli.kernels.layout import PART
     LINEAR, LINEAR_FACTOR, LINEAR_MEMORY, OFFSET, OFFSET_FACTOR, OFFSET_MEMORY, LOW, LOW_FACTOR, LOW_MEMORY, HIGH,
     HIGH_FACTOR, HIGH_MEMORY, TURNS, CUBIC, DASHPOT, ROOT, CLOSED, ACTS, CUTS, FROM, TO, FIRST_GUARD, LAST_GUARD,
     GENERAL, WRITTEN, FIRST_STEP, LAST_STEP, REGULAR, FIRST_REGULAR, LAST_REGULAR, STEEPEST, STEEPEST_DASHPOT, LOST,
-    GIVES_BACK, FIRST_STORED, LAST_STORED,
-) = range(36)  # fmt: skip
+    GIVES_BACK, FIRST_STORED, LAST_STORED, FLOW,
+) = range(37)  # fmt: skip
 """The places of a branch in its row: linear [N/m], offset [N], and the closings or drifts [m] between which no guard
 has to be asked, each a number, a factor and the memory that it multiplies; of a storey 1 or -1 where it ends as the
 drift turns down or up, else 0; cubic, dashpot and root [N/m3, N s/m, sqrt(kg)]; whether the force is followed, acts,
@@ -25,7 +25,8 @@ one more than the last; whether program steps alone can follow it, and whether i
 (1 or 0); the operations of its force, the first and one more than the last; b of q = v^(1/b) (1: the force needs no q),
 and the operations in q; stiffness [N/m] and dashpot [N s/m] where it is stiffest. Of a storey: the part of the shear
 whose work is lost [N], and the stiffness with which an unloading would give work back [N/m]; 0 where the part that is
-lost is the number before, and the energy that the storey holds [J] is made by the operations that follow."""
+lost is the number before, and the energy that the storey holds [J] is made by the operations that follow. Of a link:
+the register that is the rate of its memory; 0 where events alone change that."""
 
 QUANTITY, AT, SIDE, NEXT, IMPACT, ONCE, FACTOR, MEMORY, FIRST_SET, FIRST_KEPT, LAST_SET = range(11)
 """The places of a guard in its row: what it looks at (below); the value at which it ends the branch [m, m/s]; 1
@@ -43,7 +44,7 @@ NOTHING, CLOSING, FORCE, RATE, ACCELERATION = range(5)
 NO_BRANCH = 0
 """The branch of places without a link, which has no force, and of storeys that stay on their stiffness; no guards."""
 
-BRANCH_ROW, GUARD_ROW, OPERATION_ROW = 36, 11, 6
+BRANCH_ROW, GUARD_ROW, OPERATION_ROW = 37, 11, 6
 """Numbers in a row."""
 
 

@@ -23,10 +23,11 @@ from pounding_cli.kernels.crossings import MAX_EVENTS_AT_INSTANT
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference
 from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
-from pounding_cli.kernels.program import CLOSING, RATE, ROOT
+from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT
 from pounding_cli.kernels.program_series import (
     CHOSEN,
     branch_of,
+    flows,
     force_register,
     is_closed,
     least_closing,
@@ -231,8 +232,8 @@ def find_end(run, p, inelastic):
 
 @njit(**CALLED)
 def reach_end(run, terms, p):
-    """Displacements, velocities, drifts and total accelerations at the step's end; the time that it took goes to H,
-    where the ground then is to GROUND_CHANGE. Returns that time [s]."""
+    """Displacements, velocities, drifts, total accelerations and memories at the step's end; the time that it took
+    goes to H, where the ground then is to GROUND_CHANGE. Returns that time [s]."""
     no_inline()
     order = run.tally[ORDER]
     end = run.clock[END]
@@ -251,6 +252,9 @@ def reach_end(run, terms, p):
         slots[of(i, c.V1)] = v
         slots[of(i, c.TOTAL_ACCELERATION0)] = p.A[i] + run.clock[GROUND]
         slots[of(i, c.TOTAL_ACCELERATION1)] = a + ground
+    for e in range(run.link_start, run.link_stop):
+        if flows(run, e):
+            run.links[of_link(e, c.MEMORY)] = value(register(p, e, MEMORY), order, end)
     end_points(run, terms)
     drifts(run)
     run.clock[H] = duration / end if end > 0.0 else 0.0

@@ -242,6 +242,20 @@ def _time(p, k):
     p.T[k + 1] = p.B[k] / (k + 1)
 
 
+@njit(**PART)
+def flows(run, e):
+    """Whether the memory of link e changes with time while its branch holds."""
+    return t.branch(run, branch_of(run, e), t.FLOW) != 0.0
+
+
+@njit(**CALLED)
+def _memory(run, p, e, k):
+    """Order k, from 1, of the memory of link e: B times its rate, integrated by s."""
+    no_inline()
+    rate = register(p, e, int(t.branch(run, branch_of(run, e), t.FLOW)))
+    register(p, e, MEMORY)[k] = product_term(p.B, rate, k - 1) * run.reciprocal[k]  # fault: memory-flows
+
+
 @njit(**CALLED)
 def _links(run, p, k):
     """Order k of every closed link's force; what acts goes into `pushed` [N]."""
@@ -256,6 +270,8 @@ def _links(run, p, k):
             one, other = run.W[k * run.padded + left], run.W[k * run.padded + right]
             rate[k] = difference(one, other, p.sizes[2 * e + 1])
             p.sizes[2 * e + 1] = max(p.sizes[2 * e + 1], abs(one), abs(other))
+            if flows(run, e):
+                _memory(run, p, e, k)
         run.link_forces[e] = 0.0
         if not is_closed(run, e):
             continue
@@ -334,6 +350,9 @@ def expand(run, terms, p, order, has_terms):
         _links(run, p, k)
         _accelerations(run, terms, p, k, has_terms)
         _integrate(run, p, k)
+    for e in range(run.link_start, run.link_stop):
+        if flows(run, e):
+            _memory(run, p, e, order)
     total = p.T[order]
     for i in range(run.slot_start, run.slot_stop):
         total += run.W[order * run.padded + i] + p.U[order * run.padded + i]

@@ -1,4 +1,4 @@
-"""The laws of links and storeys, one file each. A new law is a file here and a line in `BUILT_IN`.
+"""The laws of links, storeys and foundation springs, one file each. A new law is a file here and a line in `BUILT_IN`.
 
 Other packages add laws of theirs by an entry point of the group `pounding_cli.laws` that names the law's class."""
 
@@ -11,25 +11,34 @@ from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.damper import Damper
+from pounding_cli.laws.foundation import Rocking, Sway
+from pounding_cli.laws.friction import Friction
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
 from pounding_cli.laws.jankowski import Jankowski
 from pounding_cli.laws.law import Law, LinkLaw
+from pounding_cli.laws.maxwell import Maxwell
 from pounding_cli.laws.peak_oriented import PeakOriented
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.laws.storey import StoreyLaw
+from pounding_cli.laws.viscous import Viscous
 
 BUILT_IN: tuple[type[Law], ...] = (
     Pounding,
     Infill,
     Connector,
     Damper,
+    Viscous,
+    Maxwell,
+    Friction,
     Hertz,
     HertzDamp,
     Jankowski,
     BilinearContact,
     Bilinear,
     PeakOriented,
+    Sway,
+    Rocking,
 )
 """In the order in which reference pages list them."""
 

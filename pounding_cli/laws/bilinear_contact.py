@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from pounding_cli.laws.hertz import DAMPING_FORMULA, LEAST_RESTITUTION
 from pounding_cli.laws.law import (
+    ROUNDING,
     Branch,
     Guard,
     LinkLaw,
@@ -19,10 +20,6 @@ from pounding_cli.laws.law import (
     rises_above,
 )
 from pounding_cli.laws.program import CLOSING, MEMORY
-
-ROUNDING = 1e-11
-"""Part of the yield closing by which a turning point is kept apart from the line that it lies on [-]: in numbers with
-rounding it would lie beyond it half of the time."""
 
 
 class BilinearDamping(StrEnum):

@@ -15,11 +15,17 @@ from enum import IntEnum
 from functools import cache, cached_property
 from typing import Any, ClassVar
 
+import numpy as np
+
 from pounding_cli.laws.program import CLOSING, RATE, Expression, work
 
 PRESSED = 0.01
 """Closing [m] at which the slope of a force that stiffens without end is taken: floors press each other by
 millimetres."""
+
+ROUNDING = 1e-11
+"""Part of a yield closing by which a turning point is kept apart from the line that it lies on [-]: in numbers with
+rounding it would lie beyond it half of the time."""
 
 
 class Quantity(IntEnum):
@@ -63,14 +69,14 @@ class Guard:
     sets: tuple[tuple[int, Expression], ...] = ()
 
 
-def falls_below(at: float, to: str) -> Guard:
-    """The closing falls below `at` [m]."""
-    return Guard(Quantity.CLOSING, at, 1.0, to)
+def falls_below(at: float, to: str, of_memory: float = 0.0) -> Guard:
+    """The closing falls below `at` [m] plus a multiple of the memory."""
+    return Guard(Quantity.CLOSING, at, 1.0, to, of_memory=of_memory)
 
 
-def rises_above(at: float, to: str, impact: bool = False, once: bool = False) -> Guard:
-    """The closing rises above `at` [m]."""
-    return Guard(Quantity.CLOSING, at, -1.0, to, impact, once)
+def rises_above(at: float, to: str, impact: bool = False, once: bool = False, of_memory: float = 0.0) -> Guard:
+    """The closing rises above it."""
+    return Guard(Quantity.CLOSING, at, -1.0, to, impact, once, of_memory)
 
 
 def begins_to_pull(to: str) -> Guard:
@@ -96,6 +102,9 @@ class Branch:
     acts : whether the force acts on the floors; a force that would pull where the law cuts it off does not
     force : a smooth force that the coefficients cannot say [N]; they are zero then
     regular : b where `force` holds powers of v that are whole powers of v^(1/b) [-]
+    flow : rate at which the memory changes while the branch holds [its unit / s], as an expression; None where events
+        alone change it
+    holds : energy [J] that the link holds on it, where that does not follow from the closing alone
     """
 
     name: str
@@ -109,6 +118,8 @@ class Branch:
     acts: bool = True
     force: Expression | None = None
     regular: int = 1
+    flow: Expression | None = None
+    holds: Expression | float | None = None
 
     @cached_property
     def expression(self) -> Expression:
@@ -158,12 +169,13 @@ class Branch:
     @cached_property
     def steepest(self) -> tuple[float, float]:
         """(stiffness [N/m], dashpot [N s/m]) at its largest closing, where it is stiffest; of a force that is given as
-        an expression at `PRESSED`."""
+        an expression at `PRESSED`, its dashpot at rest, or up to 1 m/s where that is more."""
         high = self.interval[1]
         if self.force is not None:
             v = min(high, PRESSED)
             here, before, moving = (float(self.force.at(*at, 1.0)) for at in ((v, 0.0), (0.999 * v, 0.0), (v, 1.0)))
-            return (here - before) / (0.001 * v), max(moving - here, 0.0)
+            at_rest = float(np.imag(self.force.at(v, 1e-20j, 1.0)) * 1e20)  # the derivative by a complex step
+            return (here - before) / (0.001 * v), max(moving - here, at_rest, 0.0)
         slope = self.linear + (3 * self.cubic * high**2 if self.cubic and math.isfinite(high) else 0.0)
         return slope, self.dashpot + self.root * math.sqrt(slope)
 
@@ -339,7 +351,8 @@ class LinkLaw(Law):
         """Whether its force does not follow from closing and rate alone, or its branch not from the closing, so that
         only a method that locates events knows it."""
         guards = [guard for branch in self._sample for guard in branch.guards]
-        return any(guard.sets or guard.quantity in (Quantity.RATE, Quantity.ACCELERATION) for guard in guards)
+        flows = any(branch.flow is not None for branch in self._sample)
+        return flows or any(g.sets or g.quantity in (Quantity.RATE, Quantity.ACCELERATION) for g in guards)
 
     @cached_property
     def is_linear(self) -> bool:
@@ -357,6 +370,14 @@ class LinkLaw(Law):
     def stiffest(self) -> float:
         """The largest stiffness of its branches [N/m]."""
         return max(branch.steepest[0] for branch in self._sample)
+
+    def held(self, branch: int, closing: float, memory: float) -> float:
+        """Energy in the link [J] on a branch, by its place, at a closing u_left - u_right [m] with what it
+        remembers."""
+        holds = self._sample[branch].holds
+        if holds is None:
+            return self.stored(closing)
+        return float(holds.at(closing - self.offset, 0.0, memory)) if isinstance(holds, Expression) else holds
 
     def stored(self, closing: float) -> float:
         """Energy in the spring [J] at a closing u_left - u_right [m]: its elastic force integrated from where it

@@ -161,6 +161,15 @@ def operations(force: Expression, root: int = 1) -> tuple[Step, ...]:
     return program.steps()
 
 
+def flowing(force: Expression, flow: Expression) -> tuple[tuple[Step, ...], int]:
+    """(the operations of a force and of the rate at which its memory flows, the last of which is the force; the
+    register of that rate)."""
+    program = _Program()
+    register = program.register(flow)
+    program.end_with(force)
+    return program.steps(), register
+
+
 class _Program:
     """Operations as they are written: what several expressions share is made once."""
 

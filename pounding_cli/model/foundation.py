@@ -1,9 +1,11 @@
-"""The foundation of a building: mass and rotary inertia on springs and dashpots (paper, Fig. 1)."""
+"""The foundation of a building: mass and rotary inertia on springs and dashpots (`laws.foundation`)."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from functools import cached_property
+
+from pounding_cli.laws.foundation import Rocking, Sway
 
 
 @dataclass(frozen=True)
@@ -34,14 +36,18 @@ class Foundation:
     rocks: bool = True
 
     def __post_init__(self) -> None:
-        sway = ("mass", "sway_stiffness", "sway_damping")
-        rock = ("inertia", "rocking_stiffness", "rocking_damping")
-        for exists, names, switch in ((self.sways, sway, "sways"), (self.rocks, rock, "rocks")):
-            if not exists:
-                continue
-            for name in names:
-                value = getattr(self, name)
-                if not math.isfinite(value) or value < 0:
-                    raise ValueError(f"foundation: {name} is {value:g}; it must be finite and not negative")
-                if value == 0 and not name.endswith("damping"):
-                    raise ValueError(f"foundation: {name} is 0; give a value above zero, or set {switch} to False")
+        for law, switch in (("sway", "sways"), ("rocking", "rocks")):
+            try:
+                getattr(self, law)
+            except ValueError as error:
+                raise ValueError(f"{error}, or set {switch} to False") from None
+
+    @cached_property
+    def sway(self) -> Sway | None:
+        """The spring and dashpot of its translation; None where it does not sway."""
+        return Sway(self.mass, self.sway_stiffness, self.sway_damping) if self.sways else None
+
+    @cached_property
+    def rocking(self) -> Rocking | None:
+        """Those of its rotation."""
+        return Rocking(self.inertia, self.rocking_stiffness, self.rocking_damping) if self.rocks else None

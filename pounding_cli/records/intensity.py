@@ -11,7 +11,7 @@ import numpy as np
 from pounding_cli.records.motion import GRAVITY, Motion
 
 SPECTRUM_DAMPING = 0.05
-"""Damping ratio of every spectrum unless said otherwise [-]."""
+"""Damping ratio of every spectrum by default [-]."""
 
 _STEPS_A_PERIOD = 50
 # At 50 points a period the cubic through displacement and velocity misses a peak by (pi / 25)^4 / 384 < 1e-6.

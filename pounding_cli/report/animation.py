@@ -201,7 +201,7 @@ class _Stage:
 
     def _pose_links(self, displacement: np.ndarray, bright: np.ndarray, pull: np.ndarray) -> None:
         """What stands between floors as lines; every force as a flash in the middle."""
-        bridges, shades, spots, sizes, hues = [], [], [], [], []
+        bridges, shades, centres, sizes, hues = [], [], [], [], []
         for link, shine, pulls in zip(self.picture.links, bright, pull, strict=True):
             if link is None:
                 continue
@@ -214,11 +214,11 @@ class _Stage:
             if between:
                 bridges.append(ends)
                 shades.append(_mixed("#9a9a9a", hue, shine))
-            spots.append(np.mean(ends, axis=0))
+            centres.append(np.mean(ends, axis=0))
             sizes.append((200.0 if between else 900.0) * shine)
             hues.append((*_rgb(hue), 0.75 * min(1.0, 2 * shine)))
         self.bridges.set(segments=bridges, color=shades)
-        self.flashes.set_offsets(np.array(spots).reshape(-1, 2))
+        self.flashes.set_offsets(np.array(centres).reshape(-1, 2))
         self.flashes.set_sizes(sizes)
         self.flashes.set_facecolor(hues)
 

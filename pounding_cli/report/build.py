@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pounding_cli.outputs import check_folder
-from pounding_cli.report import page, sensitivity
+from pounding_cli.report import claim_tables, page
 from pounding_cli.report.answer_page import answer_page
 from pounding_cli.report.claims import judge
-from pounding_cli.report.evidence import Evidence, Tables, points
+from pounding_cli.report.evidence import TABLES, Evidence, Tables, points
 from pounding_cli.report.figures import draw_all, drawn_part
 from pounding_cli.report.spectra import draw_spectra
 from pounding_cli.report.style import FORMATS, save, unwritable
@@ -17,6 +17,7 @@ from pounding_cli.report.sweep import Asked, sweep_figures
 from pounding_cli.report.tables import write_csv
 from pounding_cli.report.web import write_page
 from pounding_cli.texts import cells, file_name, write_markdown
+from pounding_cli.workflows import WORKFLOWS
 
 
 def write_report(
@@ -36,6 +37,8 @@ def write_report(
     ------
     InputError : the folder cannot be written to; something asked for is not there
     """
+    is_sampled = WORKFLOWS[results.workflow].sampled
+    everything, results = results, results.first_sample() if is_sampled else results
     evidences = points(results)
     shown = nominal(evidences)
     swept = len(evidences) > 1
@@ -53,14 +56,14 @@ def write_report(
     files = save(figures, folder, formats)
     judgements = judge(shown) if own is None else []
     try:
-        files += write_csv(results, folder / "tables")
-        columns = sensitivity.judge_points(evidences) if own is None else [(shown.label, judgements)]
+        files += write_csv(everything, folder / "tables", ("records",) if is_sampled else TABLES)
+        columns = claim_tables.judge_points(evidences) if own is None else [(shown.label, judgements)]
         if own is None:
             files.append(folder / "tables" / "claims.csv")
-            cells(sensitivity.frame(columns)).to_csv(files[-1], index=False)
+            cells(claim_tables.frame(columns)).to_csv(files[-1], index=False)
         if swept and judgements:
             title = f"Claims over the sweep: {results.title}"
-            files.append(write_markdown(folder / "claims-sensitivity.md", sensitivity.page(title, columns)))
+            files.append(write_markdown(folder / "claims-sensitivity.md", claim_tables.page(title, columns)))
         drawn = [f"{file_name(name)}.png" for name in figures] if "png" in formats else []
         scaled = match.words if match else ""
         lines = page.summary(part, judgements, drawn, results.scene(), swept, scaled, own)
@@ -74,15 +77,15 @@ def write_report(
 
 def write_comparison(results: Mapping[str, Tables], folder: Path) -> list[Path]:
     """Write `comparison.md` and `comparison.csv`: the claims in several results, at every point."""
-    columns: list[sensitivity.Column] = []
+    columns: list[claim_tables.Column] = []
     for name, tables in results.items():
         for evidence in points(tables):
             columns.append((f"{name}: {evidence.label}" if evidence.label else name, judge(evidence)))
     try:
         folder.mkdir(parents=True, exist_ok=True)
         title = "Claims compared: " + ", ".join(results)
-        text = write_markdown(folder / "comparison.md", sensitivity.page(title, columns))
-        cells(sensitivity.frame(columns)).to_csv(folder / "comparison.csv", index=False)
+        text = write_markdown(folder / "comparison.md", claim_tables.page(title, columns))
+        cells(claim_tables.frame(columns)).to_csv(folder / "comparison.csv", index=False)
     except OSError as error:
         raise unwritable(folder, error) from error
     return [text, folder / "comparison.csv"]

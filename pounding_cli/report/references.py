@@ -107,6 +107,26 @@ REFERENCES = {
             "non-linear viscoelastic model of structural pounding", _EESD, "35(4)", "517--524", "10.1002/eqe.537",
         ),
         _article(
+            "zhang2000", "Zhang, W. S. & Xu, Y. L.", 2000,
+            "Vibration analysis of two buildings linked by Maxwell model-defined fluid dampers",
+            "Journal of Sound and Vibration", "233(5)", "775--796", "10.1006/jsvi.1999.2735",
+        ),
+        _article(
+            "lin2002", "Lin, W.-H. & Chopra, A. K.", 2002,
+            "Earthquake response of elastic SDF systems with non-linear fluid viscous dampers", _EESD, "31(9)",
+            "1623--1642", "10.1002/eqe.179",
+        ),
+        _article(
+            "pall1982", "Pall, A. S. & Marsh, C.", 1982,
+            "Response of friction damped braced frames", "Journal of the Structural Division, ASCE", "108(6)",
+            "1313--1323",
+        ),
+        _article(
+            "bhaskararao2006", "Bhaskararao, A. V. & Jangid, R. S.", 2006,
+            "Seismic analysis of structures connected with friction dampers", "Engineering Structures", "28(5)",
+            "690--703", "10.1016/j.engstruct.2005.09.020",
+        ),
+        _article(
             "ye2009", "Ye, K., Li, L. & Zhu, H.", 2009,
             "A note on the Hertz contact model with nonlinear damping for pounding simulation", _EESD, "38",
             "1135--1142", "10.1002/eqe.883",
@@ -149,6 +169,21 @@ REFERENCES = {
         Reference(
             "efron1993", "book", "Efron, B. & Tibshirani, R. J.", 1993, "An introduction to the bootstrap",
             (("publisher", "Chapman & Hall"), ("address", "New York")),
+        ),
+        _article(
+            "saltelli2010", "Saltelli, A., Annoni, P., Azzini, I., Campolongo, F., Ratto, M. & Tarantola, S.", 2010,
+            "Variance based sensitivity analysis of model output. Design and estimator for the total sensitivity index",
+            "Computer Physics Communications", "181(2)", "259--270", "10.1016/j.cpc.2009.09.018",
+        ),
+        _article(
+            "campolongo2007", "Campolongo, F., Cariboni, J. & Saltelli, A.", 2007,
+            "An effective screening design for sensitivity analysis of large models",
+            "Environmental Modelling & Software", "22(10)", "1509--1518", "10.1016/j.envsoft.2006.10.004",
+        ),
+        _article(
+            "iwanaga2022", "Iwanaga, T., Usher, W. & Herman, J.", 2022,
+            "Toward SALib 2.0: advancing the accessibility and interpretability of global sensitivity analyses",
+            "Socio-Environmental Systems Modelling", "4", "18155", "10.18174/sesmo.18155",
         ),
         Reference(
             "asce2010", "manual", "American Society of Civil Engineers", 2010,

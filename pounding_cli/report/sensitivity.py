@@ -1,106 +1,172 @@
-"""The claims at every point of a sweep, or in several results files, side by side."""
+"""The report of `pound sensitivity`: tornado and indices of every output, and its samples over the keys."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Any
 
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from pounding_cli.report.claims import judge
-from pounding_cli.report.evidence import Evidence
-from pounding_cli.report.tables import markdown
-from pounding_cli.report.verdicts import Judgement
+from pounding_cli.report.answer_page import AnswerPage, Illustration
+from pounding_cli.report.citations import Use
+from pounding_cli.report.evidence import Evidence, motion_sentence
+from pounding_cli.report.sensitivity_text import Part, cells, heads, method_of, notes, parts, sentence, spread_sentence
+from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.web.story import Grid
+from pounding_cli.store import Results
+from pounding_cli.store.answers import Answer
+from pounding_cli.store.sensitivity import FOUND, INDICES, OUTPUTS, SAMPLES
 
-WIDEST = 6
-"""Points or files beyond which they become the rows of the tables."""
+MOST_OUTPUTS = 6
+"""Outputs in one figure; of more, the first are drawn."""
 
-Column = tuple[str, list[Judgement]]
-"""What one column of the tables is about, and the judgements there."""
+MOST_KEYS = 6
+"""Keys whose samples are drawn, those that decide most."""
 
-
-def judge_points(evidences: Sequence[Evidence]) -> list[Column]:
-    """The judgements at every point of the sweep, headed by the point."""
-    return [(evidence.label or "as given", judge(evidence)) for evidence in evidences]
-
-
-def frame(columns: Sequence[Column], name: str = "where") -> pd.DataFrame:
-    """One row a finding: where, claim, verdict, finding, number, unit, passed."""
-    return pd.DataFrame(
-        [
-            {
-                name: where,
-                "claim": judgement.claim.key,
-                "verdict": str(judgement.verdict),
-                "finding": finding.words,
-                "number": finding.number,
-                "unit": finding.unit,
-                "passed": "" if finding.passed is None else finding.passed,
-            }
-            for where, judgements in columns
-            for judgement in judgements
-            for finding in judgement.findings
-        ],
-        columns=[name, "claim", "verdict", "finding", "number", "unit", "passed"],
-    )
+_LOW, _HIGH, _FIRST, _TOTAL = "#0072B2", "#E69F00", "#56B4E9", "#000000"
 
 
-def page(title: str, columns: Sequence[Column]) -> list[str]:
-    """Markdown lines: the verdicts in one table, then the numbers of every claim."""
-    keys = list(dict.fromkeys(judgement.claim.key for _, judgements in columns for judgement in judgements))
-    by_key = [{judgement.claim.key: judgement for judgement in judgements} for _, judgements in columns]
-    heads = [where for where, _ in columns]
-    lines = [f"# {title}", ""]
-    if not keys:
-        return [*lines, "No results here name a figure of the paper (`claims: fig6` or `fig7`).", ""]
-    verdicts = [[f"[{key}](#{key})", *(_verdict(column.get(key)) for column in by_key)] for key in keys]
-    lines += ["## Verdicts", "", *_table("claim", heads, verdicts), *_changes(keys, heads, by_key)]
-    for key in keys:
-        judged = [column.get(key) for column in by_key]
-        claim = next(judgement.claim for judgement in judged if judgement)
-        lines += [f"## {key}", "", f"> {claim.paper}", "", claim.rule, ""]
-        lines += ["Numbers found; those that miss their threshold are bold.", ""]
-        rows = [[words, *cells] for words, cells in _numbers(judged).items()]
-        if len(heads) > WIDEST:  # sentences at the head of a column would be as unwieldy as many columns
-            lines += [*(f"{number}. {row[0]}" for number, row in enumerate(rows, start=1)), ""]
-            rows = [[f"({number})", *row[1:]] for number, row in enumerate(rows, start=1)]
-        verdict = ["verdict", *(_verdict(judgement) for judgement in judged)]
-        lines += _table("number found", heads, [verdict, *rows])
-    return lines
+def sensitivity_page(results: Results, shown: Evidence, with_figures: bool = True) -> AnswerPage:
+    """What the report of a sensitivity study says, at one point of the other swept keys."""
+    answer = results.answer(INDICES)
+    found = list(parts(results, _at(answer.frame, shown)))
+    figures: dict[str, Illustration] = {}
+    drawn = [part for part in found if part.outcome == FOUND][:MOST_OUTPUTS]
+    if with_figures and drawn:
+        text = " ".join(map(sentence, drawn))
+        figures["sensitivity"] = Illustration(draw_indices(answer, drawn, shown), "What decides the outputs", text)
+        samples = results.answer(SAMPLES)
+        said = "Every dot is a sample; the line is the mean of the output along the key."
+        scatter = draw_samples(samples, _at(samples.frame, shown), drawn, shown)
+        figures["sensitivity-samples"] = Illustration(scatter, "The samples", said)
+    grids = [
+        (part.title, Grid(heads(answer), cells(answer, part), range(1, len(heads(answer)))))
+        for part in found
+        if part.outcome == FOUND
+    ]
+    lead = [sentence(part) for part in found]
+    if method_of(answer) == "sobol":
+        lead += [spread_sentence(row) for row in _at(results.answer(OUTPUTS).frame, shown).to_dict("records")]
+    return AnswerPage("Sensitivity", lead, figures, grids, notes(results))
 
 
-def _changes(keys: Sequence[str], heads: Sequence[str], by_key: Sequence[Mapping[str, Judgement]]) -> list[str]:
-    """Which verdicts are not the same everywhere: the most frequent one, and where it is another."""
-    lines = []
-    for key in keys:
-        verdicts = {head: _verdict(column[key]) for head, column in zip(heads, by_key, strict=True) if key in column}
-        most = max(verdicts.values(), key=list(verdicts.values()).count)
-        others = [f"*{verdict}* at {head}" for head, verdict in verdicts.items() if verdict != most]
-        if others:
-            lines.append(f"- {key}: *{most}*, but {'; '.join(others)}")
-    if not lines:
-        return ["Every verdict is the same everywhere.", ""]
-    return ["Verdicts that change; every other is the same everywhere:", "", *lines, ""]
+def _at(frame: pd.DataFrame, shown: Evidence) -> pd.DataFrame:
+    """The rows of the point that is shown; the samples are no point of it."""
+    sampled = set((shown.resolved.get("uncertain") or {}).keys())
+    for key, value in shown.point.items():
+        if key in frame and key not in sampled:
+            frame = frame[frame[key] == value]
+    return frame
 
 
-def _table(corner: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """A table with `heads` at its columns, turned on its side where they are many."""
-    if len(heads) <= WIDEST:
-        return markdown([corner, *heads], rows)
-    return markdown(["", *(row[0] for row in rows)], zip(heads, *(row[1:] for row in rows), strict=True))
+@styled
+def draw_indices(answer: Answer, drawn: list[Part], shown: Evidence) -> Figure:
+    """A line of panels for each output: the output at both ends of each key, and the indices of the key."""
+    keys = len(drawn[0].rows)
+    is_sobol = method_of(answer) == "sobol"
+    figure = new_figure(9.0 if is_sobol else 6.0, (0.33 * keys + 1.0) * len(drawn) + 0.8)
+    axes = figure.subplots(len(drawn), 2 if is_sobol else 1, squeeze=False, sharey="row")
+    for line, part in zip(axes, drawn, strict=True):
+        rows = part.rows[::-1].reset_index(drop=True)
+        y = np.arange(len(rows))
+        line[0].set_yticks(y, rows["key"])
+        line[0].set_title(part.title, loc="left")
+        unit = f" [{part.unit}]" if part.unit else ""
+        if is_sobol:
+            _tornado(line[0], rows, y)
+            line[0].set_xlabel(f"mean output{unit}")
+            _bars(line[1], rows, y)
+            line[1].set_xlabel("part of the variance")
+        else:
+            _dots(line[0], rows, y, "mu_star", _TOTAL, "mean effect")
+            line[0].plot(rows["sigma"], y, ls="", marker="x", ms=5, color=_HIGH, label="deviation")
+            line[0].set_xlabel(f"change of the output over the range of the key{unit}")
+            line[0].set_xlim(left=0)
+        for ax in line:
+            ax.set_ylim(-0.6, len(rows) - 0.4)
+            ax.grid(False, axis="y")
+    handles = {label: h for ax in axes[0] for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4, fontsize=8)
+    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    return figure
 
 
-def _verdict(judgement: Judgement | None) -> str:
-    return str(judgement.verdict) if judgement else "–"
+def _tornado(ax: Axes, rows: pd.DataFrame, y: np.ndarray) -> None:
+    """Mean output at the low and at the high end of each key, from its mean outwards."""
+    low, high = rows["at_low"].to_numpy(float), rows["at_high"].to_numpy(float)
+    middle = float(rows["mean"].iloc[0])
+    for ends, errors, color, label in (
+        (low, rows["at_low_error"], _LOW, "key at its low end"),
+        (high, rows["at_high_error"], _HIGH, "key at its high end"),
+    ):
+        ax.barh(y, ends - middle, left=middle, height=0.56, color=color, label=label)
+        ax.errorbar(ends, y, xerr=errors, ls="", color="0.25", lw=1, capsize=2)
+    ax.axvline(middle, color="0.3", lw=0.8)
 
 
-def _numbers(judged: Sequence[Judgement | None]) -> Mapping[str, list[str]]:
-    """The numbers of one claim by finding, one cell a column; those that miss their threshold are bold."""
-    words = dict.fromkeys(finding.words for judgement in judged if judgement for finding in judgement.findings)
-    rows: dict[str, list[str]] = {text: [] for text in words}
-    for judgement in judged:
-        here = {finding.words: finding for finding in judgement.findings} if judgement else {}
-        for text, cells in rows.items():
-            finding = here.get(text)
-            number = finding.text if finding else "–"
-            cells.append(f"**{number}**" if finding and finding.passed is False else number)
-    return rows
+def _bars(ax: Axes, rows: pd.DataFrame, y: np.ndarray) -> None:
+    _dots(ax, rows, y + 0.13, "total", _TOTAL, "total index")
+    _dots(ax, rows, y - 0.13, "first", _FIRST, "first order")
+    ax.axvline(0, color="0.3", lw=0.8)
+    ax.set_xlim(min(-0.05, ax.get_xlim()[0]), max(1.0, ax.get_xlim()[1]))
+
+
+def _dots(ax: Axes, rows: pd.DataFrame, y: np.ndarray, name: str, color: str, label: str) -> None:
+    x = rows[name].to_numpy(float)
+    ends = np.maximum([x - rows[f"{name}_low"], rows[f"{name}_high"] - x], 0)
+    ax.errorbar(x, y, xerr=ends, ls="", marker="o", ms=4.5, color=color, lw=1.2, capsize=2.5, label=label)
+
+
+@styled
+def draw_samples(samples: Answer, frame: pd.DataFrame, drawn: list[Part], shown: Evidence) -> Figure:
+    """The outputs over the keys: a line of panels for each output, a panel for each of the keys that decide most."""
+    wide = min(MOST_KEYS, len(drawn[0].rows))
+    figure = new_figure(1.9 * wide + 0.8, 1.75 * len(drawn) + 0.8)
+    axes = figure.subplots(len(drawn), wide, squeeze=False, sharey="row")
+    for line, part in zip(axes, drawn, strict=True):
+        first = part.rows.iloc[0]
+        here = frame[(frame["case"] == first["case"]) & (frame["analysis"] == first["analysis"])]
+        if "total" in part.rows:
+            here = here[here["independent"] == 1]
+        values = here[f"output {part.output}"].to_numpy(float)
+        for ax, key in zip(line, part.rows["key"], strict=False):
+            _scatter(ax, samples, here[key], values)
+            unit = samples.units[key].name if key in samples.units else ""
+            ax.set_xlabel(f"{key}\n[{unit}]" if unit else key, fontsize=7)
+            ax.tick_params(labelsize=7)
+        words = f"\n{part.words}" if part.words else ""
+        line[0].set_ylabel(f"{part.output}{f' [{part.unit}]' if part.unit else ''}{words}", fontsize=7)
+    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    caption(figure, f"Dots: samples. Line: mean of the output along the key. {motion_sentence(shown.records)}")
+    return figure
+
+
+def _scatter(ax: Axes, samples: Answer, column: pd.Series, values: np.ndarray) -> None:
+    if not pd.api.types.is_numeric_dtype(column):
+        names = list(dict.fromkeys(column))
+        x = column.map({name: n for n, name in enumerate(names)}).to_numpy(float)
+        random = np.random.default_rng(1)
+        ax.plot(x + random.uniform(-0.2, 0.2, x.size), values, ls="", marker=".", ms=2, color="0.6")
+        means = [values[x == n].mean() for n in range(len(names))]
+        ax.plot(range(len(names)), means, ls="", marker="_", ms=14, mew=2, color=_LOW)
+        ax.set_xticks(range(len(names)), [name[:14] for name in names], rotation=35, ha="right")
+        return
+    unit = samples.units.get(str(column.name))
+    x = column.to_numpy(float) / (unit.factor if unit else 1.0)
+    order = np.argsort(x, kind="stable")
+    ax.plot(x, values, ls="", marker=".", ms=2, color="0.6")
+    bins = np.array_split(order, max(2, min(10, x.size // 8)))
+    ax.plot([x[b].mean() for b in bins], [values[b].mean() for b in bins], color=_LOW, lw=1.8)
+
+
+def cite_sensitivity(resolved: Mapping[str, Any], used: Use) -> None:
+    """The references of the way a study was asked for sensitivities."""
+    if (resolved.get("sensitivity") or {}).get("method", "sobol") == "morris":
+        used("campolongo2007", "screening by elementary effects")
+    else:
+        used("saltelli2010", "first-order and total indices of the variance")
+        used("efron1993", "the bootstrap of the samples")
+    used("iwanaga2022", "SALib, which draws the samples and works out the indices")

@@ -9,10 +9,12 @@ from pounding_cli.report.evidence import TABLES, Tables
 from pounding_cli.texts import cells
 
 
-def write_csv(results: Tables, folder: Path) -> list[Path]:
-    """Write every table, and the buildings, as `<table>.csv`; numbers with all their digits (SI)."""
+def write_csv(results: Tables, folder: Path, names: Sequence[str] = TABLES) -> list[Path]:
+    """Write tables, those of the workflow and of all tables the buildings, as `<table>.csv`; numbers with all their
+    digits (SI)."""
     folder.mkdir(parents=True, exist_ok=True)
-    frames = {name: getattr(results, name)() for name in TABLES} | {"buildings": results.buildings}
+    frames = {name: getattr(results, name)() for name in names}
+    frames |= {"buildings": results.buildings} if names is TABLES else {}
     frames |= {name: results.answer(name).frame for name in results.answers}
     files = []
     for name, frame in frames.items():

@@ -135,18 +135,14 @@ def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:
             slots.geometric[span] = building.gravity_load / building.height
         if foundation is None:
             slots.alpha[span] = building.alpha  # fault: mass-damping
-        if foundation is not None and base >= 0:
-            slots.stiffness[base] = foundation.sway_stiffness
-            slots.dashpot[base] = foundation.sway_damping
-            slots.mass[base] = foundation.mass
+        if foundation is not None and foundation.sway is not None:
+            slots.mass[base], slots.stiffness[base], slots.dashpot[base] = foundation.sway.numbers
             slots.loaded[base] = 1.0
         elif rock < 0:
             slots.couple[span.start] = 0.0
-        if foundation is not None and rock >= 0:
-            roof = float(building.elevation[-1])
-            slots.stiffness[rock] = foundation.rocking_stiffness / roof**2
-            slots.dashpot[rock] = foundation.rocking_damping / roof**2
-            slots.mass[rock] = foundation.inertia / roof**2
+        if foundation is not None and foundation.rocking is not None:
+            by_angle = np.array(foundation.rocking.numbers)
+            slots.mass[rock], slots.stiffness[rock], slots.dashpot[rock] = by_angle / float(building.elevation[-1]) ** 2
     slots.couple_right[:-1] = slots.couple[1:]
     slots.inverse_mass[slots.mass > 0.0] = 1.0 / slots.mass[slots.mass > 0.0]
     return slots

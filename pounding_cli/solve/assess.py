@@ -47,7 +47,7 @@ FINEST = 1e-14
 
 SCATTER = (2.0, 4.0)
 """Accuracies of two more runs over that of the finer one, where rounding may decide: their only use is that they round
-otherwise. Two runs of a scene that hangs on a hair may lie close by chance, four hardly do."""
+otherwise. Two runs of an ill-conditioned scene may agree by chance, four hardly do."""
 
 GRAZING = 1e-10
 """What rounding may come to, over the sensitivity: a contact that grazes changes by the root of a small change, so that

@@ -1,4 +1,4 @@
-"""Central difference at a fixed time step: the stranger beside the Taylor integrator (`kernels.central_difference`)."""
+"""Central difference at a fixed time step, an independent check of the Taylor integrator."""
 
 from __future__ import annotations
 

@@ -30,11 +30,13 @@ def held(scene: Scene, arrays: Arrays, state: State, ledger: Ledger | None = Non
 
 
 def _in_links(scene: Scene, arrays: Arrays, state: State) -> float:
-    """Energy in the springs of all links [J]."""
-    count = arrays.links.number
+    """Energy in all links [J]."""
+    links, count = arrays.links, arrays.links.number
     u = with_points(arrays, state.u)
-    closings = u[arrays.links.left[:count]] - u[arrays.links.right[:count]]
-    return float(sum(link.law.stored(v) for link, v in zip(scene.links, closings.tolist(), strict=True)))
+    closings = u[links.left[:count]] - u[links.right[:count]]
+    branches = state.link_branch[:count] - links.first[:count]
+    each = zip(scene.links, branches.tolist(), closings.tolist(), state.link_memory[:count].tolist(), strict=True)
+    return float(sum(link.law.held(*of) for link, *of in each))
 
 
 def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State, ledger: Ledger) -> dict[str, float]:

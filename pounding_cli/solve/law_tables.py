@@ -10,7 +10,7 @@ import numpy as np
 from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.layout import Links
 from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity
-from pounding_cli.laws.program import GIVEN, carried_out, kept, operations, straight
+from pounding_cli.laws.program import GIVEN, carried_out, flowing, kept, operations, straight
 from pounding_cli.laws.storey import StoreyBranch, StoreyLaw
 from pounding_cli.model.links import Link
 from pounding_cli.solve.blank import LANES
@@ -144,7 +144,11 @@ def _link_rows(law: LinkLaw, left_mass: float, right_mass: float, written: bool)
     for row, branch in zip(rows, branches, strict=True):
         if branch.closed:
             row[t.FIRST_STEP] = len(made)
-            made += operations(branch.expression)
+            if branch.flow is None:
+                made += operations(branch.expression)
+            else:
+                forces, row[t.FLOW] = flowing(branch.expression, branch.flow)
+                made += forces
             row[t.LAST_STEP] = row[t.FIRST_REGULAR] = row[t.LAST_REGULAR] = len(made)
             if branch.regular > 1:
                 made += operations(branch.expression, branch.regular)

@@ -17,7 +17,7 @@ from pounding_cli.store.swept import describe_unit, written
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pounding_cli.study import Plan
+    from pounding_cli.study.plan import Axis
 
 GROUP = "answer"
 """Group of the results file that holds them, one group for each table."""
@@ -60,13 +60,14 @@ class Table:
     blocks: Iterable[Sequence[Column]]
 
 
-def place_columns(plan: Plan, places: Sequence[tuple[int, ...]]) -> list[Column]:
+def place_columns(axes: Sequence[Axis], places: Sequence[tuple[int, ...]]) -> list[Column]:
     """The columns that say at which point of the sweep a row stands, one for each swept key.
 
+    axes : of the sweep
     places : of every row its index on every axis
     """
     columns = []
-    for number, axis in enumerate(plan.axes):
+    for number, axis in enumerate(axes):
         points = axis.values  # noqa: PD011
         for key, name in enumerate(axis.names):
             values = [points[place[number]][key] for place in places]

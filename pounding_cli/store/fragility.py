@@ -204,7 +204,7 @@ class _Demands:
 
 def _where(plan: Plan, question: Question, layout: Layout, places: list[Place]) -> list[Column]:
     """The columns that say where a curve stands."""
-    columns = place_columns(plan, [layout.points[place.point] for place in places])
+    columns = place_columns(plan.axes, [layout.points[place.point] for place in places])
     if question.axis is not None:
         intensity = plan.axes[question.axis].names[0]
         columns = [column for column in columns if column.name != intensity]

@@ -92,7 +92,7 @@ def _block(
         return np.array(values, dtype=object if isinstance(values[0], str) else None)[index[axis]]
 
     names = plan.buildings
-    columns = place_columns(plan, [points[number] for number in index[0]])
+    columns = place_columns(plan.axes, [points[number] for number in index[0]])
     columns += [
         Column("analysis", spread(list(plan.analyses), 1), "elastic or inelastic storeys"),
         Column("left", spread([names[left] for left, _, _ in places], 2), "building left of the gap"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from functools import cached_property
 from pathlib import Path
@@ -84,6 +85,7 @@ class Results:
         self.path = path
         self._kept: tuple[object, list[dict[str, Any]]] | None = None
         self._answers: dict[str, Answer] = {}
+        self._cut = ""
         with opened(path) as file:
             software = {f"software_{name}": _plain(value) for name, value in file["software"].attrs.items()}
             self.attrs: dict[str, Any] = {
@@ -101,7 +103,7 @@ class Results:
             self.warnings = tuple(Problem(**each) for each in json.loads(warnings))
             self._swept: list[list[str]] = json.loads(self.attrs["swept"])
             self.axes: dict[str, list[Any]] = {
-                name: _values(file[name]).tolist() for names in self._swept for name in names
+                name: self._values(file[name]).tolist() for names in self._swept for name in names
             }
             self.units: dict[str, Unit] = {name: written(file[name]) for name in self.axes}
             self.units |= {name.removeprefix("record_"): written(file[name]) for name in WRITTEN if name in file}
@@ -158,26 +160,26 @@ class Results:
             if "link" not in file:
                 return _frame({name: [] for name in (*self.axes, *PLACE, "link", *_LINK_FACTS, *_LINK, "right_floor")})
             dims = (*self._dims, *PLACE, "link")
-            shape = file["impacts"].shape
-            facts = {name: self._spread(_values(file[f"link_{name}"]), shape) for name in _LINK_FACTS}
+            shape = self._shape(file["impacts"])
+            facts = {name: self._spread(self._values(file[f"link_{name}"]), shape) for name in _LINK_FACTS}
             columns = self._index(file, dims, shape) | facts
             for name in _LINK:
-                array = _values(file[name])
+                array = self._values(file[name])
                 if name in ("kind", "gap"):  # the same for every analysis and record
                     at = len(self._dims) + 1
                     array = np.broadcast_to(np.expand_dims(array, (at, at + 1)), shape)
                 columns[name] = array.ravel()
-            columns["right_floor"] = self._spread(_values(file["link_right_floor"]), shape)
+            columns["right_floor"] = self._spread(self._values(file["link_right_floor"]), shape)
         frame = _frame(columns)
         return frame[frame["kind"] != ""].reset_index(drop=True)
 
     def scene(self) -> pd.DataFrame:
         """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
         with opened(self.path) as file:
-            shape = file["status"].shape
+            shape = self._shape(file["status"])
             columns = self._index(file, (*self._dims, *PLACE), shape)
             columns |= {name: self._asked(file, name).ravel() for name in _SCENE}
-            columns |= {v.name: _values(file[v.name]).ravel() for v in SCENES if v.name.startswith("energy_")}
+            columns |= {v.name: self._values(file[v.name]).ravel() for v in SCENES if v.name.startswith("energy_")}
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
 
@@ -196,7 +198,7 @@ class Results:
         steps, events, Taylor orders, seconds in the solver.
         """
         with opened(self.path) as file:
-            shape = file["status"].shape
+            shape = self._shape(file["status"])
             columns = self._index(file, (*self._dims, *PLACE), shape)
             columns |= {name: self._asked(file, name).ravel() for name in _ACCURACY}
         frame = _frame(columns)
@@ -207,9 +209,9 @@ class Results:
         if name in ADDED and name not in file:
             return np.full(file["status"].shape, np.nan)
         if name in file or name not in FORMERLY:
-            return _values(file[name])
+            return self._values(file[name])
         asked = "accuracy" if self.resolved.get("time_step") is None else "time_step"
-        return _values(file[FORMERLY[name]]) * (1.0 if name == asked else np.nan)
+        return self._values(file[FORMERLY[name]]) * (1.0 if name == asked else np.nan)
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
@@ -221,14 +223,14 @@ class Results:
         """
         with opened(self.path) as file:
             dims = (*self._dims, "case", "analysis", "building", "storey")
-            shape = file["V_ratio_mean"].shape
+            shape = self._shape(file["V_ratio_mean"])
             columns = self._index(file, dims, shape)
             for ratio in _RATIOS:
                 for measure in _MEASURES:
-                    columns[f"{ratio}_{measure}"] = _values(file[f"{ratio}_{measure}"]).ravel()
-            columns["records_used"] = _values(file["V_ratio_count"]).ravel()
-            collapsed = (_values(file["status"]) == COLLAPSED).sum(axis=-1)
-            counts = counts_of_flags(_values(file["flags"])) | {"records_collapsed": collapsed}
+                    columns[f"{ratio}_{measure}"] = self._values(file[f"{ratio}_{measure}"]).ravel()
+            columns["records_used"] = self._values(file["V_ratio_count"]).ravel()
+            collapsed = (self._values(file["status"]) == COLLAPSED).sum(axis=-1)
+            counts = counts_of_flags(self._values(file["flags"])) | {"records_collapsed": collapsed}
             for name, count in counts.items():
                 columns[name] = self._spread(count[..., None, None], shape)
             there = self._there(file, 2)
@@ -241,8 +243,8 @@ class Results:
         """
         with opened(self.path) as file:
             scale = file["record_scale"]
-            columns = self._index(file, tuple(_name(each[0]) for each in scale.dims), scale.shape)
-            return _frame(columns | {name: _values(file[f"record_{name}"]).ravel() for name in _RECORD})
+            columns = self._index(file, tuple(_dimensions(scale)), self._shape(scale))
+            return _frame(columns | {name: self._values(file[f"record_{name}"]).ravel() for name in _RECORD})
 
     def histories(self) -> pd.DataFrame:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
@@ -293,16 +295,16 @@ class Results:
         Swept axes that change a building come first.
         """
         with opened(self.path) as file:
-            dims = tuple(_name(scale[0]) for scale in file["mass"].dims)
-            shape = file["mass"].shape
+            dims = tuple(_dimensions(file["mass"]))
+            shape = self._shape(file["mass"])
             columns = self._index(file, dims, shape)
             storey = columns.pop("storey")
             places = np.arange(1, shape[-2] + 1)[:, None]
             columns |= {"place": np.broadcast_to(places, shape).ravel(), "storey": storey}
             for name in ("mass", "height", "stiffness", "yield_shear"):
-                columns[name] = _values(file[name]).ravel()
+                columns[name] = self._values(file[name]).ravel()
             for name in ("period", "base_shear_ratio", "separation"):
-                columns[name] = np.broadcast_to(_values(file[name])[..., None], shape).ravel()
+                columns[name] = np.broadcast_to(self._values(file[name])[..., None], shape).ravel()
         frame = _frame(columns)
         return frame[frame["mass"].notna()].reset_index(drop=True)
 
@@ -333,22 +335,44 @@ class Results:
         """Unit (SI; "1" for a pure number, "" for text and swept keys) and meaning of a column of a table."""
         return self.answer(table).meanings[column] if table in self.answers else meaning(table, column)
 
+    def first_sample(self) -> Results:
+        """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
+        found = copy.copy(self)
+        found.__dict__.pop("buildings", None)
+        found._cut = self._dims[-1]
+        found.axes = {k: v[:1] if k in self._swept[-1] else v for k, v in self.axes.items()}
+        return found
+
+    def _values(self, dataset: h5py.Dataset) -> np.ndarray:
+        """The values of a variable, of the first sample where this is of that alone."""
+        values = strings(dataset) if h5py.check_string_dtype(dataset.dtype) else None
+        if not self._cut:
+            return dataset[()] if values is None else values
+        at = tuple(slice(0, 1) if dim == self._cut else slice(None) for dim in _dimensions(dataset))
+        return dataset[at] if values is None else values[at]
+
+    def _shape(self, dataset: h5py.Dataset) -> tuple[int, ...]:
+        cut = self._cut
+        return tuple(
+            1 if cut and dim == cut else size for dim, size in zip(_dimensions(dataset), dataset.shape, strict=True)
+        )
+
     @property
     def _dims(self) -> tuple[str, ...]:
         return tuple(names[0] for names in self._swept)
 
     def _levels(self, level: str, names: tuple[str, ...]) -> pd.DataFrame:
         with opened(self.path) as file:
-            shape = file[names[0]].shape
+            shape = self._shape(file[names[0]])
             columns = self._index(file, (*self._dims, *PLACE, "building", level), shape)
-            columns |= {name: _values(file[name]).ravel() for name in names}
+            columns |= {name: self._values(file[name]).ravel() for name in names}
             there = self._there(file, 3)
         return _frame(columns)[there].reset_index(drop=True)
 
     def _there(self, file: h5py.File, between: int) -> np.ndarray:
         """Which rows stand for a storey that exists; `between` dimensions lie between axes and building."""
-        kept = [_name(scale[0]) for scale in file["mass"].dims]
-        there = np.isfinite(_values(file["mass"]))
+        kept = _dimensions(file["mass"])
+        there = np.isfinite(self._values(file["mass"]))
         for number, dim in enumerate(self._dims):
             if dim not in kept:
                 there = np.expand_dims(there, number)
@@ -365,7 +389,7 @@ class Results:
             across = [1] * len(shape)
             across[number] = shape[number]
             for name in zipped.get(dim, [dim]):
-                columns[name] = np.broadcast_to(_values(file[name]).reshape(across), shape).ravel()
+                columns[name] = np.broadcast_to(self._values(file[name]).reshape(across), shape).ravel()
         return columns
 
     @staticmethod
@@ -373,8 +397,9 @@ class Results:
         return np.broadcast_to(values, shape).ravel()
 
 
-def _values(dataset: h5py.Dataset) -> np.ndarray:
-    return strings(dataset) if h5py.check_string_dtype(dataset.dtype) else dataset[()]
+def _dimensions(dataset: h5py.Dataset) -> list[str]:
+    """The dimension of every place of a variable; of a coordinate its own name."""
+    return [_name(dim[0]) if len(dim) else _name(dataset) for dim in dataset.dims]
 
 
 def _name(dataset: h5py.Dataset) -> str:

@@ -32,10 +32,15 @@ Links = Callable[[Point, str], tuple[Link, ...] | None]
 alone."""
 
 
-def expand(study: Study, links_of: Links | None = None) -> Plan:
+Asks = Callable[[Point, str], bool]
+"""asks(point, record) -> whether the scenes of a motion are wanted there."""
+
+
+def expand(study: Study, links_of: Links | None = None, asks: Asks | None = None) -> Plan:
     """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound.
 
     links_of : what stands between the buildings in place of what the study says
+    asks : which rows have scenes; all unless given
     """
     model, resolver = study.model, study.resolver
     cases, analyses = tuple(model.cases), tuple(Analysis(word) for word in model.analyses)
@@ -64,6 +69,9 @@ def expand(study: Study, links_of: Links | None = None) -> Plan:
             links = builder.links(point, case)
             shown, linked = seen(links), Digests(buildings, links)
             for (analysis, record), baselines in around.alone.items():
+                if asks is not None and not asks(point, record):
+                    rows.add("", ("",) * len(baselines), shown)
+                    continue
                 scene = linked.of(motions[record].motion, analysis, tail)
                 scenes.note(scene, len(rows))
                 for place, baseline in enumerate(baselines):

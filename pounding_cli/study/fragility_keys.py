@@ -12,14 +12,14 @@ from pounding_cli.study import units
 from pounding_cli.study.base import Model, optional
 from pounding_cli.study.limits import Limit, read_limit
 from pounding_cli.study.problems import nearest
-from pounding_cli.study.units import NUMBER, TextForm, limited, refuse, whole_number
+from pounding_cli.study.shares import CONFIDENCE
+from pounding_cli.study.units import TextForm, limited, refuse, whole_number
 
 MEASURES = ("pga", "pgv", "sa", "factor")
 """Intensity measures, as `records.scale` has them; `factor` is the scale factor itself."""
 
 _PERIOD = limited(units.TIME, name="period", example="0.5 s", low=0.01, open_low=False, high=60.0)
 _MEASURE = re.compile(r"(?P<name>[A-Za-z]+)\s*(?:\(\s*(?P<period>[^()]*?)\s*\))?\Z")
-_SHARE = re.compile(rf"\s*({NUMBER})\s*%\s*\Z")
 
 
 @dataclass(frozen=True)
@@ -48,17 +48,6 @@ def read_measure(value: Any) -> Measure:
     if not units.written_unit(found["period"]):
         raise refuse(f"'{value}': the period has no unit", "write e.g. `sa(0.5 s)`")
     return Measure("sa", _PERIOD.read(found["period"]))
-
-
-def _read_confidence(value: Any) -> float:
-    hint = "write a confidence above 0 % and below 100 %, e.g. 90 %"
-    found = _SHARE.match(value) if isinstance(value, str) and len(value) < 60 else None
-    if found is None:
-        raise refuse(f"'{str(value)[:60]}' is not a confidence: it lacks its %", hint)
-    share = float(found[1]) / 100
-    if not 0 < share < 1:
-        raise refuse(f"the confidence is {value.strip()}; it must be above 0 % and below 100 %", hint)
-    return share
 
 
 def _list_or_one(value: Any) -> str:
@@ -94,9 +83,7 @@ class FragilitySpec(Model):
         4,
         description="intensities looked at below the one where a motion passes (`ida`), in case it passes there too",
     )
-    confidence: Annotated[float, TextForm(_read_confidence, "confidence in %", ("90 %",))] = optional(
-        "90 %", description="confidence of all intervals"
-    )
+    confidence: Annotated[float, CONFIDENCE] = optional("90 %", description="confidence of all intervals")
     draws: Annotated[int, whole_number(100, 100_000)] = optional(
         1000, description="draws of the bootstrap over the motions"
     )

@@ -2,36 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, WithJsonSchema
 
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
 from pounding_cli.study.base import Model, optional
-from pounding_cli.study.units import NUMBER, Quantity, TextForm, refuse, whole_number
+from pounding_cli.study.shares import percent
+from pounding_cli.study.units import Quantity, whole_number
 
-_PERCENT = re.compile(rf"\s*({NUMBER})\s*%\s*\Z")
 _MOST = 20
-
-
-def _percent(what: str, example: str) -> TextForm:
-    """A share above 0 % and below 100 %, written with its %."""
-
-    def read(value: Any) -> float:
-        hint = f"write a {what} above 0 % and below 100 %, e.g. {example}"
-        if isinstance(value, bool | list | dict) or value is None:
-            raise refuse(f"this is not a {what}", hint)
-        found = _PERCENT.match(value) if isinstance(value, str) and len(value) < 60 else None
-        if found is None:
-            said = str(value).strip()[:60]
-            raise refuse(f"'{said}' is not a {what}: it lacks its %", hint)
-        share = float(found[1]) / 100
-        if not 0 < share < 1:
-            raise refuse(f"the {what} is {value.strip()}; it must be above 0 % and below 100 %", hint)
-        return share
-
-    return TextForm(read, f"{what} in %", (example,))
 
 
 def _list_or_one(value: Any) -> str:
@@ -39,8 +19,8 @@ def _list_or_one(value: Any) -> str:
 
 
 _FORM = WithJsonSchema({"type": "string", "pattern": r"^\s*[0-9.eE+-]+\s*%\s*$", "examples": ["84 %"]})
-Percentile = Annotated[float, _percent("percentile", "84 %"), _FORM]
-Probability = Annotated[float, _percent("probability of contact", "10 %"), _FORM]
+Percentile = Annotated[float, percent("percentile", "84 %"), _FORM]
+Probability = Annotated[float, percent("probability of contact", "10 %"), _FORM]
 _SOME = Field(min_length=1, max_length=_MOST)
 _EITHER = Discriminator(_list_or_one)
 _ONE = AfterValidator(lambda share: (share,))

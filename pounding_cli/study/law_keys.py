@@ -79,10 +79,26 @@ def _kind(laws: Mapping[str, type[Law]], law: type[Law], name: str, given: Any, 
         known = dict.fromkeys(words_of(one, name) for one in laws.values() if name in own_parameters(one))
         choice: Any = Literal[tuple(dict.fromkeys(str(word) for some in known for word in some or ()))]
         # Laws of one key that know different words for it: whoever builds the law picks its own.
-        return Annotated[choice, AfterValidator(given)] if len(known) == 1 else choice
+        # A function: from Python 3.12 on pydantic takes the signature of an Enum for that of another kind of validator.
+        return Annotated[choice, AfterValidator(lambda word: given(word))] if len(known) == 1 else choice
     if declared.unit == "N/m":
         return Annotated[float | StiffnessRule, STIFFNESS_FORM]
     unit = "" if declared.unit == "-" else declared.unit
     words = name.replace("_", " ")
     low, high, ends = declared.low, declared.high, (declared.open_low, declared.open_high)
     return Annotated[float, Quantity(words, unit, f"1 {unit}".strip(), low, high, *ends)]
+
+
+def quantity_of(law: type[Law], name: str, example: str, absent: bool = False) -> Quantity:
+    """How a study writes a parameter that a law declares; `absent`: 0 stands for what is not there."""
+    declared: Parameter = law.parameters()[name].metadata["parameter"]
+    words = name.replace("_", " ")
+    unit = declared.unit.removesuffix("/rad")
+    return Quantity(
+        words, unit, example, declared.low, declared.high, declared.open_low and not absent, declared.open_high
+    )
+
+
+def words_about(law: type[Law], name: str) -> str:
+    """What a parameter that a law declares means, with its unit."""
+    return law.parameters()[name].metadata["parameter"].words

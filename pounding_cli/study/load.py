@@ -145,13 +145,18 @@ def load_study(path: str | Path) -> Study:
     return validated(path, *read_source(path))
 
 
-def validated(path: Path, text: str, root: Node) -> Study:
-    """The study of a tree; `text` is what it says, record files are sought beside `path`. Raises as `load_study`."""
+def validated(path: Path, text: str, root: Node, sampled: SweepAxis | None = None) -> Study:
+    """The study of a tree; `text` is what it says, record files are sought beside `path`. Raises as `load_study`.
+
+    sampled : one more axis, whose points nobody wrote: what is unlikely at them is not told
+    """
     file = shortened(path)
     refuse_other_kinds(root, file)
     problems = Problems(file)
     root = with_brackets(root, problems)
     axes = read_axes(root, problems)
+    _check_uncertain(root, problems)
+    axes = axes if sampled is None else (*axes, sampled)
     resolver = Resolver(root, axes, file, path.resolve().parent)
     problems.extend(resolver.problems(resolver.base))
     faulty = bool(problems.found)
@@ -168,7 +173,7 @@ def validated(path: Path, text: str, root: Node) -> Study:
     said = _said(axes, resolver)
     _refuse_twins(said, axes, problems)
     problems.refuse()
-    for point in (*_along_axes(axes), *_corners(said)):
+    for point in (*_along_axes(axes), *_corners(said)) if sampled is None else ():
         resolver.doubt(point)
     return Study(
         path,
@@ -179,6 +184,14 @@ def validated(path: Path, text: str, root: Node) -> Study:
         model,
         resolver,
     )
+
+
+def _check_uncertain(root: Node, problems: Problems) -> None:
+    node = root.get("uncertain")
+    if node is not None and node.value is not None:
+        from pounding_cli.study.varied import read_uncertain  # here: few studies have distributions
+
+        read_uncertain(node, root, problems)
 
 
 def _at_value(problems: tuple[Problem, ...], axis: SweepAxis, index: int, faulty: bool) -> list[Problem]:
@@ -235,7 +248,7 @@ def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
             rows.append(
                 tuple(_value(resolver, point, path, node) for path, node in zip(axis.paths, nodes, strict=True))
             )
-        units = tuple(
+        units = axis.units or tuple(
             unit_of(StudyModel, path, [nodes[column] for nodes in axis.nodes]) for column, path in enumerate(axis.paths)
         )
         said.append(Axis(axis.names, tuple(rows), units))

@@ -92,6 +92,7 @@ class Plan:
     all_effects : whether to simulate what cannot matter too
     kept : rows whose scenes are kept over time, every `every` seconds
     workflow : what is asked of the scenes, a key of WORKFLOWS
+    harder : whether a scene that fails is solved once more, more finely
     """
 
     study: Study
@@ -111,6 +112,7 @@ class Plan:
     every: float = 0.002
     time_step: float | None = None
     workflow: str = "run"
+    harder: bool = False
 
     def shown(self, row: Row) -> dict[str, str]:
         """The swept values of a row, by key, in the units of the study."""

@@ -97,7 +97,7 @@ class Problems:
         if self.found:
             ordered = sorted(self.found, key=lambda p: (p.file, p.line, p.column))
             if len(ordered) > 2 * MOST_TOLD:
-                last = Problem(f"and {len(ordered) - 2 * MOST_TOLD} more problems", "mend these first", self.file)
+                last = Problem(f"and {len(ordered) - 2 * MOST_TOLD} more problems", "correct these first", self.file)
                 ordered = [*ordered[: 2 * MOST_TOLD], last]
             raise InputError(ordered)
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.study.problems import Problems, nearest
-from pounding_cli.study.source import Node
+from pounding_cli.study.source import Mark, Node
 from pounding_cli.study.units import Quantity, written_unit
 from pounding_cli.study.written import quantity_of, unit_of
 
@@ -73,7 +73,7 @@ def _range(name: str, node: Node, model: type[BaseModel], problems: Problems) ->
     unit = unit_of(model, name.split("."), ends)
     shares = [place / (places - 1) for place in range(places)]
     values = [first * (last / first) ** share if log else first + (last - first) * share for share in shares]
-    return [_node(unit.number(value), unit.name, node) for value in (*values[:-1], last)]
+    return [number_node(unit.number(value), unit.name, node.mark) for value in (*values[:-1], last)]
 
 
 def _is_log(node: Node, stepped: Node | None, problems: Problems) -> bool:
@@ -153,9 +153,10 @@ def _steps(first: float, last: float, step: float, node: Node, problems: Problem
     return None
 
 
-def _node(number: float, unit: str, around: Node) -> Node:
+def number_node(number: float, unit: str, mark: Mark) -> Node:
+    """A number in a unit, as a study writes it."""
     whole = number.is_integer() and abs(number) < 1e15
     plain: int | float = int(number) if whole else number
     if not unit:
-        return Node(plain, around.mark, str(plain))
-    return Node(f"{plain} {unit}", around.mark, f"{plain} {unit}")
+        return Node(plain, mark, str(plain))
+    return Node(f"{plain} {unit}", mark, f"{plain} {unit}")

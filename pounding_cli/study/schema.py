@@ -8,10 +8,11 @@ from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, With
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import link_laws, storey_laws
+from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
-from pounding_cli.study.law_keys import link_keys, storey_keys
+from pounding_cli.study.law_keys import link_keys, quantity_of, storey_keys, words_about
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
@@ -152,21 +153,23 @@ class Rayleigh(Model):
 class FoundationSpec(Model):
     """Sway and rocking of the base; a motion whose stiffness is absent does not take place."""
 
-    mass: Annotated[float, Quantity("foundation mass", "kg", "100 t", 0.0)] = optional(
-        0.0, description="mass of the base [kg]"
+    mass: Annotated[float, quantity_of(Sway, "mass", "100 t", absent=True)] = optional(
+        0.0, description=words_about(Sway, "mass")
     )
-    sway_stiffness: StoreyStiffness | None = optional(None, description="translational spring [N/m]; absent: no sway")
-    sway_damping: Annotated[float, Quantity("sway damping", "N s/m", "1e6 N s/m", 0.0)] = optional(
-        0.0, description="translational dashpot [N s/m]"
+    sway_stiffness: Annotated[float, quantity_of(Sway, "sway_stiffness", "200 kN/mm")] | None = optional(
+        None, description=f"{words_about(Sway, 'sway_stiffness')}; absent: no sway"
     )
-    inertia: Annotated[float, Quantity("rotary inertia", "kg m2", "1000 t m2", 0.0)] = optional(
-        0.0, description="rotary inertia of the base [kg m2]"
+    sway_damping: Annotated[float, quantity_of(Sway, "sway_damping", "1e6 N s/m")] = optional(
+        0.0, description=words_about(Sway, "sway_damping")
     )
-    rocking_stiffness: Annotated[float, Quantity("rocking stiffness", "N m", "5e9 N m", 0.0, open_low=True)] | None = (
-        optional(None, description="rotational spring [N m/rad]; absent: no rocking")
+    inertia: Annotated[float, quantity_of(Rocking, "inertia", "1000 t m2", absent=True)] = optional(
+        0.0, description=words_about(Rocking, "inertia")
     )
-    rocking_damping: Annotated[float, Quantity("rocking damping", "N m s", "1e7 N m s", 0.0)] = optional(
-        0.0, description="rotational dashpot [N m s/rad]"
+    rocking_stiffness: Annotated[float, quantity_of(Rocking, "rocking_stiffness", "5e9 N m")] | None = optional(
+        None, description=f"{words_about(Rocking, 'rocking_stiffness')}; absent: no rocking"
+    )
+    rocking_damping: Annotated[float, quantity_of(Rocking, "rocking_damping", "1e7 N m s")] = optional(
+        0.0, description=words_about(Rocking, "rocking_damping")
     )
 
 
@@ -241,7 +244,9 @@ class _LinkSpec(Model):
     link: LinkKind | None = optional(None, description="what stands between the floors")
     gap: Gap | None = optional(None, description="initial distance d [m]", examples=["5 cm", "0 cm"])
     stiffness: LinkStiffness | None = optional(
-        None, description="s_imp, s_mat or s_con [N/m]; infill and connector: 1/5 mean storey unless given"
+        None,
+        description="s_imp, s_mat, s_con or k [N/m]; unless given 1/5 mean storey of infill and connector, "
+        "1 x mean storey of maxwell and friction",
     )
     restitution: Restitution | None = optional(None, description="coefficient of restitution e [-]")
     damping_ratio: DampingShare | None = optional(None, description="damping ratio [-], instead of restitution")
@@ -391,6 +396,12 @@ _BRACKET_FORM = {
     "title": "Bracket",
     "examples": ["impact.stiffness"],
 }
+_UNCERTAIN_FORM = {
+    "type": "object",
+    "additionalProperties": {"anyOf": [{"const": "any"}, {"type": "object", "minProperties": 1, "maxProperties": 1}]},
+    "title": "Uncertain",
+    "examples": [{"impact.restitution": {"uniform": {"from": 0.4, "to": 0.65}}, "motion": "any"}],
+}
 
 
 class _StudyModel(Model):
@@ -431,6 +442,11 @@ class _StudyModel(Model):
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = optional(
         None,
         description="axes: dotted keys with the values they take; the keys of one list entry move together",
+    )
+    uncertain: Annotated[Any, WithJsonSchema(_UNCERTAIN_FORM)] = optional(
+        None,
+        description="dotted keys with the distribution of each: `uniform`, `normal`, `lognormal`, `triangular` or "
+        "`choice`; `motion: any` chooses one of the motions",
     )
     bracket: Annotated[Any, WithJsonSchema(_BRACKET_FORM)] = optional(
         None,

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pounding_cli.numbers import Unit
 from pounding_cli.study.problems import Problems, keys_at, nearest
 from pounding_cli.study.ranges import axis_values
 from pounding_cli.study.schema import StudyModel
-from pounding_cli.study.source import Node
+from pounding_cli.study.source import Mark, Node
 from pounding_cli.workflows import WORKFLOWS
 
 FIXED = (
@@ -23,6 +24,7 @@ FIXED = (
     "keep",
     "sweep",
     "bracket",
+    "uncertain",
     *(name for name, workflow in WORKFLOWS.items() if workflow.schema),
 )
 """Keys that are one for the whole study."""
@@ -33,10 +35,14 @@ MOST_AXES = 20
 
 @dataclass(frozen=True)
 class SweepAxis:
-    """One axis: its keys, and for every point the node each key takes."""
+    """One axis: its keys, and for every point the node each key takes.
+
+    units : each key is shown in; of an axis without them, those that the nodes are written in
+    """
 
     names: tuple[str, ...]
     nodes: tuple[tuple[Node, ...], ...]
+    units: tuple[Unit, ...] = ()
 
     @property
     def paths(self) -> tuple[tuple[str, ...], ...]:
@@ -76,9 +82,9 @@ def read_axes(root: Node, problems: Problems) -> tuple[SweepAxis, ...]:
     for holder, names in zip(holders, groups, strict=True):
         columns: list[list[Node]] = []
         for name in names:
-            known = _key(name, holder, root, problems)
-            values = axis_values(name, holder.value[name], StudyModel, problems)
             mark = (holder.keys or {})[name]
+            known = is_sweepable(name, mark, root, problems)
+            values = axis_values(name, holder.value[name], StudyModel, problems)
             if name in seen:
                 problems.add(mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two")
             elif known and values is not None:
@@ -108,14 +114,18 @@ def read_axes(root: Node, problems: Problems) -> tuple[SweepAxis, ...]:
     return tuple(axes)
 
 
-def _key(name: str, holder: Node, root: Node, problems: Problems) -> bool:
-    mark = (holder.keys or {})[name]
+def is_sweepable(name: str, mark: Mark, root: Node, problems: Problems, what: str = "sweep axis") -> bool:
+    """Whether a dotted key can take other values at other points; why it cannot is noted at `mark`.
+
+    what : what the messages call it
+    """
     path = tuple(name.split("."))
     whole = path[0] in ("records", "buildings", "impact", "cases") and len(path) < (
         3 if path[0] in ("buildings", "cases") else 2
     )
     if path[0] in FIXED or path[:2] == ("records", "use") or path[-1] == "like":
-        problems.add(mark, f"'{name}' cannot be an axis: it is one for the whole study", "run one study for each value")
+        cannot = "be an axis" if what == "sweep axis" else "vary"
+        problems.add(mark, f"'{name}' cannot {cannot}: it is one for the whole study", "run one study for each value")
         return False
     for place, step in enumerate(path):
         known = keys_at(StudyModel, path[:place], root)
@@ -125,12 +135,12 @@ def _key(name: str, holder: Node, root: Node, problems: Problems) -> bool:
         if step not in known:
             before = ".".join(path[:place])
             where = f" under '{before}'" if before else ""
-            problems.add(mark, f"sweep axis '{name}': no key '{step}'{where}", nearest(step, known))
+            problems.add(mark, f"{what} '{name}': no key '{step}'{where}", nearest(step, known))
             return False
     if whole:
         problems.add(
             mark,
-            f"sweep axis '{name}' is a whole section",
+            f"{what} '{name}' is a whole section",
             f"name one value in it, e.g. `{name}.{_first(name, root)}`",
         )
         return False

@@ -257,9 +257,9 @@ def test_the_page_s_policy_allows_its_own_style_and_scripts_only(study, visit, b
     policy = page.locator("meta[http-equiv='Content-Security-Policy']").get_attribute("content")
     assert "unsafe" not in policy
     assert page.evaluate("getComputedStyle(document.querySelector('.skip')).position") == "absolute"  # styled
-    stranger = browser.new_page()  # what a text could smuggle in is refused
-    stranger.goto(file.as_uri())
-    refused = stranger.evaluate(
+    injected = browser.new_page()  # what a text could smuggle in is refused
+    injected.goto(file.as_uri())
+    refused = injected.evaluate(
         """async () => {
         const refused = new Set();
         document.addEventListener('securitypolicyviolation', (event) => refused.add(event.effectiveDirective));
@@ -272,7 +272,7 @@ def test_the_page_s_policy_allows_its_own_style_and_scripts_only(study, visit, b
         return [...refused].sort();
         }"""
     )
-    stranger.close()
+    injected.close()
     assert refused == ["img-src", "script-src-elem", "style-src-attr", "style-src-elem"]
 
 

@@ -25,7 +25,9 @@ def before(folder, pound):  # noqa: F811
 def test_the_same_is_said_and_ends_with_0(before, pound):  # noqa: F811
     code, out, err = pound("compare", "a.h5", "a.h5")
     assert (code, err) == (0, "")
-    assert out.startswith("Study: the same.\nVersions: the same.\nScenes: 0 removed, 0 added, 0 end otherwise.\n")
+    assert out.startswith(
+        "Study: the same.\nVersions: the same.\nScenes: 0 removed, 0 added, 0 with another outcome.\n"
+    )
     assert "Numbers: 0 of " in out
 
 
@@ -35,7 +37,7 @@ def test_one_scene_that_ends_otherwise(folder, pound):  # noqa: F811
     pound("run", "two.yaml", "-o", "a.h5", "-q")
     pound("run", "two.yaml", "-o", "b.h5", "-q", solve=fails)
     out = pound("compare", "a.h5", "b.h5")[1]
-    assert "Scenes: 0 removed, 0 added, 1 ends otherwise.\n" in out
+    assert "Scenes: 0 removed, 0 added, 1 with another outcome.\n" in out
 
 
 def test_a_changed_number_is_shown_with_place_and_error(before, pound):  # noqa: F811

@@ -113,7 +113,7 @@ def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound,
     monkeypatch.setattr("pounding_cli.store.open_results", fault)
     code, out, err = pound("show", "results/two.h5", "storey", "--case", "a b", solve=None)
     assert (code, out) == (70, "")
-    assert err.startswith("error: a fault of the program: ZeroDivisionError: of a kind\n")
+    assert err.startswith("internal error: ZeroDivisionError: of a kind\n")
     assert "what this command shows: pound --debug show results/two.h5 storey --case 'a b'\n" in err
     assert "Traceback" not in err
     code, _, err = pound("--debug", "show", "results/two.h5", solve=None)
@@ -131,10 +131,10 @@ def test_an_end_of_file_is_not_taken_for_ctrl_c(done, pound, monkeypatch):  # no
     monkeypatch.setattr("pounding_cli.store.open_results", fault)
     code, _, err = pound("show", "results/two.h5", "storey", solve=None)
     assert code == 70
-    assert "error: a fault of the program: EOFError: ran out of input\n" in err
+    assert "internal error: EOFError: ran out of input\n" in err
 
 
 def test_the_exit_codes_are_told_in_the_help(folder, pound):  # noqa: F811
     _, out, _ = pound("--help", solve=None)
-    for code in ("70 a fault of the program", "141 the program that read the output"):
+    for code in ("70 an internal error", "141 the program that read the output"):
         assert code in out

@@ -71,7 +71,7 @@ STUDIES = {
     "keys without end": (BASE + "".join(f"k{n}: 1\n" for n in range(100_000)), "motions stand in files"),
     "100 MB": ("a: [" + "1, " * 33_000_000 + "1]", "a study file has at most 4 MB"),
     "a group of thousands": (changed("[stiff, soft]", f"[{many('soft', 90_000)}]"), "90000 entries"),
-    "a group of strangers": (changed("[stiff, soft]", f"[{many('x{}', 90_000)}]"), "90000 entries"),
+    "a group of unknown names": (changed("[stiff, soft]", f"[{many('x{}', 90_000)}]"), "90000 entries"),
     "floors without end": (changed("5 cm}", f"5 cm, floors: [{many('7', 90_000)}]}}"), "90000 entries"),
     "a path without end": (changed("[elcentro]", f"[motions/{'a' * 1_000_000}]"), "a path of 1000008 characters"),
     "a name without end": (changed("[elcentro]", f"[{'a' * 1_000_000}]"), "no motion 'aaa"),

@@ -30,6 +30,7 @@ ARIAS = f"{UNIT}/records/test_intensity.py::test_arias_of_a_triangle_is_exact"
 SCALING = f"{UNIT}/records/test_scaling.py::test_arias_factor_reaches_the_target_motion"
 CODE = f"{UNIT}/model/test_code_design.py"
 STIFFNESS = f"{UNIT}/model/test_stiffness.py"
+SENSITIVITY = f"{UNIT}/sensitivity/test_sensitivity_runs.py"
 
 LINKS = [
     Mutant("dashpot-mass", "eq. (7) with m' upside-down, as printed", ("is DashpotLaw", "is not DashpotLaw"), IMPACT),
@@ -80,6 +81,30 @@ LINKS = [
         "a damper of half its dashpot",
         ("dashpot=self", "dashpot=0.5 * self"),
         f"{VERIFICATION}/test_damper.py::test_two_free_masses",
+    ),
+    Mutant(
+        "friction-slips",
+        "a friction damper that slips pushes half as much",
+        ("offset=force", "offset=0.5 * force"),
+        f"{VERIFICATION}/test_connectors.py::test_friction_of_two_free_masses",
+    ),
+    Mutant(
+        "maxwell",
+        "a Maxwell damper whose dashpot takes the rate of the spring alone",
+        ("(k / c)", "(0.5 * k / c)"),
+        f"{VERIFICATION}/test_connectors.py::test_maxwell_of_two_free_masses",
+    ),
+    Mutant(
+        "memory-flows",
+        "the memory of a Maxwell damper moves by the first order of its rate",
+        ("product_term(p.B, rate, k - 1)", "product_term(p.B, rate, 0)"),
+        f"{VERIFICATION}/test_connectors.py::test_maxwell_of_two_free_masses",
+    ),
+    Mutant(
+        "viscous",
+        "the power of a viscous damper is that of the square root of the rate",
+        ("0.25 * (a - 1.0)", "0.125 * (a - 1.0)"),
+        f"{VERIFICATION}/test_connectors.py::test_viscous_of_two_free_masses",
     ),
     Mutant(
         "link-that-strikes",
@@ -628,4 +653,21 @@ HISTORIES = [
     ),
 ]
 
-MUTANTS: list[Mutant] = LINKS + STOREYS + MOTION + ENERGY + METHODS + DESIGN + GROUND + OTHERS + PRUNING + HISTORIES
+ANSWERS = [
+    Mutant(
+        "harder-try",
+        "a scene that failed is not solved more finely",
+        ("task._caught(scene, task.respond, scene, False)", "response"),
+        f"{SENSITIVITY}::test_scenes_that_a_harder_try_cures_cost_no_index",
+    ),
+    Mutant(
+        "level-of-morris",
+        "a level of Morris stands for the low end of its share of the probability",
+        ("+ 0.5", "+ 0.0"),
+        f"{SENSITIVITY}::test_morris_ranks_the_keys",
+    ),
+]
+
+MUTANTS: list[Mutant] = [
+    *LINKS, *STOREYS, *MOTION, *ENERGY, *METHODS, *DESIGN, *GROUND, *OTHERS, *PRUNING, *HISTORIES, *ANSWERS,
+]  # fmt: skip

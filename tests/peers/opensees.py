@@ -15,11 +15,15 @@ from pathlib import Path
 import numpy as np
 import openseespy.opensees as ops
 
+from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.scene import Scene
 
 IMPLICIT = "Newmark"
 EXPLICIT = {"NewmarkExplicit": (0.5,), "KRAlphaExplicit": (1.0,), "CentralDifferenceAlternative": ()}
 """Explicit integrators that are right across a gap, with their parameters."""
+
+SERIES = 1e10
+"""Spring in series with a viscous damper [N/m]: with 1e12 OpenSees gives up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +123,16 @@ def _buildings(scene: Scene) -> tuple[list[list[int]], list[int]]:
     return nodes, storeys
 
 
+def _damper(tag: int, law: LinkLaw) -> None:
+    """`ViscousDamper` has a spring in series, here SERIES, that nothing turns off."""
+    if law.name == "maxwell":
+        ops.uniaxialMaterial("Maxwell", tag, law.stiffness, law.damping_coefficient, 1.0, 1.0)
+    elif law.name == "friction":
+        ops.uniaxialMaterial("Steel01", tag, law.slip_force, law.stiffness, 0.0)
+    else:
+        ops.uniaxialMaterial("ViscousDamper", tag, SERIES, law.force_at_1_m_s, law.exponent)
+
+
 def _links(scene: Scene, nodes: list[list[int]], first: int) -> list[int]:
     tags = []
     for e, link in enumerate(scene.links):
@@ -129,6 +143,11 @@ def _links(scene: Scene, nodes: list[list[int]], first: int) -> list[int]:
             scene.buildings[link.left].mass[link.left_floor - 1],
             scene.buildings[link.left + 1].mass[link.right_floor - 1],
         )
+        if link.kind in ("maxwell", "friction", "viscous"):
+            _damper(tag, link.law)
+            ops.element("zeroLength", tag, *ends, "-mat", tag, "-dir", 1)
+            tags.append(tag)
+            continue
         # Eqs (6), (7), (10) anew: c = 2 xi sqrt(s m1 m2 / (m1 + m2)).
         dashpot = 2 * link.law.damping_ratio * float(np.sqrt(link.law.stiffness * masses[0] * masses[1] / sum(masses)))
         if link.kind == "pounding":

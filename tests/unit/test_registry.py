@@ -9,7 +9,7 @@ import pytest
 from pounding_cli.cli.main import COMMANDS
 from pounding_cli.workflows import WORKFLOWS
 
-PARTS = tuple(f.name for f in fields(WORKFLOWS["run"]) if f.name not in ("name", "title", "marks", "shows"))
+PARTS = tuple(f.name for f in fields(WORKFLOWS["run"]) if f.name not in ("name", "title", "marks", "shows", "sampled"))
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS.values(), ids=str)

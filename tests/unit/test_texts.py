@@ -1,4 +1,4 @@
-"""Texts from strangers as file names, on the screen, in cells and in Markdown."""
+"""Untrusted texts as file names, on the screen, in cells and in Markdown."""
 
 from __future__ import annotations
 

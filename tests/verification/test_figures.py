@@ -1,4 +1,4 @@
-"""Figs 6 and 7 themselves: the accuracy asked is kept, and a stranger, central difference, finds the same."""
+"""Figs 6 and 7 themselves: the accuracy asked is kept, and central difference, which shares no code, gives the same."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The family of methods: declared orders, stability limits, agreement with one another and with strangers."""
+"""The family of methods: declared orders, stability limits, agreement with one another and with other programs."""
 
 from __future__ import annotations
 

@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from pounding_cli import __version__
 from pounding_cli.numbers import counted
 from pounding_cli.report.answer_page import AnswerPage
+from pounding_cli.report.claim_tables import Column
 from pounding_cli.report.evidence import Evidence, Tables, motion_label, motion_sentence
 from pounding_cli.report.figures import drawn_part
-from pounding_cli.report.sensitivity import Column
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer

@@ -90,7 +90,7 @@ def test_highest_is_the_largest_value_inside(tail, absolute, end):
 
 
 def test_two_turning_points_between_slopes_of_one_sign():
-    """10 s (s - 1/2) (s - 1) rises at both ends and is highest between. Fails if end slopes alone prove monotony."""
+    """10 s (s - 1/2) (s - 1) rises at both ends and is highest between. Fails if end slopes alone decide."""
     c = np.array([0.0, 5.0, -15.0, 10.0])
     assert peak(c, 1.0, 0.0, False) == pytest.approx(10 * np.sqrt(3) / 36, abs=1e-12)
 

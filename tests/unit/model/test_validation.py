@@ -90,7 +90,7 @@ def test_restitution(restitution):
 @pytest.mark.parametrize(
     ("change", "word"),
     [
-        ({"mass": 0.0}, "mass is 0; give a value above zero, or set sways to False"),
+        ({"mass": 0.0}, "mass is 0 kg; it must be finite and above zero, or set sways to False"),
         ({"rocking_stiffness": 0.0}, "set rocks to False"),
         ({"sway_damping": -1.0}, "sway_damping is -1"),
         ({"inertia": math.nan}, "inertia"),

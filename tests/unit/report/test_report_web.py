@@ -14,9 +14,9 @@ from report_fakes import LEVEL, MOTIONS, PUSH, make
 from pounding_cli.laws.connector import Connector
 from pounding_cli.numbers import Unit
 from pounding_cli.report.build import nominal, write_report
+from pounding_cli.report.claim_tables import judge_points
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import points
-from pounding_cli.report.sensitivity import judge_points
 from pounding_cli.report.web import data as packing
 from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside

@@ -146,14 +146,14 @@ FORGED = {
     "title no UTF-8": (not_utf8("title"), "an attribute is no UTF-8"),
     "swept keys no names": (attribute("swept", "[[3]]"), "its swept is no list of names"),
     "swept keys no list": (attribute("swept", "3"), "does not hold what results hold"),
-    "link of a stranger": (value("link_left", 0, "tower"), "its link_left and link_right name no neighbours"),
+    "link of an unknown building": (value("link_left", 0, "tower"), "its link_left and link_right name no neighbours"),
     "link to itself": (value("link_right", 0, "stiff"), "its link_left and link_right name no neighbours"),
     "link at no floor": (value("link_floor", 0, 7), "its link_floor is no floor"),
     "gap without end": (value("gap", (0, 0), np.inf), "its gap is not finite"),
     "storeys from 0": (value("storey", 0, 0), "its storey does not count from 1"),
     "a case twice": (value("case", 0, "gap"), "its case names one twice"),
     "an analysis twice": (value("analysis", 0, "inelastic"), "its analysis names one twice"),
-    "an analysis of a stranger": (value("analysis", 0, "plastic"), "its analysis is not one of"),
+    "an unknown analysis": (value("analysis", 0, "plastic"), "its analysis is not one of"),
     "cases of another study": (
         value("study/resolved", (), '{"cases": {"gap": {}, "wide": {}}}'), "its case is not that of its study"
     ),

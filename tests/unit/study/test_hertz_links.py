@@ -6,8 +6,11 @@ import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
+from pounding_cli.laws.friction import Friction
 from pounding_cli.laws.hertz import Hertz, HertzDamp, HertzDamping
 from pounding_cli.laws.jankowski import Jankowski, JankowskiDamping
+from pounding_cli.laws.maxwell import Maxwell
+from pounding_cli.laws.viscous import Viscous
 from pounding_cli.study import expand, load_study
 
 STUDY = """\
@@ -56,6 +59,28 @@ def test_a_law_is_read(tmp_path, link, law):
 
 
 @pytest.mark.parametrize(
+    ("link", "law"),
+    [
+        ("link: friction, stiffness: 100 kN/mm, slip_force: 200 kN", Friction(0.01, 1e8, 2e5)),
+        ("link: maxwell, stiffness: 100 kN/mm, damping_coefficient: 2 MN s/m", Maxwell(0.01, 1e8, 2e6)),
+        ("link: viscous, force_at_1_m_s: 1 MN, exponent: 0.3", Viscous(0.01, 1e6, 0.3)),
+        ("link: viscous, force_at_1_m_s: 1 MN, exponent: 0.3, straight_below: 0.1 mm/s", Viscous(0.01, 1e6, 0.3, 1e-4)),
+    ],
+)
+def test_a_damper_is_read(tmp_path, link, law):
+    plan = expand(study(tmp_path, link))
+    (found,) = (one.links[0].law for one in plan.scenes.values() if one.links)
+    assert found == law
+
+
+def test_friction_and_maxwell_are_as_stiff_as_a_storey_unless_given(tmp_path):
+    for link in ("link: friction, slip_force: 200 kN", "link: maxwell, damping_coefficient: 2 MN s/m"):
+        plan = expand(study(tmp_path, link))
+        (scene,) = (one for one in plan.scenes.values() if one.links)
+        assert scene.links[0].law.stiffness == max(building.stiffness.mean() for building in scene.buildings)
+
+
+@pytest.mark.parametrize(
     ("link", "said"),
     [
         ("link: hertz", "'hertz_stiffness' is missing"),
@@ -68,6 +93,16 @@ def test_a_law_is_read(tmp_path, link, law):
         (f"link: bilinear, {K}, penetration: 5 mm, restitution: 0.1", "yield_share must be below 0.0198"),
         (f"link: bilinear, {K}", "'penetration' is missing"),
         ("link: damper", "'damping_coefficient' is missing"),
+        ("link: maxwell", "'damping_coefficient' is missing"),
+        ("link: maxwell, stiffness: 1e8 N/m, damping_coefficient: 1 N s/m", "write `link: damper`"),
+        ("link: friction", "'slip_force' is missing"),
+        ("link: friction, slip_force: 0 kN", "the slip force is 0 N; it must be above 0 N"),
+        ("link: friction, slip_force: 200 kN/m", "expected N"),
+        ("link: friction, slip_force: 200 kN, damping_ratio: 0.1", "'damping_ratio' means nothing for link: friction"),
+        ("link: viscous, exponent: 0.3", "'force_at_1_m_s' is missing"),
+        ("link: viscous, force_at_1_m_s: 1 MN, exponent: 0.05", "exponent is 0.05; it must be at least 0.1"),
+        ("link: viscous, force_at_1_m_s: 1 MN, exponent: 2", "exponent is 2; it must be at least 0.1 and at most 1"),
+        ("link: viscous, force_at_1_m_s: 1 MN, exponent: 0.3, stiffness: 1e8 N/m", "'stiffness' means nothing"),
         ("link: damper, damping_coefficient: 2e6 N/m", "expected N s/m"),
         ("link: damper, damping_coefficient: 2 MN s/m, stiffness: 3 kN/mm", "'stiffness' means nothing"),
         ("link: damper, damping_coefficient: 2 MN s/m, damping_ratio: 0.2", "'damping_ratio' means nothing"),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pounding_cli.study import fragility_keys, gap_keys, load_study, record_schema, schema
+from pounding_cli.study import fragility_keys, gap_keys, load_study, record_schema, schema, sensitivity_keys
 from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import RANGES, shown
 
@@ -32,6 +32,7 @@ MODELS = {
     "`keep.histories`": schema.HistoriesSpec,
     "`fragility`": fragility_keys.FragilitySpec,
     "`gap`": gap_keys.GapSpec,
+    "`sensitivity`": sensitivity_keys.SensitivitySpec,
     "`gap.asce7`": gap_keys.Asce7Spec,
     "`gap.gb50011`": gap_keys.Gb50011Spec,
 }

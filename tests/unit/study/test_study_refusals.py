@@ -175,7 +175,7 @@ CASES = {
         "'inertia' is missing: 'rocking_stiffness' needs it",
         "above 0",
     ),
-    "group of strangers": (
+    "group of unknown names": (
         GROUP,
         "group: [stiff, §sofft]",
         "no building 'sofft' is defined",
@@ -229,7 +229,8 @@ CASES = {
         GAP,
         "gap: §{gap: 5 cm}",
         "'link' is missing",
-        "`link: pounding`, infill, connector, damper, hertz, hertz-damp, jankowski, bilinear or none",
+        "`link: pounding`, infill, connector, damper, viscous, maxwell, friction, hertz, hertz-damp, jankowski, "
+        "bilinear or none",
     ),
     "case without gap": (GAP, "gap: §{link: pounding}", "'gap' is missing", "gap: 0 cm"),
     "unknown link": (GAP, "gap: {link: §bumper, gap: 5 cm}", "'bumper' is not known", "'pounding', 'infill'"),
@@ -597,7 +598,7 @@ def test_problem_inside_a_record_file_keeps_its_own_place(refused, tmp_path):
 
 
 def test_everything_in_one_go(refused):
-    """Problems in six sections, of the file, of its meaning and of its sweep: none hides another."""
+    """Problems in six sections, in syntax, values and sweep, are all reported."""
     problems = refused(
         ("taft", "tafft"),
         ("0.36 s", "0.36 kg"),

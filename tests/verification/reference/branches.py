@@ -14,8 +14,10 @@ from scipy.optimize import brentq
 from pounding_cli.model.scene import Scene
 from reference.assembly import Coordinates, coordinates, reduced_mass
 
-ACTING = ("on", "beyond", "gaining", "parting", "yielding", "unloading", "returning")
+ACTING = ("on", "beyond", "gaining", "parting", "yielding", "unloading", "returning", "up", "down")
 """Branches of a link whose force acts."""
+JOINED = ("connector", "damper", "viscous", "maxwell", "friction")
+"""Links that act at all times."""
 HERTZ = ("hertz", "hertz-damp", "jankowski")
 PRESSED = 0.03
 """Compression [m] up to which `fastest` holds for a Hertz contact."""
@@ -61,9 +63,11 @@ class Branches:
     storey : 0 elastic, +1 or -1 yielding that way; plastic : plastic drift [m] of an elastic storey
     link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap), "gaining"
         (Hertz contact whose approach speed is the largest so far), "parting" (of floors that approach no longer);
-        "yielding", "unloading", "returning" of a bilinear contact
+        "yielding", "unloading", "returning" of a bilinear contact; "up" and "down" of a friction damper that slips, and
+        of a viscous one, as the floors close and part
     speed : largest approach speed of the present contact [m/s] by link, where it no longer grows; of a bilinear
-        contact the closing at which it last turned [m] and its force there [N], as a pair
+        contact the closing at which it last turned [m] and its force there [N], as a pair; slip of a
+        friction damper [m]
     """
 
     storey: np.ndarray
@@ -80,13 +84,15 @@ class Laws:
         self.c: Coordinates = coordinates(scene)
         self.elastic = str(scene.analysis) == "elastic"
         self.reduced = [reduced_mass(scene, e) for e in range(len(scene.links))]
+        self.pushed: Any = None  # impulse of every link so far [N s]
         self.offset = np.array([e.gap if e.kind in ("pounding", "bilinear", *HERTZ) else 0.0 for e in scene.links])
 
     def begin(self) -> Branches:
         """At rest: nothing has yielded, only connectors act."""
         storeys = self.c.stiffness.size
-        links = ["on" if e.kind in ("connector", "damper") else "open" for e in self.scene.links]
-        return Branches(np.zeros(storeys, int), np.zeros(storeys), links)
+        links = ["up" if e.kind == "viscous" else "on" if e.kind in JOINED else "open" for e in self.scene.links]
+        slips = {e: 0.0 for e, link in enumerate(self.scene.links) if link.kind == "friction"}
+        return Branches(np.zeros(storeys, int), np.zeros(storeys), links, slips)
 
     def shears(self, drift: np.ndarray, b: Branches) -> np.ndarray:
         """Storey shears [N], a k D + (1 - a) k (D - Dp), D - Dp = +-Dy while yielding; (storeys, times)."""
@@ -120,6 +126,15 @@ class Laws:
             return spring * (1 + zeta * (1.0 if branch == "gaining" else rate / (speed or {})[e]))
         if link.name == "damper":
             return link.damping_coefficient * rate + 0.0 * v
+        if link.name == "viscous":
+            side = 1.0 if branch == "up" else -1.0
+            return side * link.force_at_1_m_s * np.maximum(side * rate, 0.0) ** link.exponent
+        if link.name == "maxwell":  # what the dashpot has given is the impulse over c
+            return link.stiffness * (v - self.pushed[e] / link.damping_coefficient)
+        if link.name == "friction":
+            if branch == "on":
+                return link.stiffness * (v - (speed or {})[e])
+            return (1.0 if branch == "up" else -1.0) * link.slip_force + 0.0 * v
         if link.name == "bilinear":
             k1, k2, limit = bilinear_lines(link)
             if branch == "unloading":
@@ -160,7 +175,7 @@ class Laws:
         for e, link in enumerate(each.law for each in self.scene.links):
             if b.link[e] not in ACTING:
                 continue
-            if link.name in HERTZ or (link.name == "infill" and b.link[e] == "on"):
+            if link.name in (*HERTZ, "viscous", "maxwell") or (link.name == "infill" and b.link[e] == "on"):
                 curved.append(e)
                 continue
             # Two values of a straight line give the line.
@@ -183,7 +198,7 @@ class Laws:
                     s = 1.5 * link.hertz_stiffness * PRESSED**0.5
                 elif link.name == "bilinear":
                     s = bilinear_lines(link)[0]
-                elif link.name == "damper":
+                elif link.name in ("damper", "viscous"):
                     s = 0.0
                 else:
                     s = max(link.stiffness, link.impact_stiffness) if link.name == "infill" else link.stiffness
@@ -209,7 +224,8 @@ class Laws:
         v, v_rate = c.closing @ q - self.offset[:, None], c.closing @ rate
         for e, link in enumerate(each.law for each in self.scene.links):
             branch = b.link[e]
-            if link.name in ("connector", "damper"):
+            if link.name in JOINED:
+                out += self.slip_guards(e, v[e], v_rate[e], b)
                 continue
             damped = link.name == "hertz-damp"
             if branch == "open":
@@ -253,6 +269,18 @@ class Laws:
             return [(("link", e, "press"), -pulls)]
         return [(("link", e, "gaining"), v_rate - b.speed[e]), (("link", e, "cut"), pulls)]
 
+    def slip_guards(self, e: int, v: np.ndarray, v_rate: np.ndarray, b: Branches) -> list[tuple[tuple, np.ndarray]]:
+        """A friction damper slips beyond its force and sticks again where it turns back; a viscous one turns."""
+        link, branch = self.scene.links[e].law, b.link[e]
+        if branch == "up":
+            return [(("link", e, "down" if link.name == "viscous" else "on"), -v_rate)]
+        if branch == "down":
+            return [(("link", e, "up" if link.name == "viscous" else "on"), v_rate)]
+        if link.name != "friction":
+            return []
+        reach, limit = v - b.speed[e], link.slip_force / link.stiffness
+        return [(("link", e, "up"), reach - limit), (("link", e, "down"), -reach - limit)]
+
     def bilinear_guards(self, e: int, v: np.ndarray, v_rate: np.ndarray, b: Branches) -> list[tuple[tuple, np.ndarray]]:
         """Up to the lines K1 v, K2 v + (K1 - K2) dy and K2 v, and back at turning points."""
         branch, (k1, k2, limit) = b.link[e], bilinear_lines(self.scene.links[e].law)
@@ -279,6 +307,9 @@ class Laws:
         if to == "unloading":
             turned = float(self.c.closing[i] @ q - self.offset[i])
             new.speed[i] = turned, float(self.link_law(i, turned, 0.0, b.link[i], b.speed))
+        if what == "link" and self.scene.links[i].kind == "friction" and to == "on":
+            slips = self.scene.links[i].law.slip_force / self.scene.links[i].law.stiffness
+            new.speed[i] = float(self.c.closing[i] @ q) - (slips if b.link[i] == "up" else -slips)
         if what == "storey":
             if to == 0:
                 new.plastic[i] = self.c.drift[i] @ q - b.storey[i] * self.c.yield_drift[i]

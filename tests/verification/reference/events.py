@@ -62,6 +62,10 @@ class _Run:
     def split(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return y[: self.n], y[self.n : 2 * self.n]
 
+    def impulses(self, y: np.ndarray) -> np.ndarray:
+        """Of every link so far [N s]."""
+        return y[2 * self.n : 2 * self.n + self.links]
+
     def freeze(self) -> None:
         """Constant matrices of the current branches."""
         self.k, self.damping, self.f, self.curved = self.laws.linear(self.b)
@@ -82,6 +86,7 @@ class _Run:
     def slope(self, t: float, y: np.ndarray) -> np.ndarray:
         q, rate = self.split(y)
         c, a_g = self.c, self.ground(t)
+        self.laws.pushed = self.impulses(y)
         out = np.empty_like(y)
         out[: self.n], out[self.n : 2 * self.n] = rate, self.acceleration(q, rate, a_g)
         closing_rate = c.closing @ rate
@@ -100,6 +105,7 @@ class _Run:
         """Everything whose largest value is wanted, (quantities, times)."""
         q, rate = y[: self.n], y[self.n : 2 * self.n]
         c, a_g = self.c, self.ground(t)
+        self.laws.pushed = self.impulses(y)
         drift, closing = c.drift @ q, c.closing @ q
         force = self.laws.link_forces(closing - self.laws.offset[:, None], c.closing @ rate, self.b)
         total = self.acceleration(q, rate, a_g)[self.floors] + a_g
@@ -146,6 +152,7 @@ class _Run:
 
     def guards(self, t: np.ndarray, y: np.ndarray) -> list[tuple[tuple, np.ndarray]]:
         q, rate = y[: self.n], y[self.n : 2 * self.n]
+        self.laws.pushed = self.impulses(y)
         return self.laws.guards(q, rate, self.b, lambda: self.acceleration(q, rate, self.ground(t)))
 
     def guard(self, number: int, begin: float, t: float, dense) -> float:
@@ -194,6 +201,7 @@ class _Run:
         if what == "link" and to in ("on", "gaining") and self.b.link[e] == "open":
             self.impacts[e] += 1
         q, rate = self.split(self.y)
+        self.laws.pushed = self.impulses(self.y)
         self.b = self.laws.apply(change, q, rate, self.b, lambda: self.acceleration(q, rate, self.ground(t)))
 
     def result(self) -> Result:

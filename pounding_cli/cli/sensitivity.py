@@ -1,0 +1,58 @@
+"""`pound sensitivity`: what matters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pounding_cli.cli.answering import FEW_POINTS, answer_command, print_outcome, print_table
+from pounding_cli.numbers import counted
+
+if TYPE_CHECKING:
+    from pounding_cli.batch import Outcome
+
+
+@answer_command("sensitivity")
+def command(path: Path, outcome: Outcome) -> None:
+    """What decides the numbers of STUDY, where some of its keys are uncertain.
+
+    The keys stand under `uncertain:` with the distribution of each; `motion: any` lets the motion vary too. What is
+    looked at stands under `sensitivity:`, e.g. `outputs: [largest mu in soft]`. Quasi-random samples are solved like a
+    sweep; Sobol's indices say which part of the variance each key explains, those of Morris screen many keys cheaply.
+
+    A scene that fails is solved once more, a hundred times as finely; where it fails again its outputs get no index.
+    After Ctrl-C, a crash or a full disk the same command continues from what was solved.
+    Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
+
+    \b
+    Example:
+      pound sensitivity study.yaml
+      pound show results/study-sensitivity.h5 sensitivity
+      pound report results/study-sensitivity.h5
+    """
+    from pounding_cli.report.sensitivity_text import cells, heads, method_of, notes, parts, spread_sentence
+    from pounding_cli.store import open_results
+    from pounding_cli.store.sensitivity import INDICES, OUTPUTS
+
+    results = open_results(path)
+    answer = results.answer(INDICES)
+    among = [key for key in results.axes if key in answer.frame]
+    click.echo(results.title)
+    found = list(parts(results, answer.frame, among))
+    for part in found[:FEW_POINTS]:
+        click.echo(f"{part.output}{f' [{part.unit}]' if part.unit else ''}{f', {part.words}' if part.words else ''}")
+        if part.outcome == "found":
+            print_table(heads(answer), cells(answer, part), words=1)
+        else:
+            click.echo(f"  {part.outcome}")
+    if len(found) > FEW_POINTS:
+        click.echo(f"{len(found) - FEW_POINTS} further outputs, cases and points: pound show {path} {INDICES}")
+    if method_of(answer) == "sobol":
+        for row in results.answer(OUTPUTS).frame.to_dict("records")[:FEW_POINTS]:
+            click.echo(spread_sentence(row))
+    for note in notes(results):
+        click.echo(note)
+    samples = counted(int(answer.frame["samples"].iloc[0]), "sample")
+    print_outcome(outcome, f"{samples}; scenes")

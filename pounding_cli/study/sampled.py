@@ -1,0 +1,62 @@
+"""A study at chosen points: one more axis, on which all keys that vary move together."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.study.load import Study, validated
+from pounding_cli.study.sweep import SweepAxis
+from pounding_cli.study.varied import Factor
+
+MOST_TOLD = 3
+"""Problems of samples that are told one by one."""
+
+
+def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray) -> Study:
+    """The study with an axis, its last, of some points.
+
+    factors : the keys that vary
+    points : u of every factor, between 0 and 1, shape (points, factors); no two come to the same values
+
+    Raises
+    ------
+    InputError : the study is not sound at one of them
+    """
+    names = tuple(factor.key for factor in factors)
+    nodes = tuple(tuple(factor.node(u) for factor, u in zip(factors, row, strict=True)) for row in points.tolist())
+    axis = SweepAxis(names, nodes, tuple(factor.unit for factor in factors))
+    try:
+        found = validated(study.path, study.text, study.resolver.root, axis)
+    except InputError as error:
+        raise _few(error, len(points)) from None
+    return dataclasses.replace(found, warnings=study.warnings, from_data=study.from_data, written=study)
+
+
+def _few(error: InputError, points: int) -> InputError:
+    """The first problems of many samples, which are mostly one."""
+    told = error.problems[:MOST_TOLD]
+    if len(told) == len(error.problems):
+        return error
+    first = told[0]
+    hint = "narrow the ranges so that every sample is sound"
+    more = Problem(f"and more problems like these at {points} samples", hint, first.file, first.line, first.column)
+    return InputError([*told, more])
+
+
+def distinct(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points that differ in what stands in the study, in the order in which they come first, shape (n, factors);
+    and of every point its place among them, shape (points,)."""
+    first: dict[tuple[str, ...], int] = {}
+    kept: list[int] = []
+    places = np.empty(len(points), dtype=int)
+    for number, row in enumerate(points.tolist()):
+        values = tuple(repr(factor.node(u).plain()) for factor, u in zip(factors, row, strict=True))
+        if values not in first:
+            first[values] = len(kept)
+            kept.append(number)
+        places[number] = first[values]
+    return points[kept], places

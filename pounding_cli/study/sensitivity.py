@@ -1,0 +1,211 @@
+"""`pound sensitivity`: what a study asks, checked, its samples, and the scenes that they take."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pounding_cli.study.expand import expand
+from pounding_cli.study.expression import Expression, NotUnderstood, read_expression
+from pounding_cli.study.load import Study
+from pounding_cli.study.plan import Plan
+from pounding_cli.study.problems import Problems
+from pounding_cli.study.resolve import places
+from pounding_cli.study.sampled import at_points, distinct
+from pounding_cli.study.sensitivity_keys import SensitivitySpec
+from pounding_cli.study.varied import MOTION, Factor, choice_of, read_uncertain
+
+SAMPLES = {"sobol": 256, "morris": 32}
+"""Base samples unless the study says how many."""
+
+MOST_POINTS = 200_000
+
+_LEAST_LEVELS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What `pound sensitivity` is asked of a study.
+
+    spec : its section
+    factors : the keys that vary, the choice of motion among them
+    outputs : the numbers looked at
+    motions : names of the motions
+    """
+
+    spec: SensitivitySpec
+    factors: tuple[Factor, ...]
+    outputs: tuple[Expression, ...]
+    motions: tuple[str, ...]
+
+    @property
+    def samples(self) -> int:
+        """Base samples."""
+        return self.spec.samples or SAMPLES[self.spec.method]
+
+    @property
+    def keys(self) -> tuple[Factor, ...]:
+        """The factors that are keys of the study."""
+        return tuple(factor for factor in self.factors if factor.key != MOTION)
+
+    @property
+    def motion(self) -> int | None:
+        """The number of the factor that chooses the motion; None where every motion is run at every point."""
+        return next((n for n, factor in enumerate(self.factors) if factor.key == MOTION), None)
+
+    @property
+    def levels(self) -> int:
+        """Levels of the method of Morris: even, and as many as the longest choice has options."""
+        most = max(_LEAST_LEVELS, *(self.options))
+        return most + most % 2
+
+    @property
+    def options(self) -> tuple[int, ...]:
+        """How many values each factor chooses from; 0 of a continuous one."""
+        return tuple(len(self.motions) if factor.key == MOTION else factor.options for factor in self.factors)
+
+    @property
+    def problem(self) -> dict[str, Any]:
+        """The unit cube, as SALib has it."""
+        return {
+            "num_vars": len(self.factors),
+            "names": [factor.key for factor in self.factors],
+            "bounds": [[0.0, 1.0]] * len(self.factors),
+        }
+
+    @cached_property
+    def grid(self) -> np.ndarray:
+        """The samples as SALib draws them, shape (samples, factors)."""
+        if self.spec.method == "morris":
+            from SALib.sample import morris
+
+            return morris.sample(self.problem, self.samples, num_levels=self.levels, seed=self.spec.seed)
+        from SALib.sample import sobol
+
+        return sobol.sample(self.problem, self.samples, calc_second_order=False, seed=self.spec.seed)
+
+    @cached_property
+    def cube(self) -> np.ndarray:
+        """The samples in the unit cube, shape (samples, factors).
+
+        Levels of Morris run from 0 to 1, where many distributions have no value: each stands for the middle of an equal
+        share of the probability.
+        """
+        if self.spec.method != "morris":
+            return self.grid
+        return (np.rint(self.grid * (self.levels - 1)) + 0.5) / self.levels  # fault: level-of-morris
+
+    @cached_property
+    def _distinct(self) -> tuple[np.ndarray, np.ndarray]:
+        columns = [n for n, factor in enumerate(self.factors) if factor.key != MOTION]
+        return distinct(self.keys, self.cube[:, columns])
+
+    @property
+    def points(self) -> np.ndarray:
+        """The different points that the samples need, shape (points, keys)."""
+        return self._distinct[0]
+
+    @property
+    def place(self) -> np.ndarray:
+        """Of every sample its point, shape (samples,)."""
+        return self._distinct[1]
+
+    @property
+    def record(self) -> np.ndarray | None:
+        """Of every sample the number of its motion, shape (samples,); None: all."""
+        return None if self.motion is None else choice_of(self.cube[:, self.motion], len(self.motions))
+
+
+def expand_sensitivity(study: Study) -> Plan:
+    """The scenes of all samples.
+
+    Raises
+    ------
+    InputError : no key that varies, no output, or one that is not understood; a sample at which the study is not sound
+    """
+    question = question_of(study)
+    sampled = at_points(study, question.keys, question.points)
+    record = question.record
+    if record is None:
+        plan = expand(sampled)
+    else:
+        wanted = set(zip(question.place.tolist(), (question.motions[n] for n in record), strict=True))
+        plan = expand(sampled, asks=lambda point, name: (point[-1], name) in wanted)
+    return dataclasses.replace(plan, workflow="sensitivity", harder=True)
+
+
+def question_of(study: Study) -> Question:
+    """What a study asks.  Raises `InputError` as `expand_sensitivity`, but for samples that are not sound."""
+    spec: SensitivitySpec = study.model.sensitivity  # type: ignore[attr-defined]  # a section that the registry adds
+    problems, root = Problems(study.resolver.file), study.resolver.root
+    node = root.get("uncertain")
+    factors = read_uncertain(node, root, problems) if node is not None and node.value is not None else []
+    motions = tuple(study.motions(study.resolver.base))
+    if len(factors) < 2 and not problems.found:
+        what = (
+            "nothing is uncertain" if not factors else f"'{factors[0].key}' alone is uncertain: it decides everything"
+        )
+        hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
+        problems.at(root, ("uncertain",), what, hint, key=True)
+    for factor in factors:
+        if factor.key == MOTION and len(motions) < 2:
+            problems.add(
+                factor.mark, "the study has one motion: there is nothing to choose", "name more under `records:`"
+            )
+    if study.model.keep is not None:
+        what = "histories cannot be kept of samples"
+        problems.at(root, ("keep",), what, "remove `keep:`; `pound run` keeps those of chosen points", key=True)
+    outputs = expressions(study, "sensitivity", "outputs", spec.outputs, problems)
+    question = Question(spec, tuple(factors), outputs, motions)
+    if factors:
+        _check_samples(question, root, problems)
+    problems.refuse()
+    return question
+
+
+def _check_samples(question: Question, root: Any, problems: Problems) -> None:
+    at, number = ("sensitivity", "samples"), question.samples
+    if question.spec.method == "sobol" and number & (number - 1):
+        low = 1 << (number.bit_length() - 1)
+        what = f"{number} samples: Sobol's sequence is even only at powers of 2"
+        problems.at(root, at, what, f"write {low} or {2 * low}")
+    points = number * (len(question.factors) + (2 if question.spec.method == "sobol" else 1))
+    if points > MOST_POINTS:
+        problems.at(root, at, f"{number} samples make {points} points", f"keep it to {MOST_POINTS}: write fewer")
+
+
+def expressions(
+    study: Study, section: str, key: str, texts: Sequence[str], problems: Problems, example: str = "[largest mu]"
+) -> tuple[Expression, ...]:
+    """The expressions of a section, over the tables of this study."""
+    root, found = study.resolver.root, {}
+    node = root.get(section, key)
+    if not texts:
+        problems.at(
+            root, (section,), f"`{section}:` lacks '{key}'", f"write e.g. `{section}: {{{key}: {example}}}`", key=True
+        )
+    names = places(study.model.group)
+    for number, text in enumerate(texts):
+        path = (section, key, number) if node is not None and node.is_list else (section, key)
+        try:
+            expression = read_expression(text, names)
+        except NotUnderstood as error:
+            problems.at(root, path, *error.args)
+            continue
+        if expression.text in found:
+            problems.at(root, path, f"'{expression}' stands twice", "remove one of the two")
+        for part in expression.quantities:
+            tall = [
+                study.building((0,) * len(study.axes), place).storeys
+                for place in (range(len(names)) if part.building is None else [part.building])
+            ]
+            if part.level > max(tall):
+                what = f"'{expression}': the highest is {max(tall)}"
+                problems.at(root, path, what, f"write a number from 1 to {max(tall)}")
+        found[expression.text] = expression
+    return tuple(found.values())

@@ -1,0 +1,201 @@
+"""`pound sensitivity` from study to tables, on scenes whose numbers are known: Ishigami's function."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+from sensitivity_studies import FIRST, STUDY, TOTAL, fails_in_a_corner, ishigami, known, write_study
+
+from pounding_cli.batch import run_plan, runner
+from pounding_cli.store import open_results
+from pounding_cli.store.sensitivity import CONSTANT, FOUND
+from pounding_cli.study import load_study
+from pounding_cli.study.sensitivity import expand_sensitivity
+
+KEYS = ["buildings.A.mass", "cases.near.gap", "buildings.A.hardening"]
+
+
+def solved(folder, text=STUDY, solve=known, motions=1, **more):
+    """Outcome and results of a study."""
+    path = write_study(folder, text, motions)
+    plan = expand_sensitivity(load_study(path))
+    outcome = run_plan(plan, folder / "r.h5", solve=solve, engine_name="serial", **more)
+    return outcome, open_results(folder / "r.h5")
+
+
+def tables(results):
+    return [results.table(name) for name in results.answers]
+
+
+def test_ishigami_within_the_confidence_given(tmp_path):
+    outcome, results = solved(tmp_path, STUDY.replace("samples: 64", "samples: 256"))
+    rows = results.table("sensitivity").set_index("key").loc[KEYS]
+    for name, wanted in (("first", FIRST), ("total", TOTAL)):
+        assert rows[name].to_numpy() == pytest.approx(wanted, abs=0.06)
+        assert (rows[f"{name}_low"].to_numpy() <= wanted).all()
+        assert (rows[f"{name}_high"].to_numpy() >= wanted).all()
+        assert (rows[f"{name}_high"] - rows[f"{name}_low"]).max() < 0.5
+    assert set(rows["outcome"]) == {FOUND}
+    assert rows["samples"].tolist() == [5 * 256] * 3
+    (output,) = results.table("sensitivity_outputs").to_dict("records")
+    assert output["mean"] == pytest.approx(3.5, abs=0.1)  # a / 2
+    variance = 49 / 8 + 0.1 * np.pi**4 / 5 + 0.01 * np.pi**8 / 18 + 0.5
+    assert output["deviation"] == pytest.approx(np.sqrt(variance), rel=0.05)
+    assert output["mean_low"] < 3.5 < output["mean_high"]
+    assert outcome.failed == 0
+
+
+def test_the_samples_are_those_that_were_solved(tmp_path):
+    _, results = solved(tmp_path)
+    samples = results.table("sensitivity_samples")
+    x = np.stack([(samples[KEYS[0]] - 1e5) / 1e5, (samples[KEYS[1]] - 0.01) / 0.01, 2 * samples[KEYS[2]]], axis=1)
+    wanted = [ishigami(np.pi * (2 * u - 1)) for u in x]
+    assert samples["output residual_drift in A"].to_numpy() == pytest.approx(wanted, abs=1e-8)
+    assert samples["independent"].sum() == 2 * 64
+
+
+def test_morris_ranks_the_keys(tmp_path):
+    text = STUDY.replace("samples: 64", "samples: 100\n  method: morris")
+    outcome, results = solved(tmp_path, text)
+    rows = results.table("sensitivity").set_index("key").loc[KEYS]
+    assert outcome.done <= 4**3 * 2 + 1  # the levels are few: linked and A alone, B once
+    # at the levels -3 pi / 4, -pi / 4, pi / 4, 3 pi / 4 the gap has the same sine squared: no effect at all
+    assert rows["mu_star"].to_numpy()[1] == pytest.approx(0.0, abs=1e-6)
+    assert rows.loc[KEYS[0], "mu_star"] > rows.loc[KEYS[2], "mu_star"] > 1
+    assert rows.loc[KEYS[2], "sigma"] > abs(rows.loc[KEYS[2], "mu"])  # it acts through mass alone
+    assert (rows["mu_star_low"] <= rows["mu_star"]).all()
+
+
+def test_the_choice_of_motion_is_a_factor(tmp_path):
+    """Of two motions of equal share, peaks 1 and 3: the output is Ishigami times the peak. By hand: with mean m and
+    variance v of Ishigami, the motion explains m^2 var(p) of (v + m^2) E(p^2) - m^2 E(p)^2."""
+    text = STUDY.replace("uncertain:\n", "uncertain:\n  motion: any\n").replace("samples: 64", "samples: 256")
+    write_study(tmp_path, text, 3)
+    (tmp_path / "g2.txt").unlink()
+    outcome, results = solved_as_written(tmp_path)
+    rows = results.table("sensitivity").set_index("key")
+    mean, variance = 3.5, 49 / 8 + 0.1 * np.pi**4 / 5 + 0.01 * np.pi**8 / 18 + 0.5
+    whole = (variance + mean**2) * 5 - mean**2 * 4
+    for name, wanted in (("first", mean**2 / whole), ("total", (mean**2 + variance) / whole)):
+        half = (rows.loc["motion", f"{name}_high"] - rows.loc["motion", f"{name}_low"]) / 2
+        assert rows.loc["motion", name] == pytest.approx(wanted, abs=min(0.12, 1.5 * half))
+    assert set(results.table("sensitivity_samples")["motion"]) == {"g1", "g3"}
+    solved_rows = results.scene()
+    assert len(solved_rows) < 0.75 * 2 * len(results.axes[KEYS[0]])  # each point with the motions of its samples
+    assert outcome.failed == 0
+
+
+def solved_as_written(folder, solve=known):
+    plan = expand_sensitivity(load_study(folder / "ishigami.yaml"))
+    outcome = run_plan(plan, folder / "r.h5", solve=solve, engine_name="serial")
+    return outcome, open_results(folder / "r.h5")
+
+
+def test_without_the_factor_all_motions_are_averaged(tmp_path):
+    text = STUDY
+    one = solved(tmp_path, text)[1].table("sensitivity_samples")["output residual_drift in A"]
+    two = solved(tmp_path, text, motions=2, replace=True)[1].table("sensitivity_samples")["output residual_drift in A"]
+    assert two.to_numpy() == pytest.approx(1.5 * one.to_numpy())
+    text = text.replace("samples: 64", "samples: 64\n  over_motions: largest")
+    most = solved(tmp_path, text, motions=2, replace=True)[1].table("sensitivity_samples")["output residual_drift in A"]
+    assert most.to_numpy() == pytest.approx(np.maximum(one, 2 * one).to_numpy())
+
+
+def test_a_failing_scene_is_solved_harder_and_then_refuses_the_index(tmp_path):
+    """Scenes near one corner fail; some of them not at a finer accuracy, which the others cannot cure."""
+    outcome, results = solved(tmp_path, solve=fails_in_a_corner)
+    rows = results.table("sensitivity")
+    assert outcome.failed > 0
+    failed = int(rows["failed"].iloc[0])
+    assert failed >= outcome.failed
+    assert set(rows["outcome"]) == {f"refused: {failed} of {5 * 64} samples gave no number"}
+    assert rows[["first", "total", "at_low"]].isna().all().all()
+    assert results.table("sensitivity_outputs")["mean"].isna().all()
+    scene = results.scene()
+    again = scene[scene["flags"].str.startswith("solved once more, 100 times as finely: event bound reached")]
+    assert len(again) > 0
+    assert set(again["accuracy"]) == {1e-6 * 0.01}
+    assert (scene["status"] != "done").sum() == outcome.failed
+    samples = results.table("sensitivity_samples")
+    assert samples["output residual_drift in A"].isna().sum() == failed
+
+
+def test_scenes_that_a_harder_try_cures_cost_no_index(tmp_path):
+    def cured(scene, accuracy=1e-6, **more):
+        if accuracy > 1e-7:
+            return fails_in_a_corner(scene, accuracy)
+        return known(scene, accuracy)
+
+    outcome, results = solved(tmp_path, solve=cured)
+    assert outcome.failed == 0
+    assert set(results.table("sensitivity")["outcome"]) == {FOUND}
+
+
+def test_an_output_that_does_not_change_has_no_index(tmp_path):
+    _, results = solved(tmp_path, STUDY.replace("[residual_drift in A]", "[mu in B]"))
+    assert set(results.table("sensitivity")["outcome"]) == {CONSTANT}
+
+
+def test_stopped_and_resumed_gives_the_same_bits(tmp_path):
+    for name in ("once", "twice"):
+        (tmp_path / name).mkdir()
+    _, once = solved(tmp_path / "once")
+    count = 0
+
+    def stops(scene, **more):
+        nonlocal count
+        count += 1
+        if count in (100, 301):
+            raise KeyboardInterrupt
+        return known(scene)
+
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            solved(tmp_path / "twice", solve=stops)
+    outcome, twice = solved(tmp_path / "twice", solve=stops)
+    assert outcome.reused > 0
+    for one, other in zip(tables(once), tables(twice), strict=True):
+        assert one.equals(other)
+    again, _ = solved(tmp_path / "twice", solve=stops)
+    assert (again.done, again.reused) == (0, outcome.done + outcome.reused)
+
+
+@pytest.mark.parametrize("engine", ["threads", "processes"])
+def test_every_engine_finds_the_same(tmp_path, monkeypatch, engine):
+    monkeypatch.setattr(runner, "WORTH_WORKERS", 0.0)
+    text = STUDY
+    _, serial = solved(tmp_path, text, solve=fails_in_a_corner)
+    plan = expand_sensitivity(load_study(tmp_path / "ishigami.yaml"))
+    outcome = run_plan(plan, tmp_path / "e.h5", solve=fails_in_a_corner, engine_name=engine, workers=2)
+    assert outcome.engine == engine
+    for one, other in zip(tables(serial), tables(open_results(tmp_path / "e.h5")), strict=True):
+        assert one.equals(other)
+
+
+def test_other_axes_have_indices_of_their_own(tmp_path):
+    text = STUDY + "sweep: {buildings.B.period: [0.5 s, 0.6 s]}\n"
+    _, results = solved(tmp_path, text)
+    rows = results.table("sensitivity")
+    assert rows["buildings.B.period"].tolist() == [0.5] * 3 + [0.6] * 3
+    first, second = (rows[rows["buildings.B.period"] == period]["total"].to_numpy() for period in (0.5, 0.6))
+    assert np.array_equal(first, second)  # the solver does not look at B
+
+
+def test_a_seed_makes_other_samples(tmp_path):
+    one = solved(tmp_path)[1].table("sensitivity_samples")
+    other = solved(tmp_path, STUDY + "  seed: 2\n", replace=True)[1].table("sensitivity_samples")
+    assert not np.isclose(one[KEYS[0]], other[KEYS[0]]).any()
+
+
+def test_points_with_equal_values_are_solved_once(tmp_path):
+    text = STUDY.replace("{uniform: {from: 10 mm, to: 20 mm}}", "{choice: [10 mm, 20 mm]}")
+    plan = expand_sensitivity(load_study(write_study(tmp_path, text)))
+    assert len(plan.axes[-1].values) < 5 * 64 * 0.95
+    assert len(set(plan.axes[-1].values)) == len(plan.axes[-1].values)
+    assert dataclasses.asdict(plan.axes[-1])["names"] == tuple(KEYS)
