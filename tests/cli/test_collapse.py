@@ -35,7 +35,8 @@ def test_run_show_and_compare(folder, pound):  # noqa: F811
         assert (cells["records_used"], cells["records_collapsed"]) == ("1", "1")
     pound("run", "two.yaml", "-o", "b.h5", "-q", solve=known)
     out = pound("compare", "a.h5", "b.h5")[1]
-    assert "1 ends otherwise" in out
+    assert "1 with another outcome." in out
+    assert "gap, inelastic, strong: collapsed" in out
 
 
 def test_export_and_page(folder, pound):  # noqa: F811
