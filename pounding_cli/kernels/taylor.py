@@ -106,7 +106,7 @@ from pounding_cli.kernels.peaks import sample, track, widen_ranges
 from pounding_cli.kernels.polynomial import NEVER
 from pounding_cli.kernels.program_series import programs_frame, room_for_programs
 from pounding_cli.kernels.program_step import PLAIN_STEP, no_program_step, program_step
-from pounding_cli.kernels.recurrence import expand, renew_scale, rescale, shrink
+from pounding_cli.kernels.recurrence import expand, is_finite, renew_scale, rescale, shrink
 from pounding_cli.kernels.simd import further, load, no_inline, pointer, splat, store
 from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.summary import end_at_event, summarise
@@ -119,7 +119,13 @@ MAX_ORDER = 30
 _ROWS = MAX_ORDER + 2
 
 SHORTEST = 1e-14
-"""Part of a step [-] below which shortening it would not let time go on."""
+"""Part of a step, and of a segment, [-] below which shortening a step would not let time go on."""
+
+MOST_TRIES = 6
+"""Times that a step whose series leaves the range of doubles is made shorter, by `MUCH_SHORTER` each: what has next to
+no mass may be so fast that the powers of its frequency overflow."""
+
+MUCH_SHORTER = 1e-4
 
 FEW_PIECES = 0.1
 """Part of a step [-] above which what is left of it is gone through in equal pieces: of a few, one less than might be
@@ -223,6 +229,14 @@ def _begin_step(run):
 
 
 @njit(**PART)
+def _scale_step(run, ratio):
+    """Make the step `ratio` times as long."""
+    run.clock[H] *= ratio
+    run.clock[INVERSE_H] /= ratio
+    run.clock[GROUND_CHANGE] *= ratio
+
+
+@njit(**PART)
 def _shorten(run, terms, any_closed, cut, order, has_terms):
     """Shorten a step whose series did not become small enough; returns the part of it that is left [-]."""
     ratio = shrink(run, cut)
@@ -233,9 +247,7 @@ def _shorten(run, terms, any_closed, cut, order, has_terms):
         rescale(run, ratio, any_closed, order)
         if has_terms:
             rescale_springs(run, terms, order, ratio)
-        run.clock[H] *= ratio
-        run.clock[INVERSE_H] /= ratio
-        run.clock[GROUND_CHANGE] *= ratio
+        _scale_step(run, ratio)
         if paced:
             run.clock[LONGEST_STEP] = run.clock[H]
     return ratio
@@ -273,20 +285,25 @@ def _plain_step(run, terms, settings, pinned_at_event):
     linked = run.link_stop > run.link_start
     clock = run.clock
     whole = _begin_step(run)
-    any_closed = 0
-    curved = 0
-    cut = 0
-    if linked:
-        any_closed, curved, cut = start_closings(run, pinned_at_event)
-    order, close = expand(
-        run, terms, any_closed, curved, cut, pinned_at_event, settings.tolerance, settings.max_order, has_terms
-    )
-    run.tally[ORDER] = order
-    if not close:
-        ratio = _shorten(run, terms, any_closed, cut, order, has_terms)
-        if not ratio > SHORTEST:
-            return STEP_BOUND if np.isfinite(ratio) else NOT_FINITE, False, False, False
-        whole = whole and ratio >= 1.0
+    shortened = False
+    for _ in range(MOST_TRIES):
+        any_closed = 0
+        curved = 0
+        cut = 0
+        if linked:
+            any_closed, curved, cut = start_closings(run, pinned_at_event)
+        order, close = expand(
+            run, terms, any_closed, curved, cut, pinned_at_event, settings.tolerance, settings.max_order, has_terms
+        )
+        run.tally[ORDER] = order
+        ratio = 1.0 if close and is_finite(run, order) else _shorten(run, terms, any_closed, cut, order, has_terms)
+        shortened = shortened or not ratio >= 1.0
+        if np.isfinite(ratio):
+            break
+        _scale_step(run, MUCH_SHORTER)
+        clock[LONGEST_STEP] = clock[H]
+    if not ratio > SHORTEST or (shortened and not clock[H] > SHORTEST * clock[SEGMENT_LENGTH]):
+        return STEP_BOUND if np.isfinite(ratio) else NOT_FINITE, False, False, False
     summarise(run, terms, order)
     storeys = inelastic and first_storey_event(run)
     link = linked and first_link_event(run)
@@ -300,7 +317,7 @@ def _plain_step(run, terms, settings, pinned_at_event):
     track(run, order, any_closed, inelastic)
     if settings.use_islands > 0:
         widen_ranges(run)
-    return -1, storeys, link, whole and clock[END] == 1.0
+    return -1, storeys, link, whole and not shortened and clock[END] == 1.0
 
 
 @njit(**PART)
