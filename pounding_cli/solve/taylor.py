@@ -163,7 +163,7 @@ def prepare(
     inelastic = all_effects or effects_of(scene).yielding
     watched = effects_of(scene).collapse
     # A collapse ends the run of all buildings at one time, so they are solved together.
-    use_islands = not (all_effects or watched) and _allows_islands(row)  # fault: stands-apart
+    use_islands = not all_effects and not watched and _allows_islands(row)  # fault: stands-apart
     least_scale = least_acceleration_scale(scene, arrays, state)
     events_at_instant = max_events_at_instant(arrays.begins[-1], arrays.links.number)
     order = max_order(tolerance)
