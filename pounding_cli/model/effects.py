@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.laws import link_laws
+from pounding_cli.model.links import APART
 from pounding_cli.model.scene import Analysis, Scene
 
 
@@ -57,7 +58,7 @@ def effects_of(scene: Scene) -> Effects:
     )
     decide(any(b.alpha > 0 for b in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(b.beta > 0 for b in buildings), "stiffness-proportional damping", "beta is 0")
-    for kind in link_laws():
+    for kind in (*link_laws(), *sorted(kinds - {*link_laws(), APART})):
         decide(kind in kinds, f"{kind} links", "the case has none")
     if links:
         damped = any(link.law.damped for link in links)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pounding_cli.laws import link_laws
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.written import WrittenJoint
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.response import COLLAPSED, LinkResponse
 
@@ -31,4 +33,5 @@ def collapse_flag(scene: Scene, time: float, building: int, storey: int) -> tupl
 
 def is_meaningless(flag: str) -> bool:
     """Whether a flag takes the meaning from all numbers of its scene."""
-    return flag.startswith(tuple(law.beyond_gap for law in link_laws().values() if law.meaningless))
+    laws: tuple[type[LinkLaw], ...] = (*link_laws().values(), WrittenJoint)
+    return flag.startswith(tuple(law.beyond_gap for law in laws if law.meaningless))
