@@ -162,7 +162,7 @@ class Prepared:
         status, steps, events, orders, seconds = self.found
         if status == layout.DONE and not np.isfinite(np.concatenate((*peaks[1:-2], peaks.samples.ravel()))).all():
             status = layout.NOT_FINITE
-        energy = balance(scene, arrays, self.before, state, self.ledger) if chosen.keeps_ledger else {}
+        energy = balance(scene, arrays, self.before, state, peaks, self.ledger) if chosen.keeps_ledger else {}
         outcome, advice = OUTCOMES[status]
         if outcome in ENDS and abs(energy.get("residual", 0.0)) > max(self.accuracy, LEDGER_BOUND):
             outcome, advice = OPEN_LEDGER
