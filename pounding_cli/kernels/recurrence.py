@@ -35,6 +35,9 @@ from pounding_cli.kernels.terms import exceeding_lanes, hand_on, spring_forces
 MIN_ORDER = 4
 """No series is shorter: the first terms of a start from rest are small and say nothing."""
 
+LARGEST = 1e300
+"""Order of a velocity [m/s] that is taken for overflow."""
+
 FORGET = 0.9
 """What is left of an acceleration as a scale after one step."""
 
@@ -286,12 +289,24 @@ def renew_scale(run):
         store(slots, at(b, c.SCALE), maximum(load(slots, at(b, c.SCALE)) * FORGET, now))
 
 
+@njit(**PART)
+def is_finite(run, order):
+    """Whether the series is within the range of doubles: beyond it the last order is not a number, and not large."""
+    total = splat(0.0)
+    for b in range(run.slot_start, run.slot_stop, 8):
+        total = total + magnitude(load(run.W, order * run.padded + b))
+    return greater(splat(LARGEST), total) == 255
+
+
 @njit(**CALLED)
 def shrink(run, cut):
-    """The fraction of a step that meets the tolerance at its highest order; rescales nothing."""
+    """The fraction of a step that meets the tolerance at its highest order; NaN where the series leaves the range of
+    doubles. Rescales nothing."""
     no_inline()
     order = run.tally[ORDER]
     worst = 0.0
+    if not is_finite(run, order):
+        return np.nan
     for k in (order - 1, order):
         number = k * run.clock[INVERSE_H]
         sizes = splat(0.0)  # in parts of what may be left out

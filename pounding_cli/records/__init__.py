@@ -1,6 +1,6 @@
 """Ground motions: reading, measuring, scaling, synthesizing, the catalogue.
 
-Importing this room is cheap: scipy and yaml are imported by the functions that need them.
+Importing this package is cheap: scipy and yaml are imported by the functions that need them.
 """
 
 from pounding_cli.records.catalogue import Entry, catalogue, entry, find, locate, names

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pounding_cli.kernels.layout import State
+from pounding_cli.kernels.layout import Peaks, State
 from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, drift_of, held_by_springs, with_points
@@ -39,8 +39,16 @@ def _in_links(scene: Scene, arrays: Arrays, state: State) -> float:
     return float(sum(link.law.held(*of) for link, *of in each))
 
 
-def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State, ledger: Ledger) -> dict[str, float]:
-    """The ledger [J]; `residual` is what is missing over the largest entry [-].
+RETURNED = 1e-4
+"""Part of the energy that storeys have held at once [-]: a run whose entries are all smaller at its end has given back
+what it took in, and what is missing is measured by what was held."""
+
+
+def balance(
+    scene: Scene, arrays: Arrays, before: dict[str, float], state: State, peaks: Peaks, ledger: Ledger
+) -> dict[str, float]:
+    """The ledger [J]; `residual` is what is missing over the largest entry [-], or over what storeys have held
+    (`RETURNED`).
 
     input : work of the ground, plus what the scene held at the start
     kinetic, stored, links_stored : held at the end; of P-Delta what the weights have lost in height counts as stored
@@ -58,5 +66,8 @@ def balance(scene: Scene, arrays: Arrays, before: dict[str, float], state: State
     }
     came, *went = book.values()
     missing, scale = came - sum(went), max(map(abs, (came, *went)))
+    most = 0.5 * float(arrays.slots.stiffness @ peaks.drift**2) if not arrays.slots.branch.any() else 0.0
+    if scale < RETURNED * most:
+        scale = most
     book["residual"] = missing / scale if scale > 0 else 0.0
     return book

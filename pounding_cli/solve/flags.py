@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from pounding_cli.laws import link_laws
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.written import WrittenJoint
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import LinkResponse
+from pounding_cli.solve.response import COLLAPSED, LinkResponse
 
 
 def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
@@ -22,6 +24,14 @@ def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
     return tuple(said)
 
 
+def collapse_flag(scene: Scene, time: float, building: int, storey: int) -> tuple[str, ...]:
+    """A sentence on the storey that collapsed, if one did."""
+    if not storey:
+        return ()
+    return (f"{COLLAPSED}: {scene.buildings[building].name} storey {storey}, at {time:.4g} s",)
+
+
 def is_meaningless(flag: str) -> bool:
     """Whether a flag takes the meaning from all numbers of its scene."""
-    return flag.startswith(tuple(law.beyond_gap for law in link_laws().values() if law.meaningless))
+    laws: tuple[type[LinkLaw], ...] = (*link_laws().values(), WrittenJoint)
+    return flag.startswith(tuple(law.beyond_gap for law in laws if law.meaningless))

@@ -156,7 +156,7 @@ class _Builder:
 
     def links(self, point: Point, case: str) -> tuple[Link, ...]:
         """The links of a case at a point."""
-        key = case, self._resolver.key(point, ("buildings", "group", "impact", ("cases", case)))
+        key = case, self._resolver.key(point, ("buildings", "group", "impact", "laws", ("cases", case)))
         found = self._links.get(key)
         if found is None:
             found = self._links_of(point, case)

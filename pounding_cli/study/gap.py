@@ -11,7 +11,7 @@ from pounding_cli.study.plan import Plan
 from pounding_cli.study.resolve import Point
 from pounding_cli.study.source import Node
 
-_BETWEEN = ("cases", "impact")
+_BETWEEN = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
 
 _ASIDE = ("bracket", "keep", "report", "claims")

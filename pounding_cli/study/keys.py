@@ -74,7 +74,7 @@ def _forms(kind: typing.Any) -> list[str]:
                 words = [f"`{word}`" for word in extra.words]
                 return [", ".join(part for part in (extra.si or "-", extra.range, *words) if part)]
             if isinstance(extra, TextForm):
-                return [extra.form]
+                return extra.form.split("; ")
         return _forms(parts[0])
     if origin is typing.Literal:
         return [f"`{word}`" for word in parts]

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Literal, get_type_hints
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, GetJsonSchemaHandler
 
 from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.laws.law import Law, Parameter
 from pounding_cli.study.base import optional
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
-from pounding_cli.study.units import Quantity
+from pounding_cli.study.units import Quantity, TextForm, refuse
 
 FROM_CASE = ("gap", "stiffness", "damping_ratio", "restitution", "tension_cut")
 """Parameters that a case gives, or `impact` where it does not, to the laws that have them."""
@@ -24,6 +24,24 @@ FROM_IMPACT = {"impact_stiffness": "stiffness", "dashpot": "dashpot"}
 
 FROM_BUILDING = ("stiffness", "yield_shear", "hardening")
 """Parameters of storeys that other keys of a building give."""
+
+
+class LawWord(TextForm):
+    """The name of a law: one of `words`, or one that the study gives a law of its own."""
+
+    def __init__(self, words: tuple[str, ...]) -> None:
+        def read(value: Any) -> str:
+            if isinstance(value, str) and value.strip() and (value != "none" or "none" in words):
+                return value.strip()
+            shown = "a mapping" if isinstance(value, dict) else "a list" if isinstance(value, list) else None
+            shown = shown or ("nothing" if value is None else f"'{str(value)[:60]}'")
+            raise refuse(f"{shown} is not known", f"write {', '.join(words)} or a name of `laws`")
+
+        form = "; ".join((*(f"`{word}`" for word in words), "NAME of `laws`"))
+        super().__init__(read, form, words)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"enum": list(self.examples)}, {"type": "string"}]}
 
 
 def own_parameters(law: type[Law]) -> Mapping[str, Parameter]:

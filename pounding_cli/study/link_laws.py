@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING, dataclass, field
 from typing import Any
 
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
+from pounding_cli.study.formulas import OwnLaws, known_laws, law_class
 from pounding_cli.study.law_keys import FROM_CASE, own_parameters, words_of
 from pounding_cli.study.problems import Path, Problems, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule, read_stiffness
@@ -22,7 +24,7 @@ class Group:
     """The buildings of a group and what else the links of a case depend on besides the case.
 
     buildings, types : buildings by place and by name; common : common floors of each pair of neighbours
-    impact : the impact element
+    impact : the impact element; laws : those of the study's own, by name
     Where the group is not sound an empty one stands in for it, so that its cases can be checked all the same:
     `buildings` and `common` are empty then, and `defined` still holds every name that the file defines.
     """
@@ -32,6 +34,7 @@ class Group:
     common: Sequence[Sequence[tuple[int, int]]]
     impact: Impact
     defined: Sequence[str]
+    laws: OwnLaws = field(default_factory=dict)
 
     @property
     def is_empty(self) -> bool:
@@ -79,7 +82,9 @@ class LawReader:
             return None
         if word == "none":
             return None
-        law = link_laws()[word]
+        law = self.known(word, where(layers, "link"))
+        if law is None:
+            return None
         gap = says(layers, "gap")
         if gap is None:
             self.refuse(
@@ -98,7 +103,10 @@ class LawReader:
         if self._conflicts(law, layers, gap=gap, stiffness=stiffness, impact_stiffness=impact):
             return None
         cut = says(layers, "tension_cut")
-        ratio, restitution = self._losses(layers)
+        losses = self._losses(law, layers)
+        if losses is None:
+            return None
+        ratio, restitution = losses
         given = {
             "gap": gap,
             "stiffness": stiffness,
@@ -114,11 +122,24 @@ class LawReader:
             if own is None:
                 return None
             values[name] = own
+        own_law = self.group.laws.get(word)
+        if own_law is not None and not own_law.sound:
+            return None
         try:
-            return law(**values)
+            return law(**values) if own_law is None else own_law.between(gap)
         except ValueError as error:
             self.refuse(layers[0].path, str(error).removeprefix("link: "), "correct it")
             return None
+
+    def known(self, word: str, path: Path) -> type[LinkLaw] | None:
+        """The class of a law by its name; notes an unknown one."""
+        law = law_class(word, self.group.laws)
+        if law is None:
+            names = known_laws(self.group.laws)
+            close = difflib.get_close_matches(word, names, 1, 0.5)
+            hint = (f"did you mean '{close[0]}'? " if close else "") + f"write {', '.join(names)} or none"
+            self.refuse(path, f"link: '{word[:60]}' is not known", f"{hint}; a law of your own stands under `laws`")
+        return law
 
     def _conflicts(self, law: type[LinkLaw], layers: list[Layer], **values: float) -> bool:
         """Note what a law says is wrong with values that are each in their range; whether there was something."""
@@ -129,7 +150,10 @@ class LawReader:
         return conflict is not None
 
     def _refuse_keys_of_others(self, word: str, law: type[LinkLaw], layers: list[Layer]) -> None:
-        """Note keys that belong to another law than the layer's own."""
+        """Note keys that belong to another law, where they are said of this one: beside its name, or nearer."""
+        named = next(number for number, layer in enumerate(layers) if "link" in layer.spec.model_fields_set)
+        nearer = [] if isinstance(layers[named].spec, ListedLink) else layers[:named]
+        said = [*nearer, layers[named], *(layer for layer in layers[named + 1 :] if layer.spec.link == word)]
         own = own_parameters(law)
         others: dict[str, list[str]] = {}
         for owner in link_laws().values():
@@ -138,14 +162,14 @@ class LawReader:
         unused = [name for name in ("stiffness", "tension_cut") if name not in law.parameters()]
         if not {"damping_ratio", "restitution"} & law.parameters().keys():
             unused += ["damping_ratio", "restitution"]
-        for layer in layers:
+        for layer in said:
             for name in unused:
-                if layer.spec.link == word and getattr(layer.spec, name, None) is not None:
+                if getattr(layer.spec, name, None) is not None:
                     message = f"'{name}' means nothing for link: {word}"
                     needed = ", ".join((*own, *(n for n in FROM_CASE if n in law.parameters())))
                     self.refuse((*layer.path, name), message, f"remove it; {word} takes {needed}", key=True)
             for name in others.keys() & layer.spec.model_fields_set:
-                if layer.spec.link == word and getattr(layer.spec, name) is not None:
+                if getattr(layer.spec, name) is not None:
                     owners = (f"{'an' if one[0] in 'aeio' else 'a'} {one}" for one in others[name])
                     message = f"'{name}' means nothing for link: {word}"
                     hint = f"remove it; it belongs to {' and '.join(owners)}"
@@ -185,13 +209,23 @@ class LawReader:
         default = read_stiffness(rule) if rule else self.group.impact.stiffness
         return self.value(default, ("impact", "stiffness"))
 
-    def _losses(self, layers: list[Layer]) -> tuple[float, float]:
-        """(damping ratio, coefficient of restitution) of a link: the nearest layer gives one, the other follows."""
-        speakers: list[LinkSpec | ListedLink | Impact] = [*(layer.spec for layer in layers), self.group.impact]
+    def _losses(self, law: type[LinkLaw], layers: list[Layer]) -> tuple[float, float] | None:
+        """(damping ratio, coefficient of restitution) of a link: the nearest layer gives one, the other follows. None,
+        and noted, where a law that has no damping ratio would take its e from one: the ratio is that of Kelvin and
+        Voigt."""
+        speakers: list[tuple[LinkSpec | ListedLink | Impact, Path]] = [
+            *((layer.spec, layer.path) for layer in layers), (self.group.impact, ("impact",))
+        ]  # fmt: skip
         restitution = self.group.impact.restitution
-        for spec in speakers:
+        asked = {"damping_ratio", "restitution"} & law.parameters().keys()
+        for spec, path in speakers:
             given = spec.model_fields_set
             if "damping_ratio" in given and spec.damping_ratio is not None:
+                if asked == {"restitution"}:
+                    message = f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'"
+                    hint = f"write `restitution: {restitution_of(spec.damping_ratio):.3g}`, the e of that ratio there"
+                    self.refuse((*path, "damping_ratio"), message, hint, key=True)
+                    return None
                 return spec.damping_ratio, restitution_of(spec.damping_ratio)
             if "restitution" in given and spec.restitution is not None:
                 restitution = spec.restitution

@@ -10,6 +10,7 @@ from pounding_cli.laws import link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.links import Link
 from pounding_cli.numbers import counted
+from pounding_cli.study.formulas import law_class
 from pounding_cli.study.law_keys import own_parameters
 from pounding_cli.study.link_laws import Group, LawReader, Layer, says, where
 from pounding_cli.study.problems import Path, Problems, Tree
@@ -39,6 +40,8 @@ def links_of(case: CaseSpec, group: Group, root: Node | Tree, path: Path, proble
         )
         return ()
     outer = Layer(case, path)
+    if isinstance(case.link, str) and case.link != "none" and reader.known(case.link, (*path, "link")) is None:
+        return ()
     links: list[Link] = []
     for place in range(pairs):
         layers = [outer]
@@ -129,14 +132,15 @@ class _Reader(LawReader):
 
     def _refuse_keys_of_no_link(self, layers: list[Layer], words: list[str]) -> None:
         """Note keys beside a list of links that cannot speak for them: a stiffness, and what none of them takes."""
-        taken = {name for word in words for name in _keys_of(link_laws()[word])} - {"stiffness"}
+        laws = [law for word in words if (law := law_class(word, self.group.laws)) is not None]
+        taken = {name for law in laws for name in _keys_of(law)} - {"stiffness"}
         for layer in layers:
             for name in ("stiffness", "tension_cut", "damping_ratio", "restitution", *_all_own()):
                 if name in taken or getattr(layer.spec, name, None) is None or name not in layer.spec.model_fields_set:
                     continue
                 message = f"'{name}' beside several links does not say which it is of"
                 hint = f"write it in the list: `link: [..., {{link: {words[-1]}, {name}: ...}}]`"
-                if not any(name in _keys_of(link_laws()[word]) for word in words):
+                if not any(name in _keys_of(law) for law in laws):
                     message, hint = f"'{name}' means nothing for links {', '.join(words)}", "remove it"
                 self.refuse((*layer.path, name), message, hint, key=True)
 

@@ -19,6 +19,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.numbers import counted
 from pounding_cli.study import buildings as building_room
 from pounding_cli.study import facing, plausible
+from pounding_cli.study.formulas import OwnLaws, own_laws
 from pounding_cli.study.inherit import inherited, refuse_alternatives
 from pounding_cli.study.link_laws import Group
 from pounding_cli.study.links import links_of
@@ -28,6 +29,7 @@ from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.schema import BuildingSpec, Impact, StudyModel
 from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis
+from pounding_cli.study.units import Measured
 
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
@@ -254,8 +256,8 @@ class Resolver:
         """The buildings by place, their common floors, and the impact element."""
         if self._last is not None and self._last[0] == point:
             return self._last[1]
-        types, names, impact = (
-            self.types(point), self.section(point, "group"), self.section(point, "impact")
+        types, names, impact, laws = (
+            self.types(point), self.section(point, "group"), self.section(point, "impact"), self.laws(point)
         )  # fmt: skip
         if names is None:
             return None
@@ -284,11 +286,19 @@ class Resolver:
                         f"{_metres(one)} against {_metres(other)} m",
                         f"a floor striking a column is not modelled; {slip}",
                     )
-            return Group(placed, types, common, impact, known) if all(common) else None
+            return Group(placed, types, common, impact, known, laws) if all(common) else None
 
-        group = self._once("group", point, ("buildings", "group", "impact"), work)
+        group = self._once("group", point, ("buildings", "group", "impact", "laws"), work)
         self._last = None if group is None else (point, group)
         return group
+
+    def laws(self, point: Point) -> OwnLaws:
+        """The laws of the study's own by name."""
+
+        def work(problems: Problems) -> OwnLaws:
+            return own_laws(self.section(point, "laws") or {}, self.root_at(point), problems)
+
+        return self._once("laws", point, ("laws",), work)
 
     def links(self, point: Point, case: str) -> tuple[Link, ...] | None:
         """The links of one case."""
@@ -299,7 +309,7 @@ class Resolver:
             around = group or self._empty_group(point)
             return links_of(spec, around, root, ("cases", case), problems)
 
-        return self._once(("links", case), point, ("buildings", "group", "impact", ("cases", case)), work)
+        return self._once(("links", case), point, ("buildings", "group", "impact", "laws", ("cases", case)), work)
 
     def doubt(self, point: Point) -> None:
         """Note in `warnings` what is sound at this point, but unlikely or less than it seems."""
@@ -320,7 +330,7 @@ class Resolver:
                     self.root_at(point),
                     ("cases", case),
                 )
-                self._noted(("case", case), point, ("buildings", "group", "impact", ("cases", case)), work)
+                self._noted(("case", case), point, ("buildings", "group", "impact", "laws", ("cases", case)), work)
         work = partial(plausible.doubt_motions, self.motions(point) or {}, self.root_at(point))
         self._noted("motions", point, ("records",), work)
 
@@ -344,7 +354,8 @@ class Resolver:
         self._once(("doubt", name), point, subjects, take)
 
     def _empty_group(self, point: Point) -> Group:
-        return Group((), self.types(point) or {}, (), self.section(point, "impact") or Impact(), self._defined)
+        impact = self.section(point, "impact") or Impact()
+        return Group((), self.types(point) or {}, (), impact, self._defined, self.laws(point))
 
     def motions(self, point: Point) -> dict[str, Used] | None:
         """The motions by name, cut and scaled."""
@@ -476,6 +487,8 @@ def shown(value: Any) -> Any:
     """A value of a validated model as plain data: SI numbers, rules as text."""
     if isinstance(value, StiffnessRule):
         return str(value)
+    if isinstance(value, Measured):
+        return value.text
     if isinstance(value, BaseModel):
         return {info.alias or name: shown(getattr(value, name)) for name, info in type(value).model_fields.items()}
     if isinstance(value, dict):

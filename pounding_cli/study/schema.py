@@ -12,7 +12,8 @@ from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
-from pounding_cli.study.law_keys import link_keys, quantity_of, storey_keys, words_about
+from pounding_cli.study.formulas import LawSpec
+from pounding_cli.study.law_keys import LawWord, link_keys, quantity_of, storey_keys, words_about
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     LawName = str
     StoreyKind = str
 else:
-    LinkKind = Literal[(*link_laws(), "none")]
-    LawName = Literal[tuple(link_laws())]
+    LinkKind = Annotated[str, LawWord((*link_laws(), "none"))]
+    LawName = Annotated[str, LawWord(tuple(link_laws()))]
     StoreyKind = Literal[tuple(storey_laws())]
 AnalysisKind = Literal["elastic", "inelastic"]
 
@@ -69,6 +70,10 @@ YieldShears = Annotated[
 
 StoreyLoad = Annotated[float, limited(units.FORCE, name="weight on a storey", example="9000 kN", open_low=False)]
 PDelta = Annotated[Annotated[tuple[StoreyLoad, ...], _STOREYS, Tag("list")] | Annotated[bool, Tag("one")], _EITHER]
+
+Collapse = Annotated[
+    float | str, Quantity("drift ratio of collapse", "", "10 %", 0.0, 1.0, open_low=True, words=("never",))
+]
 
 
 Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
@@ -205,6 +210,11 @@ class _BuildingSpec(Model):
         False,
         description="P-Delta, the push of the weight on a storey that drifts: `true` for the weight of "
         "the floors above, or the weight on every storey [N], a list",
+    )
+    collapse: Collapse | None = optional(
+        None,
+        description="drift over storey height at which a storey counts as collapsed and the run ends [-]; 10 % unless "
+        "given where a storey may lose all resistance; `never`: not looked for",
     )
     foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
 
@@ -407,6 +417,7 @@ class _StudyModel(Model):
         max_length=100, description="buildings from left to right", examples=[["stiff", "soft"]]
     )
     impact: Impact = optional(Impact(), description="impact element")
+    laws: dict[Name, LawSpec] = optional({}, description="laws of links of the study's own, by name")
     cases: dict[Name, CaseSpec] = Field(description="cases by name", min_length=1, max_length=20_000)
     analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
         ("elastic", "inelastic"), description="whether storeys may yield"

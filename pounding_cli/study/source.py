@@ -18,12 +18,14 @@ class Node:
     mark : where the value begins
     text : what the file says, for a scalar or a short list or mapping
     keys : where each key of a mapping begins
+    quoted : whether it is a scalar in quotes
     """
 
     value: Any
     mark: Mark
     text: str = ""
     keys: dict[str, Mark] | None = None
+    quoted: bool = False
 
     @property
     def is_mapping(self) -> bool:

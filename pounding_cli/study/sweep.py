@@ -120,8 +120,8 @@ def is_sweepable(name: str, mark: Mark, root: Node, problems: Problems, what: st
     what : what the messages call it
     """
     path = tuple(name.split("."))
-    whole = path[0] in ("records", "buildings", "impact", "cases") and len(path) < (
-        3 if path[0] in ("buildings", "cases") else 2
+    whole = path[0] in ("records", "buildings", "impact", "cases", "laws") and len(path) < (
+        3 if path[0] in ("buildings", "cases", "laws") else 2
     )
     if path[0] in FIXED or path[:2] == ("records", "use") or path[-1] == "like":
         cannot = "be an axis" if what == "sweep axis" else "vary"

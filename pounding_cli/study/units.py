@@ -260,6 +260,48 @@ class TextForm:
         return {"anyOf": kinds, "title": self.form, "examples": list(self.examples)}
 
 
+@dataclass(frozen=True)
+class Measured:
+    """A number with a unit of any dimension: its value in SI units and its powers of kg, m and s.
+
+    text : as it is written
+    """
+
+    value: float
+    dimension: tuple[float, float, float]
+    text: str
+
+
+def measured(value: Any) -> Measured:
+    """A number with any unit, or none.  Raises PydanticCustomError saying what to write."""
+    unit = written_unit(value) if isinstance(value, str) else ""
+    factor, dimension = 1.0, (0.0, 0.0, 0.0)
+    if unit and unit != "%":
+        try:
+            factor, dimension = _measure(unit)
+        except ValueError:
+            raise refuse(f"'{unit}' is not a unit this program knows", "write e.g. 20 kN/mm or 5e12 N/m^3") from None
+    bare = value.strip().removesuffix(unit) if unit and unit != "%" else value
+    number = Quantity("parameter", "", "20 kN/mm").read(bare)
+    return Measured(number * factor, dimension, str(value))
+
+
+@cache
+def _measure(unit: str) -> tuple[float, tuple[float, float, float]]:
+    """One `unit` in kg, m and s, and its powers of them.  Raises ValueError for an unknown unit."""
+    if len(unit) > LONGEST_UNIT or not _UNIT.match(unit):
+        raise ValueError(unit)
+    registry = _registry()
+    try:
+        base = registry.Quantity(1.0, registry.parse_units(_POWER.sub(r"**\1", unit))).to_base_units()
+        mass, length, time = (
+            float(str(base.dimensionality.get(f"[{name}]", 0.0))) for name in ("mass", "length", "time")
+        )
+        return float(base.magnitude) * 1e-3**mass, (mass, length, time)
+    except Exception as error:  # pint raises many kinds, tokenizer errors among them
+        raise ValueError(unit) from error
+
+
 def whole_number(low: int, high: int) -> BeforeValidator:
     """Digits and nothing else, for `Annotated[int, ...]`: neither true, nor 1_0, nor digits of other scripts."""
 

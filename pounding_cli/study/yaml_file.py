@@ -182,7 +182,7 @@ class _Reader:
         if event.tag not in _TAGS:
             self.refuse(mark, f"the tag {event.tag} is not used here", "write the plain value")
         if isinstance(event, yaml.ScalarEvent):
-            node = Node(self.scalar(event, mark), mark, event.value)
+            node = Node(self.scalar(event, mark), mark, event.value, quoted=event.style in ("'", '"'))
         elif isinstance(event, yaml.SequenceStartEvent):
             items = []
             while not isinstance(below := next(self.events), yaml.SequenceEndEvent):

@@ -169,6 +169,7 @@ PROGRAM = """
     subprocess.Popen = Telling
     pounding_cli.batch.runner.WORTH_WORKERS = 0.0
     pounding_cli.batch.cluster.GOODBYE = {goodbye}
+    pounding_cli.batch.cluster.PATIENCE = 180.0  # a busy machine may take minutes to start workers
     plan = small_plan(records=tuple((f"r{{n}}", float(n)) for n in range(1, 60)))
     file = pathlib.Path({output!r})
     try:

@@ -136,3 +136,27 @@ def test_ratio_to_nothing_is_refused(tmp_path):
     assert (results.storey()["V0"] == 0).all()
     assert results.scene()["flags"].str.contains("V0 = 0: ratio refused").all()
     assert np.isfinite(results.scene()["energy_residual"]).all()
+
+
+def test_a_base_with_next_to_no_inertia_ends_with_a_named_outcome(tmp_path):
+    """Its dashpots turn it within 1e-19 s, so that powers of that overflow. Fails if a series that overflows is taken
+    for one that has converged."""
+    path = tmp_path / "base.yaml"
+    path.write_text(
+        f"""
+        records: {{use: [{{file: '{(FOLDER / "shake.txt").resolve()}'}}]}}
+        buildings:
+          a: {{storeys: 2, mass: 200 t, period: 1 s, foundation: {{inertia: 1e-12 kg m2, rocking_stiffness: 3e10 N m}}}}
+          b: {{storeys: 1, mass: 200 t, period: 0.6 s}}
+        group: [a, b]
+        cases: {{touching: {{link: pounding, gap: 0}}}}
+        accuracy: 1e-12
+        """
+    )
+    outcomes = set()
+    for _, scene, accuracy in scenes_of(path):
+        found = solve(scene, accuracy, "taylor", bounds=(2_000, 2_000))
+        outcomes.add(found.status)
+        assert found.status == "done" or found.advice
+    assert "step bound reached" in outcomes
+    assert "not finite" not in outcomes

@@ -7,7 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from pounding_cli.study import fragility_keys, gap_keys, load_study, record_schema, schema, sensitivity_keys
+from pounding_cli.study import (
+    formulas,
+    fragility_keys,
+    gap_keys,
+    load_study,
+    record_schema,
+    schema,
+    sensitivity_keys,
+)  # fmt: skip
 from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import RANGES, shown
 
@@ -27,6 +35,7 @@ MODELS = {
     "`rayleigh`": schema.Rayleigh,
     "`foundation`": schema.FoundationSpec,
     "`impact`": schema.Impact,
+    "`laws.NAME`": formulas.LawSpec,
     "`cases.NAME`": schema.CaseSpec,
     "`report`": schema.ReportSpec,
     "`keep.histories`": schema.HistoriesSpec,

@@ -233,7 +233,7 @@ CASES = {
         "bilinear or none",
     ),
     "case without gap": (GAP, "gap: §{link: pounding}", "'gap' is missing", "gap: 0 cm"),
-    "unknown link": (GAP, "gap: {link: §bumper, gap: 5 cm}", "'bumper' is not known", "'pounding', 'infill'"),
+    "unknown link": (GAP, "gap: {link: §bumper, gap: 5 cm}", "'bumper' is not known", "write pounding, infill"),
     "case is a word": (GAP, "gap: §pounding", "'pounding' is not a mapping", "link, gap, stiffness"),
     "case name": (GAP, "§a/b: {link: pounding, gap: 5 cm}", "'a/b' cannot be a name", "letters, digits"),
     "infill without thickness": (
