@@ -17,12 +17,15 @@ from pounding_cli.laws import storey_laws
 from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.damper import Damper
+from pounding_cli.laws.friction import Friction
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.infill import Infill
 from pounding_cli.laws.jankowski import Jankowski
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.maxwell import Maxwell
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.laws.storey import StoreyLaw
+from pounding_cli.laws.viscous import Viscous
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
@@ -45,8 +48,14 @@ LINKS: dict[str, LinkLaw] = {
     "infill": Infill(GAP, 1e6, 2e8, XI),
     "connector": Connector(GAP, 2e7, XI),
     "damper": Damper(GAP, 5e5),
+    "viscous": Viscous(GAP, 3e5, 0.4),
+    "maxwell": Maxwell(GAP, 2e7, 2e6),
+    "friction": Friction(GAP, 4e7, 3e5),
 }
-WITHIN_THE_GAP = ("connector", "damper", "infill")
+ALWAYS = ("connector", "damper", "viscous", "maxwell", "friction")
+"""Laws that act whatever the closing: drawn from the start of the pulse to its end."""
+
+WITHIN_THE_GAP = (*ALWAYS, "infill")
 """Laws that act before the gap has closed: drawn over the closing itself."""
 
 
@@ -68,7 +77,7 @@ def loop_of_link(law: LinkLaw) -> tuple[np.ndarray, np.ndarray]:
     kept = history(scene, 1e-9, 2e-5)
     force = kept.link_force[:, 0]
     closing = kept.displacement[:, 0, 0] - kept.displacement[:, 1, 0] - (0.0 if law.name in WITHIN_THE_GAP else GAP)
-    if law.name in ("connector", "damper"):
+    if law.name in ALWAYS:
         return closing, force
     begin = int(np.argmax(force != 0.0))
     end = begin + int(np.argmax(force[begin:] == 0.0)) or force.size
@@ -155,8 +164,8 @@ def draw_model() -> None:
 
 def draw_links() -> None:
     """Force over closing, law by law."""
-    figure = Figure(figsize=(6.8, 5.6), layout="constrained")
-    for ax, (name, law) in zip(figure.subplots(3, 3).flat, LINKS.items(), strict=True):
+    figure = Figure(figsize=(6.8, 7.2), layout="constrained")
+    for ax, (name, law) in zip(figure.subplots(4, 3).flat, LINKS.items(), strict=True):
         closing, force = loop_of_link(law)
         ax.plot(1e3 * closing, 1e-6 * force, color=BLUE, lw=1.2)
         ax.axhline(0.0, color=GREY, lw=0.5)

@@ -33,7 +33,8 @@ def building(name: str, **keys: Any) -> Building:
     ----------
     name : what tables and figures call it
     keys : `storeys`, `period`, `mass`, `height`, `taper`, `stiffness`, `damping`, `hardening`, `yield_` (for `yield`),
-        `yield_shear`, `p_delta`, `foundation`: SI numbers or texts with units, one value or a list from the ground up
+        `yield_shear`, `p_delta`, `collapse`,
+        `foundation`: SI numbers or texts with units, one value or a list from the ground up
 
     Raises
     ------

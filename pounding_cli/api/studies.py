@@ -54,7 +54,8 @@ def run(
     ------
     InputError : the study or the output is refused, or there is no such workflow over time histories
 
-    Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables.
+    Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables; so do scenes in
+    which a storey collapses ("collapsed"), which are no failures.
     """
     from pounding_cli.batch import run_plan
     from pounding_cli.workflows import expansion

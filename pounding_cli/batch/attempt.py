@@ -129,7 +129,7 @@ class Task:
     def _ended(self, begun: _Begun) -> Response:
         """The response of runs that are done."""
         response = begun.first.response()
-        if begun.judges and response.status == "done":
+        if begun.judges and response.has_result:
             judges = [judge.response() for judge in begun.judges]
             response = assess(begun.scene, response, self.accuracy, self.solve, self.all_effects, judges)
         return dataclasses.replace(response, seconds=response.seconds + begun.beside) if begun.beside else response

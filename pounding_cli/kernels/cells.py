@@ -78,8 +78,8 @@ RUN = Frame("run", dict.fromkeys(_RANGES + _COUNTS, types.int64) | _POINTERS, mo
 padded, padded_links : numbers of places in all
 links_per_side : see `layout.Row`
 W : coefficients of velocity by order and place [m/s], after a row of displacements at the step's start [m]
-ends : rows of displacements at the step's end, of their chord deviations (`summary`), and of the largest and smallest
-    displacements possible in this segment [m]
+ends : rows of displacements at the step's end, of their chord deviations (`summary`), of the largest and smallest
+    displacements possible in this segment, and of the drifts of collapse (`collapse`) [m]
 slots, links, link_integers, series : records as above
 storeys : integers of storeys
 branches, guards, operations : the tables of the laws (`law_table`)

@@ -40,20 +40,20 @@ PART: dict[str, Any] = {**PLAIN, "cache": False, "forceinline": True, **PIECE}
 CALLED: dict[str, Any] = {**PLAIN, "cache": False, **PIECE}
 """A piece that is called, not copied: large, and rarely needed (with `simd.no_inline`)."""
 
-DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED = 0, 1, 2, 3, 4
+DONE, EVENT_BOUND, STEP_BOUND, NOT_FINITE, STALLED, COLLAPSED = 0, 1, 2, 3, 4, 5
 """How a run ended."""
 
 Slots = namedtuple(
     "Slots",
-    "size couple couple_right stiffness dashpot inverse_mass mass alpha loaded geometric branch memories "
-    "branches guards operations",
+    "size couple couple_right stiffness dashpot inverse_mass mass alpha loaded geometric collapse branch "
+    "memories branches guards operations",
 )
 """size, the number of slots with padding; per slot, shape (size,): stiffness [N/m], dashpot [N s/m] (beta k, or the
 foundation's), inverse_mass [1/kg] and mass [kg] (0 of points and padding), alpha [1/s] (0 over a foundation), loaded
 (1 where the ground's acceleration loads it, else 0), geometric (P / h of P-Delta, what it takes from the stiffness
-[N/m]), the first branch of its law (`law_table.NO_BRANCH` for a storey
-that stays elastic), and how many memories these laws use; the tables of branches, guards and operations
-(`law_table`)."""
+[N/m]), collapse (drift at which a storey counts as collapsed [m], inf where that is not looked for), the first branch
+of its law (`law_table.NO_BRANCH` for a storey that stays elastic), and how many memories these laws use; the tables of
+branches, guards and operations (`law_table`)."""
 
 Points = namedtuple("Points", "number size terms slot mass freedom weight handed")
 """number of points, the same padded to a multiple of eight, and the most terms that one has; per point its slot and the
@@ -120,7 +120,8 @@ def slot_pointers(a):
     return Slots(
         a.size, pointer(a.couple), pointer(a.couple_right), pointer(a.stiffness), pointer(a.dashpot),
         pointer(a.inverse_mass), pointer(a.mass), pointer(a.alpha), pointer(a.loaded), pointer(a.geometric),
-        pointer(a.branch), a.memories, pointer(a.branches), pointer(a.guards), pointer(a.operations),
+        pointer(a.collapse), pointer(a.branch), a.memories, pointer(a.branches), pointer(a.guards),
+        pointer(a.operations),
     )  # fmt: skip
 
 

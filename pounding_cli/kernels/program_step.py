@@ -9,6 +9,7 @@ from numba import njit
 
 from pounding_cli.kernels import program_peaks, program_series
 from pounding_cli.kernels.clock import ORDER
+from pounding_cli.kernels.collapse import first_collapse_on_program
 from pounding_cli.kernels.layout import CALLED, NOT_FINITE, PART, STEP_BOUND
 from pounding_cli.kernels.program_events import find_end, reach_end
 from pounding_cli.kernels.program_peaks import account, track
@@ -68,6 +69,8 @@ def program_step(run, terms, programs, settings):
         if has_terms:
             rescale_springs(run, terms, order, ratio)
     storeys, link, finished = find_end(run, p, inelastic)
+    if settings.watched > 0 and first_collapse_on_program(run, p):
+        storeys, link, finished = False, False, False
     reach_end(run, terms, p)
     account(run, terms, p, settings.nodes, settings.weights, inelastic, has_terms)
     track(run, p, inelastic)

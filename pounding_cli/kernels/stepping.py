@@ -19,6 +19,7 @@ from pounding_cli.kernels.branches import held_accelerations
 from pounding_cli.kernels.forces import accelerations, closing, deformation
 from pounding_cli.kernels.law_table import NO_BRANCH
 from pounding_cli.kernels.layout import (
+    COLLAPSED,
     DONE,
     EVENT_BOUND,
     INLINE,
@@ -170,6 +171,21 @@ def _raise_inside(scene, scratch, p, out, h, ground, change, located, smooth):
 
 
 @njit(**INLINE)
+def _collapse(scene, p, out):
+    """Where between two points a storey passed the drift at which it counts as collapsed, if it did: part of the step,
+    by a straight line; 2 where none did."""
+    slots, peaks = scene.slots, scene.peaks
+    earliest = 2.0
+    for i in range(slots.size):
+        limit = slots.collapse[i]
+        if peaks.drift[i] > limit:
+            before, after = abs(p.drift[i]), abs(out.drift[i])
+            share = (limit - before) / (after - before) if after > limit else 1.0
+            earliest = min(earliest, max(share, 0.0))
+    return earliest
+
+
+@njit(**INLINE)
 def _begin(scene, p):
     """The point p at the state that the run starts from."""
     state, size = scene.state, scene.slots.size
@@ -251,7 +267,12 @@ def march(
                 last = ground + h * slope
                 events_at_instant = 0 if h > 0.0 else events_at_instant
                 _observe(scene, scratch, p, out, h, ground, last, slope, between, located)
+                share = _collapse(scene, p, out)
                 p, out = out, p
+                if share <= 1.0:
+                    _end(scene, p, located)
+                    time = segment * dt + part * whole + gone + share * h
+                    return COLLAPSED, steps, tally[EVENTS], tally[ITERATIONS], time
                 gone += h
                 if after(scene, p, own, h > 0.0, last, inelastic):
                     fill_forces(scene, p, last, inelastic, located)

@@ -36,6 +36,8 @@ from pounding_cli.kernels.cells import (
 )
 from pounding_cli.kernels.clock import (
     CLOCK_SIZE,
+    COLLAPSE_TIME,
+    COLLAPSED,
     ELAPSED,
     END,
     EVENTS,
@@ -55,6 +57,7 @@ from pounding_cli.kernels.clock import (
     TALLY_SIZE,
     H,
 )
+from pounding_cli.kernels.collapse import first_collapse, take_limits
 from pounding_cli.kernels.crossings import first_link_event, first_storey_event
 from pounding_cli.kernels.frame import DOUBLES, Frame, filler
 from pounding_cli.kernels.from_rest import start_in_touch
@@ -96,6 +99,7 @@ from pounding_cli.kernels.layout import (
     spring_pointers,
     state_pointers,
 )
+from pounding_cli.kernels.layout import COLLAPSED as COLLAPSE
 from pounding_cli.kernels.ledger import RULE_SIZE, account, ledger_pointers
 from pounding_cli.kernels.link_series import start_closings
 from pounding_cli.kernels.peaks import sample, track, widen_ranges
@@ -130,13 +134,22 @@ saves nothing, where there are many each is as long as can be."""
 SETTINGS = Frame(
     "settings",
     dict.fromkeys(
-        ("inelastic", "has_terms", "use_islands", "max_order", "max_steps", "max_events", "max_events_at_instant"),
+        (
+            "inelastic",
+            "has_terms",
+            "use_islands",
+            "watched",
+            "max_order",
+            "max_steps",
+            "max_events",
+            "max_events_at_instant",
+        ),
         types.int64,
     )
     | {"tolerance": types.float64, "nodes": DOUBLES, "weights": DOUBLES},
 )
 """What `_integrate` says of its arguments of these names; inelastic, has_terms, use_islands: whether storeys can yield,
-there are points or springs (`terms`), islands are looked for (1 or 0)."""
+there are points or springs (`terms`), islands and collapse (`watched`) are looked for (1 or 0)."""
 
 _settings_frame = filler(SETTINGS)
 
@@ -150,7 +163,7 @@ def memory_needed(
     """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally. `registers`: of
     a force written as operations; 0 where there is none."""
     doubles, integers = record_sizes(padded, links, _ROWS)
-    rows = _ROWS + 1 + 4
+    rows = _ROWS + 1 + 5
     small = 2 * _ROWS + CLOCK_SIZE + RULE_SIZE + 64
     saved, link_integers = record_sizes(padded, links, 0)
     tables = 2 * max(links_per_side, 1) * padded + NOTE_COUNT * buildings + 5 * FRAMES
@@ -168,7 +181,7 @@ def _lay_out_scratch(links, row, memory, integers):
     padded, padded_links = row.first_slot[row.number], row.first_link[row.number - 1]
     by_slot, by_link, by_term = record_parts(padded, padded_links, _ROWS)
     ends = further(memory, (_ROWS + 1) * padded)
-    records = further(ends, 4 * padded)
+    records = further(ends, 5 * padded)
     link_records = further(records, by_slot)
     series = further(link_records, by_link)
     link_forces = further(series, by_term)
@@ -294,6 +307,8 @@ def _plain_step(run, terms, settings, pinned_at_event):
     summarise(run, terms, order)
     storeys = inelastic and first_storey_event(run)
     link = linked and first_link_event(run)
+    if settings.watched > 0 and first_collapse(run):  # fault: collapse-in-time
+        storeys, link = False, False
     if clock[END] < 1.0:
         end_at_event(run, terms, order)
     else:
@@ -332,10 +347,15 @@ def _march(other_step, run, terms, programs, settings, pinned_at_event):
         if link or storeys:
             pinned_at_event = True
             clock[LONGEST_STEP] = clock[SEGMENT_LENGTH]
+        collapsed = settings.watched > 0 and run.tally[COLLAPSED] > 0
+        if collapsed:
+            clock[COLLAPSE_TIME] = clock[ELAPSED] + clock[H] * clock[END]
         status = _count_step(run, finished, link or storeys, settings)
         for b in range(run.slot_start, run.slot_stop, 8):
             store(run.W, b - run.padded, load(run.ends, b))
             store(run.W, b, load(run.slots, at(b, V1)))
+        if collapsed and status < 0:
+            status = COLLAPSE
     return status, pinned_at_event
 
 
@@ -444,13 +464,14 @@ def _end_segment(row):
 def _integrate(
     solve_island, slot_arrays, point_arrays, spring_arrays, link_arrays, row_arrays, state_arrays, peak_arrays,
     ledger_arrays, history_arrays, nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands,
-    tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
+    watched, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
 ):  # fmt: skip
     """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
 
     `memory` and `integers` are scratch (`memory_needed`), zeroed, `memory` at a cache line. `nodes` and `weights` are
     Gauss-Legendre rules on [0, 1] (`ledger.MAX_POINTS`). `inelastic`: storeys can yield. `use_islands`: islands are
-    looked for; without it the row is one. `least_scale`: the least acceleration that errors are measured by [m/s2].
+    looked for; without it the row is one. `watched`: whether a storey collapses, which takes a row that is one.
+    `least_scale`: the least acceleration that errors are measured by [m/s2].
     With a history every segment has a length of its own and is begun anew. Fills state, peaks, ledger and history in
     place; returns (status, steps, events, orders computed, time reached [s]).
     """
@@ -462,8 +483,9 @@ def _integrate(
     springs = spring_pointers(spring_arrays)
     terms = terms_frame(frames, point_pointers(point_arrays), springs, rest)
     settings = _settings_frame(further(frames, FRAMES), (
-        1 if inelastic else 0, 1 if terms.points + terms.springs > 0 else 0, 1 if use_islands else 0, max_order,
-        max_steps, max_events, max_events_at_instant, tolerance, pointer(nodes), pointer(weights),
+        1 if inelastic else 0, 1 if terms.points + terms.springs > 0 else 0, 1 if use_islands else 0,
+        1 if watched else 0, max_order, max_steps, max_events, max_events_at_instant, tolerance, pointer(nodes),
+        pointer(weights),
     ))  # fmt: skip
     programs = programs_frame(
         further(frames, 2 * FRAMES), run, links.registers, _ROWS, further(rest, room_for_terms(springs.size, _ROWS)),
@@ -471,6 +493,7 @@ def _integrate(
     )  # fmt: skip
     take_slots(run, row, slots, state, peaks, ledger)
     take_links(run, row, links, state, peaks, ledger)
+    take_limits(run, row, slots.collapse)
     start_points(run, terms)
     _start(run, row)
     start_in_touch(run)
@@ -478,6 +501,7 @@ def _integrate(
     run.clock[LEAST_SCALE] = least_scale
     status = -1
     segment = np.int64(0)  # likewise
+    begun = 0.0
     while segment < starts.size:
         run.tally[SEGMENT] = segment
         if history.segments > 0:
@@ -498,10 +522,13 @@ def _integrate(
             sample(run, row, slots.size, peaks.samples)
         if history.segments > 0:
             enter(run, row, history, segment, slots.size, links.size)
+            begun += run.clock[SEGMENT_LENGTH]
         segment += 1
     give_slots(run, row, slots.size, state, peaks, ledger)
     give_links(run, row, state, peaks, ledger)
-    time = segment * length + (max(run.clock[ELAPSED], 0.0) if segment < starts.size else 0.0)
+    time = begun if history.segments > 0 else segment * length
+    if segment < starts.size:
+        time += run.clock[COLLAPSE_TIME] if status == COLLAPSE else max(run.clock[ELAPSED], 0.0)
     return max(status, DONE), run.tally[STEPS], run.tally[EVENTS], run.tally[ORDERS], time
 
 
@@ -533,14 +560,14 @@ def build(programs: bool):
         @njit(**PLAIN)
         def integrate_programs(
             slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers,
-            starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps,
+            starts, slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order, max_steps,
             max_events, max_events_at_instant,
         ):  # fmt: skip
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return _integrate(
                 _solve_island_with_programs, slots, points, springs, links, row, state, peaks, ledger, history, nodes,
-                weights, memory, integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale,
-                max_order, max_steps, max_events, max_events_at_instant,
+                weights, memory, integers, starts, slopes, length, inelastic, use_islands, watched, tolerance,
+                least_scale, max_order, max_steps, max_events, max_events_at_instant,
             )  # fmt: skip
 
         return integrate_programs
@@ -548,14 +575,14 @@ def build(programs: bool):
     @njit(**PLAIN)
     def integrate(
         slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
-        slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps, max_events,
+        slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order, max_steps, max_events,
         max_events_at_instant,
     ):  # fmt: skip
         _ = source
         return _integrate(
             _solve_island, slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory,
-            integers, starts, slopes, length, inelastic, use_islands, tolerance, least_scale, max_order, max_steps,
-            max_events, max_events_at_instant,
+            integers, starts, slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order,
+            max_steps, max_events, max_events_at_instant,
         )  # fmt: skip
 
     return integrate

@@ -15,6 +15,9 @@ from pounding_cli.model.foundation import Foundation
 from pounding_cli.numbers import counted
 from pounding_cli.records.motion import GRAVITY
 
+COLLAPSE = 0.10
+"""Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""
+
 _LAW_FIELDS = "storey_law", "law_parameters"
 
 
@@ -45,6 +48,8 @@ class Building:
     law_parameters : (name, value) of the parameters it has beyond stiffness, yield shear and hardening [SI]
     gravity_load : P of P-Delta [N], what every storey carries, >= 0, shape (n,): as its floors move apart by v, P v / h
         pushes them on; None without P-Delta
+    collapse : drift over storey height at which a storey counts as collapsed [-], > 0, inf for never; None: 0.10 where
+        storeys that yield may lose all resistance, never elsewhere
 
     Raises
     ------
@@ -64,6 +69,7 @@ class Building:
     storey_law: type[StoreyLaw] = Bilinear
     law_parameters: tuple[tuple[str, float], ...] = ()
     gravity_load: np.ndarray | None = None
+    collapse: float | None = None
 
     def __post_init__(self) -> None:
         loads = () if self.gravity_load is None else ("gravity_load",)
@@ -81,6 +87,8 @@ class Building:
         self._check("hardening", lambda x: (x >= 0) & (x < 1), "must be at least 0 and below 1")
         for key in ("alpha", "beta", *loads):
             self._check(key, lambda x: np.isfinite(x) & (x >= 0), "must be finite and not negative")
+        if self.collapse is not None and not self.collapse > 0:
+            raise ValueError(f"{self.name}: collapse is {self.collapse:g}; it must be above zero, or inf for never")
         unknown = [key for key, _ in self.law_parameters if key not in self.storey_law.parameters()]
         if unknown:
             raise ValueError(f"{self.name}: the storey law '{self.storey_law.name}' has no parameter '{unknown[0]}'")
@@ -132,6 +140,14 @@ class Building:
         return self.yield_shear / self.stiffness
 
     @property
+    def collapse_drift(self) -> np.ndarray:
+        """Drift at which every storey counts as collapsed [m], inf where that is not looked for, shape (n,)."""
+        if self.collapse is not None:
+            return self.collapse * self.height
+        softens = np.isfinite(self.yield_shear) & (self.stability_coefficient > self.hardening)
+        return (COLLAPSE if softens.any() else np.inf) * self.height
+
+    @property
     def stability_coefficient(self) -> np.ndarray:
         """theta = P / (k h) of P-Delta [-], 0 without it, shape (n,)."""
         loads = np.zeros(self.storeys) if self.gravity_load is None else self.gravity_load
@@ -174,11 +190,11 @@ class Building:
             value = getattr(self, field.name)
             if field.name == "name" or (field.name in _LAW_FIELDS and self.storey_law is Bilinear):
                 continue  # bilinear storeys have the digest that they had before there were others
-            if field.name == "gravity_load" and value is None:
-                continue  # nor does P-Delta change the digests of buildings without it
+            if field.name in ("gravity_load", "collapse") and value is None:
+                continue  # nor do these change the digests of buildings without them
             if field.name == "storey_law":
                 value = self.storey_law.name
-            if field.name == "gravity_load":
-                sha.update(b"gravity_load")
+            if field.name in ("gravity_load", "collapse"):
+                sha.update(field.name.encode())
             sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
         return sha.hexdigest()

@@ -17,10 +17,12 @@ class Effects:
     """The effects of a scene.
 
     yielding : storeys can leave their elastic branch
+    collapse : a drift is looked for at which a storey counts as collapsed
     kept, dropped : all of them in words; what is dropped comes with the reason
     """
 
     yielding: bool
+    collapse: bool
     kept: tuple[str, ...]
     dropped: tuple[str, ...]
 
@@ -49,6 +51,11 @@ def effects_of(scene: Scene) -> Effects:
     decide(any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed")
     loaded = any(b.gravity_load is not None and b.gravity_load.any() for b in buildings)
     decide(loaded, "P-Delta", "no building has it")
+    collapse = decide(
+        inelastic and any(np.isfinite(b.collapse_drift).any() for b in buildings),
+        "collapse",
+        "no storey can lose its resistance, and none is asked for" if inelastic else "the analysis is elastic",
+    )
     decide(any(b.alpha > 0 for b in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(b.beta > 0 for b in buildings), "stiffness-proportional damping", "beta is 0")
     for kind in (*link_laws(), *sorted(kinds - {*link_laws(), APART})):
@@ -63,4 +70,4 @@ def effects_of(scene: Scene) -> Effects:
             "tension cut-off",
             "without a dashpot no link can pull" if asked else "links may pull, as printed",
         )
-    return Effects(yielding, tuple(kept), tuple(dropped))
+    return Effects(yielding, collapse, tuple(kept), tuple(dropped))

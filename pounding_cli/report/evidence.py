@@ -13,7 +13,7 @@ import pandas as pd
 from pounding_cli.numbers import Unit
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.flagged import FlagGroup, flag_groups_of
+from pounding_cli.store.flagged import FlagGroup, failed_scenes, flag_groups_of
 from pounding_cli.store.layout import VARIABLES
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
@@ -194,8 +194,8 @@ class Evidence:
 
     @property
     def failed(self) -> pd.DataFrame:
-        """The scenes whose status is not "done"."""
-        return self.scene[self.scene["status"] != "done"]
+        """The scenes without a result."""
+        return failed_scenes(self.scene)
 
 
 def _by_place(parts: Any) -> dict[tuple[str, str, str], Any]:

@@ -130,8 +130,8 @@ def notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
     failed = sum(int(rows[f"failed{name}"].fillna(0).sum()) for name in both)
     if failed:
         said.append(
-            f"{counted(failed, 'scene')} behind these rows failed: counted neither as holding nor as passing. "
-            "The table `scene` names them."
+            f"{counted(failed, 'scene')} behind these rows failed, or ended as another building collapsed: counted "
+            "neither as holding nor as passing. The table `scene` names them."
         )
     outcomes = dict.fromkeys(value for name in both for value in rows["outcome" + name] if value not in ("", "fitted"))
     said += [f"{outcome}: {Outcome(outcome).meaning}." for outcome in outcomes]

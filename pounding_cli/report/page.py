@@ -13,6 +13,7 @@ from pounding_cli.report.evidence import Evidence, motion_sentence, names
 from pounding_cli.report.tables import markdown
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.store import flag_groups_of
+from pounding_cli.store.flagged import failed_scenes
 
 
 def summary(
@@ -162,7 +163,7 @@ def flagged(scene: pd.DataFrame, units: Mapping[str, Unit]) -> list[str]:
     """Failed scenes, and every flag with the runs it stands in."""
     lines = ["## Flagged", ""]
     total = len(scene)
-    failed = scene[scene["status"] != "done"]
+    failed = failed_scenes(scene)
     found = flag_groups_of(scene, units)
     if failed.empty and not found:
         every = f"all {total} runs were done and none raised a flag" if total > 1 else "the run was done without a flag"

@@ -22,7 +22,7 @@ from pounding_cli.solve.blank import LANES, Blank, aligned
 from pounding_cli.solve.places import Places, Struck, places_of, points_of, springs_of, struck_between_floors
 from pounding_cli.solve.response import BuildingResponse, LinkResponse
 
-_BY_SLOT = Slots._fields[1:10]
+_BY_SLOT = Slots._fields[1:11]
 """What is given of every slot (`layout.Slots`)."""
 
 Masses = tuple[float, float]
@@ -100,6 +100,7 @@ def _without_links(
     if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
         for building, span in zip(buildings, places.floors, strict=True):
             laws[span] = (law if law.can_yield else None for law in building.laws)
+            slots.collapse[span] = building.collapse_drift
     slots = slots._replace(memories=law_tables.memories_of(laws))
     memory = np.zeros((MEMORIES, slots.size))
     for i, law in enumerate(laws):
@@ -122,6 +123,7 @@ def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:
         padded, **rows(_BY_SLOT, padded), branch=np.zeros(padded, np.int64), memories=0, branches=nothing,
         guards=nothing, operations=nothing,
     )  # fmt: skip
+    slots.collapse[:] = np.inf
     for building, span, base, rock in zip(buildings, places.floors, places.bases, places.rocks, strict=True):
         foundation = building.foundation
         slots.couple[span] = 1.0

@@ -75,26 +75,34 @@ def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
 def change(first: Response, second: Response) -> float:
     """Largest relative change of any storey's peak shear or drift between two responses of the same buildings [-].
 
-    Storeys at rest in both do not count; nan when either run did not end.
+    Storeys at rest in both do not count; nan when either run did not end, inf where only one collapses, or another
+    storey does.
     """
-    if first.status != "done" or second.status != "done":
+    if not (first.has_result and second.has_result):
         return float("nan")
+    if not _end_alike(first, second):
+        return float("inf")
     pairs = zip(first.buildings, second.buildings, strict=True)
     return _largest([(x, y, x) for a, b in pairs for x, y in ((a.shear, b.shear), (a.drift, b.drift))])
 
 
 def difference(first: Response, second: Response) -> float:
     """Largest relative difference of any number of two responses of the same scene [-]; nan when either run did not
-    end.
+    end, inf where only one collapses, or another storey does.
 
     Shears, drifts (and with them ductilities), accelerations, sways and rockings are relative to themselves,
     displacements to the floor's largest either way, drifts at the end to the storey's largest, and the forces,
     closings, impulses and contact times of links to the largest of their kind in the scene. Counts are left out, and
     so are energies, whose error is the ledger's residual.
     """
-    if first.status != "done" or second.status != "done":
+    if not (first.has_result and second.has_result):
         return float("nan")
+    if not _end_alike(first, second):
+        return float("inf")
     triples = []
+    if first.collapse_storey:
+        one, other = np.array([first.collapse_time]), np.array([second.collapse_time])
+        triples.append((one, other, one))
     for a, b in zip(first.buildings, second.buildings, strict=True):
         reach = np.maximum(a.displacement_max, -a.displacement_min)
         ground, other = np.array([a.sway, a.rocking]), np.array([b.sway, b.rocking])
@@ -111,6 +119,11 @@ def difference(first: Response, second: Response) -> float:
         x, y = getattr(first.links, name), getattr(second.links, name)
         triples.append((x, y, np.full(x.shape, np.abs(x).max(initial=0.0))))
     return _largest(triples)
+
+
+def _end_alike(first: Response, second: Response) -> bool:
+    """Whether both runs came to the end of the motion, or in both the same storey collapsed."""
+    return (first.collapse_building, first.collapse_storey) == (second.collapse_building, second.collapse_storey)
 
 
 def _largest(triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
@@ -183,7 +196,7 @@ def assess(
 
     judges : the responses of the runs of `judging`, where they are at hand
     """
-    if response.status != "done":
+    if not response.has_result:
         return response
     if not _at_once(response.method, accuracy):
         return _told_apart(scene, response, accuracy, run, all_effects, judges)
@@ -216,7 +229,7 @@ def _told_apart(
     run = partial(run, **settings)
     error, sensitivity = difference(response, second), change(second, nudged) / NUDGE  # fault: estimated-error
     seconds = response.seconds
-    while not fixed_steps and error > accuracy and second.status == "done":
+    while not fixed_steps and error > accuracy and second.has_result:
         second = dataclasses.replace(second, dropped=response.dropped)
         response = second  # fault: finer-response-is-kept
         seconds += second.seconds
@@ -224,23 +237,25 @@ def _told_apart(
             break
         tight = finer(tight)
         second = run(scene, accuracy=tight)
-        error = difference(response, second) if second.status == "done" else error
+        error = difference(response, second) if second.has_result else error
     if not fixed_steps and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
         others = (run(scene, accuracy=tight * times) for times in SCATTER)
         error = np.nanmax([error, *(difference(response, other) for other in others)])  # fault: scatter-of-rounding
     flags = response.flags
     if sensitivity > ILL_CONDITIONED:
-        flags = (
-            *flags,
-            f"ill-conditioned: a motion that grows by 1e-6 on its way changes a peak by {sensitivity * NUDGE:.1e}",
-        )
+        moved = f"changes a peak by {sensitivity * NUDGE:.1e}"
+        if sensitivity == np.inf:
+            moved = "decides which storey collapses, or whether one does"
+        flags = (*flags, f"ill-conditioned: a motion that grows by 1e-6 on its way {moved}")
     if np.isnan(error):
         flags = (
             *flags,
             f"no error estimate: the run at {tight:.0e} that this one is judged by ended with: {second.status}",
         )
     if not fixed_steps and error > accuracy:
-        flags = (*flags, f"less accurate than asked: an error of about {error:.1e} is left, {accuracy:.0e} was asked")
+        left = "which storey collapses, or whether one does, is open"
+        left = left if error == np.inf else f"an error of about {error:.1e} is left"
+        flags = (*flags, f"less accurate than asked: {left}, {accuracy:.0e} was asked")
     return dataclasses.replace(
         response,
         accuracy=response.accuracy if fixed_steps else accuracy,

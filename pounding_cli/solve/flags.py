@@ -6,7 +6,7 @@ from pounding_cli.laws import link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.written import WrittenJoint
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import LinkResponse
+from pounding_cli.solve.response import COLLAPSED, LinkResponse
 
 
 def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
@@ -22,6 +22,13 @@ def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
         left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
         said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond * 1000:.3g} mm")
     return tuple(said)
+
+
+def collapse_flag(scene: Scene, time: float, building: int, storey: int) -> tuple[str, ...]:
+    """A sentence on the storey that collapsed, if one did."""
+    if not storey:
+        return ()
+    return (f"{COLLAPSED}: {scene.buildings[building].name} storey {storey}, at {time:.4g} s",)
 
 
 def is_meaningless(flag: str) -> bool:

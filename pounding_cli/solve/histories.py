@@ -71,7 +71,7 @@ def output_times(scene: Scene, every: float) -> np.ndarray:
 
 
 def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
-    """Run a scene from rest with Taylor steps and keep what it does.
+    """Run a scene from rest with Taylor steps and keep what it does, until a storey collapses if one does.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> Histo
     arrays = pack(scene)
     times = output_times(scene, every)
     states = _march(scene, arrays, times, accuracy)
-    return _evaluated(scene, arrays, times, states)
+    return _evaluated(scene, arrays, times[: len(states.u)], states)
 
 
 def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> Entered:
@@ -100,7 +100,10 @@ def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> 
     kept = (np.repeat(getattr(state, name)[None], times.size, axis=0) for name in wanted)
     states = Entered(lengths.size, lengths, outputs, *kept, work=np.zeros((times.size, 4)))  # type: ignore[misc]
     run = taylor.prepare(scene, arrays, state, accuracy, (MAX_STEPS, MAX_EVENTS))
-    status, *_ = run(state, peaks, ledger, begins, rates, 0.0, states)
+    status, *_, reached = run(state, peaks, ledger, begins, rates, 0.0, states)
+    if status == layout.COLLAPSED:
+        before = int(np.searchsorted(times, reached * (1 - 1e-12)))  # output times before it
+        return states._replace(**{name: getattr(states, name)[:before] for name in (*wanted, "work")})
     if status != layout.DONE:
         outcome, advice = OUTCOMES[status]
         raise InputError(Problem(f"no history of this scene: {outcome}", advice))

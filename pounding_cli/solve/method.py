@@ -87,13 +87,17 @@ def refusal_of(method: Method, scene: Scene) -> str:
 
 
 def is_linear(scene: Scene) -> bool:
-    """Whether nothing in the scene can change its stiffness: no storey can yield, links are linear or never close."""
-    return not effects_of(scene).yielding and all(link.law.is_linear for link in scene.links)
+    """Whether nothing in the scene can change its stiffness, or end its run: no storey can yield or collapse, links are
+    linear or never close."""
+    effects = effects_of(scene)
+    return not (effects.yielding or effects.collapse) and all(link.law.is_linear for link in scene.links)
 
 
 def not_linear(scene: Scene) -> str:
     """The refusal of a method that runs linear scenes only."""
     if effects_of(scene).yielding:
         return "its storeys can yield"
+    if effects_of(scene).collapse:
+        return "a drift is looked for at which its storeys count as collapsed"
     kinds = sorted({link.kind for link in scene.links if not link.law.is_linear})
     return f"it has {' and '.join(kinds)} links" if kinds else ""

@@ -9,6 +9,11 @@ import numpy as np
 
 from pounding_cli.numbers import counted
 
+DONE, COLLAPSED = "done", "collapsed"
+"""The outcomes of runs that tell something of their scene."""
+
+OUTCOMES = (DONE, COLLAPSED)
+
 
 @dataclass(frozen=True, eq=False)
 class BuildingResponse:
@@ -56,7 +61,8 @@ class LinkResponse:
 class Response:
     """The response of a scene, what its solution cost, and what the user should know about it.
 
-    status : "done", or a named outcome such as "event bound reached" (then the numbers are NaN)
+    status : "done"; COLLAPSED, when a storey's drift passed what its building stands (then the numbers are those up to
+        that time); or another named outcome such as "event bound reached" (then the numbers are NaN)
     advice : what to do about a status other than "done"
     method : how it was solved, of a row that fell into groups `composed_method`
     accuracy : accuracy asked [-]; nan for a method that takes a time step
@@ -71,6 +77,8 @@ class Response:
     time_step : of a method that takes one [s]; nan for the others
     samples : floor displacements at the end of every segment of the motion [m], one array (segments, n) a building,
         where the run was asked to watch them
+    collapse_time : when a storey collapsed [s], nan where none did
+    collapse_building, collapse_storey : place of its building from 0, and storey from 1; -1 and 0 where none did
     """
 
     buildings: tuple[BuildingResponse, ...]
@@ -92,6 +100,14 @@ class Response:
     time_step: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     samples: tuple[np.ndarray, ...] = ()
+    collapse_time: float = float("nan")
+    collapse_building: int = -1
+    collapse_storey: int = 0
+
+    @property
+    def has_result(self) -> bool:
+        """Whether the run came to an end of its own: that of the motion, or a collapse."""
+        return self.status in OUTCOMES
 
     def __repr__(self) -> str:
         shears = ", ".join(f"{each.shear.max():.4g}" for each in self.buildings)

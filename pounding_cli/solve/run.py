@@ -24,13 +24,15 @@ from pounding_cli.solve import taylor
 from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack, unpack
 from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.energy import AT_REST, balance, held
-from pounding_cli.solve.flags import flags_of
+from pounding_cli.solve.flags import collapse_flag, flags_of
 from pounding_cli.solve.ground import segments_of
 from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Integrator, integrator_of, refusal_of, step_taken
-from pounding_cli.solve.response import Response
+from pounding_cli.solve.response import COLLAPSED, DONE, Response
+from pounding_cli.solve.response import OUTCOMES as ENDS
 
 OUTCOMES = {
-    layout.DONE: ("done", ""),
+    layout.DONE: (DONE, ""),
+    layout.COLLAPSED: (COLLAPSED, ""),
     layout.EVENT_BOUND: ("event bound reached", "the floors chatter: check the links' stiffness and damping"),
     layout.STEP_BOUND: (
         "step bound reached",
@@ -117,6 +119,7 @@ class Prepared:
     limit : the longest stable time step [s]
     condensing : what is left out, in words
     found : (status, steps, events, orders, seconds) of the run
+    reached : time at its end [s]
     """
 
     scene: Scene
@@ -134,6 +137,7 @@ class Prepared:
     limit: float
     condensing: tuple[str, ...]
     found: tuple[int, int, int, int, float] = (UNSTABLE, 0, 0, 0, 0.0)
+    reached: float = nan
 
     def integrate(self) -> None:
         """Run it, unless the time step is too long to be stable."""
@@ -142,15 +146,15 @@ class Prepared:
             return
         _compile(self.code, scene, scene.motion.dt if takes_step else self.setting)
         begin = time.perf_counter()
-        status, steps, events, orders, _ = self.code.integrate(
+        status, steps, events, orders, self.reached = self.code.integrate(
             scene, self.arrays, self.state, self.peaks, self.ledger, self.setting, self.bounds
         )
         self.found = status, steps, events, orders, time.perf_counter() - begin
 
     @property
     def is_done(self) -> bool:
-        """Whether its run went to the end of the motion."""
-        return self.found[0] == layout.DONE
+        """Whether its run went to the end of the motion, or to a collapse."""
+        return self.found[0] in (layout.DONE, layout.COLLAPSED)
 
     def response(self) -> Response:
         """What came of it."""
@@ -160,26 +164,34 @@ class Prepared:
             status = layout.NOT_FINITE
         energy = balance(scene, arrays, self.before, state, peaks, self.ledger) if chosen.keeps_ledger else {}
         outcome, advice = OUTCOMES[status]
-        if status == layout.DONE and abs(energy.get("residual", 0.0)) > max(self.accuracy, LEDGER_BOUND):
+        if outcome in ENDS and abs(energy.get("residual", 0.0)) > max(self.accuracy, LEDGER_BOUND):
             outcome, advice = OPEN_LEDGER
         if status == UNSTABLE:
             advice = (
                 f"the motion would grow without bound: take a time step below {self.limit:.2g} s, or method: taylor"
             )
-        if outcome != "done":  # no number of a run that failed is ever shown
+        if outcome not in ENDS:  # no number of a run that failed is ever shown
             for numbers in (*peaks[1:-1], state.u, state.v):
                 numbers.fill(np.nan)
         buildings, links = unpack(scene, arrays, state, peaks)
         note = self.code.note(steps, events)
         effects = effects_of(scene)
+        where = self._collapse() if outcome == COLLAPSED else (nan, -1, 0)
         return Response(
             buildings, links, outcome, advice, chosen.name, nan if chosen.takes_step else self.accuracy, steps, events,
             seconds, orders=orders, time_step=self.setting if chosen.takes_step else nan, energy=energy,
-            flags=flags_of(scene, links) + ((note,) if note else ()),
+            flags=collapse_flag(scene, *where) + flags_of(scene, links) + ((note,) if note else ()),
             effects=effects.kept, dropped=effects.dropped + self.condensing,
             final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
             samples=tuple(peaks.samples[:, span].copy() for span in arrays.floors if self.watch),
+            collapse_time=where[0], collapse_building=where[1], collapse_storey=where[2],
         )  # fmt: skip
+
+    def _collapse(self) -> tuple[float, int, int]:
+        """When the run ended [s], the building and the storey that has drifted furthest of what it stands."""
+        parts = [self.peaks.drift[span] / self.arrays.slots.collapse[span] for span in self.arrays.floors]
+        building = int(np.argmax([part.max() for part in parts]))
+        return self.reached, building, int(np.argmax(parts[building])) + 1
 
 
 def prepare(

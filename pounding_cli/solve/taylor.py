@@ -99,7 +99,8 @@ def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Points, Springs]:
 
 def solved_in_islands(scene: Scene, arrays: Arrays) -> bool:
     """Whether buildings that do not touch take steps of their own."""
-    return len(scene.buildings) > ALWAYS_ONE_ISLAND and _allows_islands(places_of(scene, arrays)[0])
+    several = len(scene.buildings) > ALWAYS_ONE_ISLAND and not effects_of(scene).collapse
+    return several and _allows_islands(places_of(scene, arrays)[0])
 
 
 def _allows_islands(row: Row) -> bool:
@@ -160,10 +161,13 @@ def prepare(
     memory, integers = aligned(doubles), np.zeros(whole, np.int64)
     kernel, rules = taylor.build(programs), gauss_rules(MAX_POINTS)
     inelastic = all_effects or effects_of(scene).yielding
-    use_islands = not all_effects and _allows_islands(row)  # fault: stands-apart
+    watched = effects_of(scene).collapse
+    # A collapse ends the run of all buildings at one time, so they are solved together.
+    use_islands = not all_effects and not watched and _allows_islands(row)  # fault: stands-apart
     least_scale = least_acceleration_scale(scene, arrays, state)
     events_at_instant = max_events_at_instant(arrays.begins[-1], arrays.links.number)
-    settings = inelastic, use_islands, tolerance, least_scale, max_order(tolerance), *bounds, events_at_instant
+    order = max_order(tolerance)
+    settings = inelastic, use_islands, watched, tolerance, least_scale, order, *bounds, events_at_instant
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float, history: History = NO_HISTORY):
         memory.fill(0.0)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pounding_cli.solve.response import COLLAPSED, DONE
 from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, empty
 from pounding_cli.store.layout import RESPONSES, SCENES, STATISTICS
@@ -113,7 +114,9 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
             _put_alone(arrays, np.array(numbers), place, line, values)
             alone_errors[numbers, place] = values[:, parse(line).columns["error_estimate"]]
             status = parse(line).facts["status"]
-            if status != "done":
+            if status == COLLAPSED:
+                _flag(arrays["flags"], numbers, f"{building} alone collapsed: its ratios are left out")
+            elif status != DONE:
                 _flag(arrays["flags"], numbers, f"{building} alone: {status}, ratios refused")
     arrays["displacement"][:] = np.maximum(arrays["displacement_max"], -arrays["displacement_min"])
     for name, alone in RATIOS.items():
@@ -136,9 +139,12 @@ def _put_scene(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarra
 
 
 def _put_peaks(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray) -> None:
-    """Peaks of scenes that are done; those of another leave NaN, whatever it reached."""
+    """Peaks of scenes that are done, and who collapsed in the others; their peaks are NaN, whatever they reached."""
     words = parse(line)
-    if not words.is_done:
+    if words.facts["status"] == COLLAPSED:
+        who = values[:, words.columns["collapse_building"]].astype(int)
+        arrays["collapsed"][numbers, who] = values[:, words.columns["collapse_storey"]]
+    if not words.has_peaks:
         return
     for place, spans in enumerate(words.buildings):
         for name, field in (STOREY_FIELDS | FLOOR_FIELDS).items():
@@ -150,14 +156,16 @@ def _put_peaks(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarra
 
 def _put_links(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray, chosen: list[int]) -> None:
     words = parse(line)
-    if words.is_done and chosen:
+    if words.has_peaks and chosen:
         for name in LINK_FIELDS:
             arrays[name][numbers[:, None], chosen] = values[:, words.links[name]]
 
 
 def _put_alone(arrays: Arrays, numbers: np.ndarray, place: int, line: str, values: np.ndarray) -> None:
     words = parse(line)
-    if words.is_done:
+    if words.facts["status"] == COLLAPSED:
+        arrays["collapsed0"][numbers, place] = values[:, words.columns["collapse_storey"]]
+    if words.has_peaks:
         for name, field in ALONE.items():
             found = values[:, words.buildings[0][field]]
             arrays[name][numbers, place, : found.shape[1]] = found

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
+from pounding_cli.solve.response import DONE, OUTCOMES, BuildingResponse, LinkResponse, Response
 
 _BUILDING_ARRAYS = tuple(f.name for f in fields(BuildingResponse) if f.name not in ("sway", "rocking"))
 _LINK_ARRAYS = tuple(f.name for f in fields(LinkResponse))
@@ -41,8 +41,13 @@ class Words:
 
     @property
     def is_done(self) -> bool:
-        """Whether the scene has a result."""
-        return self.facts["status"] == "done"
+        """Whether the scene has a result: it ended with the motion, or with a collapse."""
+        return self.facts["status"] in OUTCOMES
+
+    @property
+    def has_peaks(self) -> bool:
+        """Whether its largest values are those of the whole motion."""
+        return self.facts["status"] == DONE
 
 
 def encode(response: Response) -> tuple[str, np.ndarray]:

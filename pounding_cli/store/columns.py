@@ -12,6 +12,7 @@ _BARE = {
     "records_used": ("1", "number of records with a V_ratio"),
     "records_flagged": ("1", "number of records whose scene carries a flag"),
     "records_meaningless": ("1", "number of records whose numbers mean nothing"),
+    "records_collapsed": ("1", "number of records in whose scene a storey collapsed"),
     "flag": ("", "what is flagged"),
     "detail": ("", "where, and by how much"),
     "meaningless": ("", "whether the numbers of the scene mean nothing"),

@@ -10,6 +10,7 @@ import numpy as np
 
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.solve.flags import is_meaningless
+from pounding_cli.solve.response import OUTCOMES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -97,6 +98,11 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
     ]
     columns = (scene[name] for name in ("case", "analysis", "record", "flags"))
     return flag_groups(map(SceneFlags._make, zip(points, *columns, strict=True)))
+
+
+def failed_scenes(scene: pd.DataFrame) -> pd.DataFrame:
+    """The rows of a table of scenes that have no result; a collapse is one."""
+    return scene[~scene["status"].isin(OUTCOMES)]
 
 
 def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:

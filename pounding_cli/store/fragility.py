@@ -24,8 +24,8 @@ from pounding_cli.fragility import (
 from pounding_cli.fragility.hunt import found
 from pounding_cli.store.answers import Column, Read, Table, place_columns
 from pounding_cli.study.fragility import intensities, intensity_unit, question_of
-from pounding_cli.study.fragility_rounds import Layout, by_level, over_gap, over_limit
-from pounding_cli.study.limits import CONTACT, Target
+from pounding_cli.study.fragility_rounds import Layout, by_level, demand_of_collapse, over_gap, over_limit
+from pounding_cli.study.limits import COLLAPSE, CONTACT, Target
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -174,9 +174,14 @@ class _Demands:
             return over_gap(closing[..., mine], gaps), None
         height = self.plan.study.building(self.layout.points[point], building).height
         both = []
-        for name in (limit.quantity, _ALONE[limit.quantity]):
+        quantity = "drift" if limit.quantity == COLLAPSE else limit.quantity
+        for name, collapsed in ((quantity, "collapsed"), (_ALONE[quantity], "collapsed0")):
             peaks = self._levels(name)[point, case, analysis, ..., building, : len(height)]
-            both.append(over_limit(limit, peaks, height))
+            demand = 0.0 * peaks[..., 0] if limit.quantity == COLLAPSE else over_limit(limit, peaks, height)
+            storey = self._levels(collapsed)[point, case, analysis]
+            own = storey[..., building] > 0
+            ended = own if collapsed == "collapsed0" else (storey > 0).any(axis=-1)
+            both.append(np.where(ended, demand_of_collapse(limit, own), demand))
         return both[0], both[1]
 
     def _levels(self, name: str) -> np.ndarray:
@@ -260,7 +265,8 @@ _MEANINGS = {
     "high": "the median is not above; inf where no end is known",
     "motions": "motions that the curve rests on",
     "scenes": "scenes asked for",
-    "failed": "scenes that gave no number; they widen brackets and are counted neither as holding nor as passing",
+    "failed": "scenes that gave no number, because they failed or another building collapsed; they widen brackets and "
+    "are counted neither as holding nor as passing",
     "returns": "motions that hold at an intensity above their first pass",
     "unfitted": "draws of the bootstrap without a fit; they count with what a fit would tend to",
     "ratio": "median with pounding over median alone",

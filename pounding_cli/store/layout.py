@@ -45,6 +45,8 @@ RESPONSES = (
     Variable("displacement_min", FLOOR, "m", "smallest floor displacement (to the left: negative)"),
     Variable("sway", (*PLACE, "building"), "m", "largest translation of the foundation"),
     Variable("rocking", (*PLACE, "building"), "rad", "largest rotation of the foundation"),
+    Variable("collapsed", (*PLACE, "building"), "1", "storey that collapsed, from 1; 0 where none did", "i"),
+    Variable("collapsed0", (*PLACE, "building"), "1", "likewise of the building alone", "i"),
     Variable("impacts", LINK, "1", "number of times the link closed"),
     Variable("peak_force", LINK, "N", "largest link force"),
     Variable("max_closing", LINK, "m", "largest closing of the two floors, gap not subtracted"),
@@ -53,11 +55,12 @@ RESPONSES = (
 )
 
 SCENES = (
-    Variable("status", PLACE, "", "outcome of the scene: done, or what stopped it", "s"),
+    Variable("status", PLACE, "", "outcome of the scene: done, collapsed, or what stopped it", "s"),
     Variable("advice", PLACE, "", "what to do about an outcome other than done", "s"),
     Variable("method", PLACE, "", "method of solution, of a row that fell into groups theirs", "s"),
     Variable("accuracy", PLACE, "1", "accuracy asked; NaN for a method that takes a time step"),
     Variable("time_step", PLACE, "s", "time step of a method that takes one; NaN for the others"),
+    Variable("collapse_time", PLACE, "s", "when a storey collapsed; NaN where none did"),
     Variable("steps", PLACE, "1", "time steps", "i"),
     Variable("events", PLACE, "1", "events located", "i"),
     Variable("orders", PLACE, "1", "Taylor orders computed in all", "i"),
@@ -79,6 +82,9 @@ SCENES = (
 
 FORMERLY = {"accuracy": "tolerance", "time_step": "tolerance"}
 """What files of before call a variable: accuracy or time step were one, the study says which."""
+
+ADDED = ("collapsed", "collapsed0", "collapse_time")
+"""What files of before do not have."""
 
 # The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
 

@@ -15,12 +15,13 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.solve.histories import History
+from pounding_cli.solve.response import COLLAPSED
 from pounding_cli.store.answers import Answer, read_table, table_names
 from pounding_cli.store.columns import meaning
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
-from pounding_cli.store.layout import FORMERLY, PLACE, SCENES, WRITTEN
+from pounding_cli.store.layout import ADDED, FORMERLY, PLACE, SCENES, WRITTEN
 from pounding_cli.store.solutions import stored_methods
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
@@ -40,8 +41,8 @@ _FLOOR = (
 _LINK_FACTS = ("left", "right", "floor")
 _LINK = ("kind", "gap", "impacts", "peak_force", "max_closing", "impulse", "contact_time")
 _SCENE = (
-    "status", "advice", "method", "accuracy", "time_step", "steps", "events", "seconds", "energy_residual",
-    "error_estimate", "sensitivity", "effects", "dropped", "flags",
+    "status", "advice", "collapse_time", "method", "accuracy", "time_step", "steps", "events", "seconds",
+    "energy_residual", "error_estimate", "sensitivity", "effects", "dropped", "flags",
 )  # fmt: skip
 _ACCURACY = (
     "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity", "energy_residual",
@@ -204,7 +205,9 @@ class Results:
         return frame[frame["status"] != ""].reset_index(drop=True)
 
     def _asked(self, file: h5py.File, name: str) -> np.ndarray:
-        """A variable of SCENES, as `FORMERLY` where the file is of before."""
+        """A variable of SCENES, as `FORMERLY` where the file is of before, NaN where it has none (ADDED)."""
+        if name in ADDED and name not in file:
+            return np.full(file["status"].shape, np.nan)
         if name in file or name not in FORMERLY:
             return self._values(file[name])
         asked = "accuracy" if self.resolved.get("time_step") is None else "time_step"
@@ -215,7 +218,8 @@ class Results:
         storey i.
 
         Standard deviations are with n - 1; `records_used` counts the records with a V_ratio, `records_flagged` those
-        whose scene carries a flag, `records_meaningless` those whose numbers mean nothing (`flagged`).
+        whose scene carries a flag, `records_meaningless` those whose numbers mean nothing (`flagged`),
+        `records_collapsed` those in whose scene a storey collapsed.
         """
         with opened(self.path) as file:
             dims = (*self._dims, "case", "analysis", "building", "storey")
@@ -225,7 +229,9 @@ class Results:
                 for measure in _MEASURES:
                     columns[f"{ratio}_{measure}"] = self._values(file[f"{ratio}_{measure}"]).ravel()
             columns["records_used"] = self._values(file["V_ratio_count"]).ravel()
-            for name, count in counts_of_flags(self._values(file["flags"])).items():
+            collapsed = (self._values(file["status"]) == COLLAPSED).sum(axis=-1)
+            counts = counts_of_flags(self._values(file["flags"])) | {"records_collapsed": collapsed}
+            for name, count in counts.items():
                 columns[name] = self._spread(count[..., None, None], shape)
             there = self._there(file, 2)
         return _frame(columns)[there].reset_index(drop=True)

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.store.layout import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
+from pounding_cli.store.layout import ADDED, BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
 from pounding_cli.texts import plain, plain_all
 
 _UNPACKED = 1100
@@ -88,6 +88,8 @@ def check_structure(file: h5py.File) -> list[list[str]]:
         for name, kind in _OF_LINK.items():
             expect(forms, name, (sizes["link"],), kind)
     for variable in (*RESPONSES, *SCENES, *STATISTICS, *LINKS):
+        if variable.name in ADDED and variable.name not in forms:
+            continue
         if linked or "link" not in variable.dims:
             name = variable.name if variable.name in forms else FORMERLY.get(variable.name, variable.name)
             expect(forms, name, tuple(sizes[dim] for dim in (*axes, *variable.dims)), variable.kind)

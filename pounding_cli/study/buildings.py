@@ -167,8 +167,9 @@ def _derived(
     law = storey_laws()[spec.storey_law]
     alpha, beta = float(alpha), float(beta)
     load = (weight_above(mass) if spec.p_delta else None) if isinstance(spec.p_delta, bool) else np.array(spec.p_delta)
+    collapse = np.inf if isinstance(spec.collapse, str) else spec.collapse
     return Building(
-        name, mass, height, stiffness, yield_shear, hardening, alpha, beta, foundation, law, parameters, load
+        name, mass, height, stiffness, yield_shear, hardening, alpha, beta, foundation, law, parameters, load, collapse
     )
 
 

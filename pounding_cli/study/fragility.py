@@ -13,7 +13,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study.expand import expand
 from pounding_cli.study.fragility_keys import FragilitySpec, Measure
 from pounding_cli.study.fragility_rounds import Asked, Layout
-from pounding_cli.study.limits import CONTACT, Target
+from pounding_cli.study.limits import COLLAPSE, CONTACT, Target
 from pounding_cli.study.load import Study
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.problems import Problems, nearest
@@ -97,6 +97,12 @@ def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Tar
             problems.at(
                 root, path, f"'{limit}': no building '{limit.building}' in the group", nearest(limit.building, known)
             )
+        if limit.quantity == COLLAPSE and mine:
+            standing, mine = mine, [place for place in mine if _can_collapse(study, place)]
+            if not mine:
+                who = " and ".join(names[place] for place in standing)
+                hint = "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`"
+                problems.at(root, path, f"'{limit}': no storey of {who} can collapse", hint)
         tall = [place for place in mine if study.building((0,) * len(study.axes), place).storeys >= limit.level]
         if mine and not tall:
             most = max(study.building((0,) * len(study.axes), place).storeys for place in mine)
@@ -107,6 +113,15 @@ def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Tar
                 problems.at(root, path, f"the limit '{limit}' stands twice", "remove one of the two")
             found[target] = None
     return tuple(found)
+
+
+def _can_collapse(study: Study, place: int) -> bool:
+    """Whether a building may collapse, at the first point of the sweep or where one axis has another value."""
+    first = [0] * len(study.axes)
+    points = [tuple(first)]
+    for number, axis in enumerate(study.axes):
+        points += [(*first[:number], value, *first[number + 1 :]) for value in range(1, len(axis.values))]
+    return any(np.isfinite(study.building(point, place).collapse_drift).any() for point in points)
 
 
 def _intensity(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[int | None, Measure | None]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from pounding_cli.fragility.hunt import next_levels
 from pounding_cli.model.scene import Scene
-from pounding_cli.study.limits import CONTACT, Limit, Target
+from pounding_cli.study.limits import COLLAPSE, CONTACT, Limit, Target
 from pounding_cli.study.plan import Plan
 
 if TYPE_CHECKING:
@@ -88,6 +88,13 @@ def over_limit(limit: Limit, peaks: np.ndarray, height: np.ndarray) -> np.ndarra
     """
     parts = peaks / (limit.value * height if limit.of_height else limit.value)
     return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
+
+
+def demand_of_collapse(limit: Limit, own: bool | np.ndarray) -> np.ndarray:
+    """Demand over limit of a scene that ended with a collapse: beyond any limit of a peak, in every building, since the
+    row is lost. Whether gaps would have closed is unknown, and whether another building than its `own` would fall."""
+    known = own if limit.quantity == COLLAPSE else limit.quantity != CONTACT
+    return np.where(known, np.inf, np.nan)
 
 
 def over_gap(closing: np.ndarray, gap: np.ndarray) -> np.ndarray:
@@ -207,8 +214,15 @@ def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.nda
     for digest, response in responses.read(asked.waiting):
         series = asked.waiting[digest]
         demand = np.full(len(asked.targets), np.nan)
-        for number in series.targets if response.status == "done" else ():
+        for number in series.targets if response.has_result else ():
             limit, building = asked.targets[number].limit, asked.targets[number].building
+            place = building if series.building < 0 else 0
+            if response.collapse_storey:
+                demand[number] = demand_of_collapse(limit, response.collapse_building == place)
+                continue
+            if limit.quantity == COLLAPSE:
+                demand[number] = 0.0
+                continue
             if limit.quantity == CONTACT:
                 links = asked.layout.links[series.point, series.case]
                 mine = [place for place, link in enumerate(links) if link.left == building]
@@ -218,7 +232,7 @@ def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.nda
             key = series.point, building
             if key not in heights:
                 heights[key] = plan.study.building(asked.layout.points[series.point], building).height
-            peaks = getattr(response.buildings[building if series.building < 0 else 0], FIELDS[limit.quantity])
+            peaks = getattr(response.buildings[place], FIELDS[limit.quantity])
             demand[number] = over_limit(limit, peaks, heights[key])
         found[digest] = demand
     return found

@@ -1,4 +1,4 @@
-"""Limits in words: `mu > 4`, `drift > 2 %`, `acceleration > 1 g in soft floor 5`, `contact`."""
+"""Limits in words: `mu > 4`, `drift > 2 %`, `acceleration > 1 g in soft floor 5`, `contact`, `collapse`."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from pounding_cli.study import units
 from pounding_cli.study.problems import nearest
 from pounding_cli.study.units import Quantity, limited, refuse, written_unit
 
-CONTACT = "contact"
-LIMITS = ("mu", "drift", "acceleration", CONTACT)
+CONTACT, COLLAPSE = "contact", "collapse"
+LIMITS = ("mu", "drift", "acceleration", CONTACT, COLLAPSE)
 """What may be limited."""
 
-FORM = "write e.g. `mu > 4`, `drift > 2 %`, `acceleration > 1 g` or `contact`"
+FORM = "write e.g. `mu > 4`, `drift > 2 %`, `acceleration > 1 g`, `contact` or `collapse`"
 
 _QUANTITIES = {
     "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
@@ -26,7 +26,7 @@ _QUANTITIES = {
 }
 _MEANT = {
     "ductility": "mu", "idr": "drift", "acc": "acceleration", "pfa": "acceleration", "impact": CONTACT,
-    "impacts": CONTACT, "pounding": CONTACT,
+    "impacts": CONTACT, "pounding": CONTACT, "collapsed": COLLAPSE,
 }  # fmt: skip
 _FORM = re.compile(r"(?P<quantity>[^<>=]*?)\s*(?:(?P<sign>[<>=]+)\s*(?P<value>.*?))?\s*\Z", re.DOTALL)
 _WHERE = re.compile(r"(?P<what>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
@@ -40,7 +40,7 @@ class Limit:
 
     text : as people read it
     quantity : one of LIMITS
-    value : [-], [m] or [m/s2]; 0 of contact, where a gap that closes passes the limit
+    value : [-], [m] or [m/s2]; 0 of contact, where a gap that closes passes the limit, and of collapse
     of_height : the value is a part of the storey's height
     building : the only one it concerns, "" for each of them
     level : its only storey or floor, from 1 at the ground; 0 for any of them
@@ -84,11 +84,6 @@ def read_limit(value: Any) -> Limit:
     found = _FORM.match(parted["what"] if parted else text)
     assert found is not None  # it matches any text
     quantity = found["quantity"]
-    if quantity == "collapse":
-        raise refuse(
-            "'collapse' cannot be a limit yet: no storey of this program loses strength, and there is no P-Delta",
-            "take a drift at which a building counts as lost, e.g. `drift > 10 %`",
-        )
     if quantity not in LIMITS:
         meant = _MEANT.get(quantity.lower())
         hint = f"did you mean '{meant}'? known: {', '.join(LIMITS)}" if meant else nearest(quantity, LIMITS)
@@ -101,6 +96,12 @@ def read_limit(value: Any) -> Limit:
             what = "takes no value" if found["sign"] else "concerns the gap between two buildings, not one of them"
             raise refuse(f"'{text}': contact {what}", "write `contact`: a gap that closes passes it")
         return Limit(text, quantity)
+    if quantity == COLLAPSE:
+        if found["sign"] or level:
+            what = "takes no value" if found["sign"] else "concerns a building, not one of its storeys"
+            hint = "write `collapse`, or `collapse in BUILDING`; `collapse: 10 %` of a building sets the drift"
+            raise refuse(f"'{text}': collapse {what}", hint)
+        return Limit(text, quantity, building=building)
     if found["sign"] != ">":
         said = f"has {found['sign']} where > belongs" if found["sign"] else "lacks its value"
         raise refuse(f"'{text}' {said}", f"write e.g. `{_QUANTITIES[quantity].example}`")

@@ -71,6 +71,10 @@ YieldShears = Annotated[
 StoreyLoad = Annotated[float, limited(units.FORCE, name="weight on a storey", example="9000 kN", open_low=False)]
 PDelta = Annotated[Annotated[tuple[StoreyLoad, ...], _STOREYS, Tag("list")] | Annotated[bool, Tag("one")], _EITHER]
 
+Collapse = Annotated[
+    float | str, Quantity("drift ratio of collapse", "", "10 %", 0.0, 1.0, open_low=True, words=("never",))
+]
+
 
 Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
 
@@ -206,6 +210,11 @@ class _BuildingSpec(Model):
         False,
         description="P-Delta, the push of the weight on a storey that drifts: `true` for the weight of "
         "the floors above, or the weight on every storey [N], a list",
+    )
+    collapse: Collapse | None = optional(
+        None,
+        description="drift over storey height at which a storey counts as collapsed and the run ends [-]; 10 % unless "
+        "given where a storey may lose all resistance; `never`: not looked for",
     )
     foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
 

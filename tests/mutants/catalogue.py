@@ -196,6 +196,12 @@ STOREYS = [
         ("theta >= 1", "theta > 1"),
         f"{P_DELTA}::test_unstable_at_rest_is_refused",
     ),
+    Mutant(
+        "collapse-in-time",
+        "a collapse is looked for where a link or storey has an event anyway",
+        ("settings.watched > 0 and", "settings.watched > 0 and (storeys or link) and"),
+        f"{VERIFICATION}/test_collapse.py::test_time_in_closed_form",
+    ),
     Mutant("storey-remembers", "plastic drift of the wrong side", ("DRIFT + limit", "DRIFT - limit"), THROW),
     Mutant(
         "storey-turns-at-rest",

@@ -11,6 +11,7 @@ from pounding_cli.laws import drawn
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.web.story import digits
+from pounding_cli.solve.response import OUTCOMES
 from pounding_cli.store import FlagGroup, flag_groups_of
 
 MOST_BUILDINGS = 3
@@ -141,7 +142,7 @@ def _flags(scene: pd.DataFrame) -> dict[str, tuple[list[str], bool]]:
     groups: dict[str, list[FlagGroup]] = {}
     for group in flag_groups_of(scene):
         groups.setdefault(group.case, []).append(group)
-    failed = (scene["status"] != "done").groupby(scene["case"], sort=False).agg(["sum", "size"])
+    failed = (~scene["status"].isin(OUTCOMES)).groupby(scene["case"], sort=False).agg(["sum", "size"])
     found: dict[str, tuple[list[str], bool]] = {}
     for case, (lost, of) in failed.iterrows():
         said = [f"{lost} of {counted(int(of), 'run')} failed and are left out of the means"] if lost else []

@@ -14,6 +14,7 @@ from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.evidence import Evidence, Tables, names, split
 from pounding_cli.report.verdicts import Judgement, Verdict
+from pounding_cli.store.flagged import failed_scenes
 
 MOST_REASONS = 4
 """Reasons shown for one effect; further ones are counted."""
@@ -64,7 +65,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 def tiles(evidence: Evidence, judgements: Sequence[Judgement], scene: pd.DataFrame) -> list[Tile]:
     """Link force at the point shown; numerical error, sensitivity and runs of all `scene`s; the paper's claims."""
-    failed = int((scene["status"] != "done").sum())
+    failed = len(failed_scenes(scene))
     found = [Tile("Runs", str(len(scene)), f"{failed} failed" if failed else "all done", "bad" if failed else "")]
     error = scene["error_estimate"].dropna()
     number = digits(error.max(), 2) if len(error) else "not measured"
@@ -172,7 +173,7 @@ def trust(scene: pd.DataFrame) -> Grid:
 
 def failures(scene: pd.DataFrame, units: Mapping[str, Unit]) -> Grid:
     """The runs that did not end, with the advice; `units`: of the swept keys."""
-    failed = scene[scene["status"] != "done"]
+    failed = failed_scenes(scene)
     rows = [
         [", ".join(_placed(row, scene, units)), row["status"], row["advice"]]
         for row in failed.head(MOST_FAILURES).to_dict("records")

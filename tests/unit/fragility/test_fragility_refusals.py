@@ -31,7 +31,7 @@ def refused(folder, text):
     [
         (LIMITS, "  limits: [mu > 4, drift > 0.02]\n", 13, 20, "has no unit", "drift > 2 %"),
         (LIMITS, "  limits: ductility > 4\n", 13, 11, "no limit of 'ductility'", "did you mean 'mu'"),
-        (LIMITS, "  limits: [mu > 4, collapse]\n", 13, 20, "cannot be a limit yet", "drift > 10 %"),
+        (LIMITS, "  limits: [mu > 4, collapse]\n", 13, 20, "no storey of A and B can collapse", "p_delta: true"),
         (LIMITS, "  limits: []\n", 12, 1, "no limit", "limits: [mu > 4]"),
         ("fragility:\n" + LIMITS, "", 1, 1, "no limit", "fragility: {limits: [mu > 4]}"),
         (LIMITS, "  limits: [mu > 4 in C]\n", 13, 12, "no building 'C'", "known: A, B"),

@@ -67,7 +67,10 @@ def test_morris_ranks_the_keys(tmp_path):
     assert outcome.done <= 4**3 * 2 + 1  # the levels are few: linked and A alone, B once
     # at the levels -3 pi / 4, -pi / 4, pi / 4, 3 pi / 4 the gap has the same sine squared: no effect at all
     assert rows["mu_star"].to_numpy()[1] == pytest.approx(0.0, abs=1e-6)
-    assert rows.loc[KEYS[0], "mu_star"] > rows.loc[KEYS[2], "mu_star"] > 1
+    # x3 jumps between them by two levels, x1 has the sine of pi / 4 up to its sign: one size of effect, over 2/3
+    size = 1.5 * 0.1 * ((3 * np.pi / 4) ** 4 - (np.pi / 4) ** 4) * np.sin(np.pi / 4)
+    assert rows.loc[KEYS[2], "mu_star"] == pytest.approx(size, rel=1e-6)
+    assert rows.loc[KEYS[0], "mu_star"] > rows.loc[KEYS[2], "mu_star"]
     assert rows.loc[KEYS[2], "sigma"] > abs(rows.loc[KEYS[2], "mu"])  # it acts through mass alone
     assert (rows["mu_star_low"] <= rows["mu_star"]).all()
 

@@ -22,6 +22,8 @@ from pounding_cli.study.limits import Limit, read_limit
         ("acceleration > 300 gal in the old mill", ("acceleration", 3.0, False, "the old mill", 0)),
         ("mu > 4 in storey 1", ("mu", 4.0, False, "", 1)),
         ("  contact ", ("contact", 0.0, False, "", 0)),
+        ("collapse", ("collapse", 0.0, False, "", 0)),
+        ("collapse in soft", ("collapse", 0.0, False, "soft", 0)),
     ],
 )
 def test_what_a_limit_means(text, meaning):
@@ -36,7 +38,9 @@ def test_what_a_limit_means(text, meaning):
     [
         ("ductility > 4", "no limit of 'ductility'", "did you mean 'mu'"),
         ("acceleraton > 1 g", "no limit of 'acceleraton'", "did you mean 'acceleration'"),
-        ("collapse", "cannot be a limit yet", "drift > 10 %"),
+        ("collapse > 10 %", "takes no value", "collapse in BUILDING"),
+        ("collapse in soft storey 2", "concerns a building", "collapse in BUILDING"),
+        ("collapsed", "no limit of 'collapsed'", "did you mean 'collapse'"),
         ("drift > 0.02", "has no unit", "drift > 2 %"),
         ("acceleration > 1", "has no unit", "acceleration > 1 g"),
         ("drift > 2 g", "is no drift", "drift > 6 cm"),
