@@ -5,7 +5,9 @@ Other packages add laws of theirs by an entry point of the group `pounding_cli.l
 from __future__ import annotations
 
 import functools
+import inspect
 from importlib import metadata
+from pathlib import Path
 
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.bilinear_contact import BilinearContact
@@ -53,6 +55,12 @@ def _laws() -> dict[tuple[str, str], type[Law]]:
             raise ValueError(f"two {law.acts_on} laws are called '{law.name}': one of them is {entry.value}")
         found[law.acts_on, law.name] = law
     return found
+
+
+def sources_elsewhere() -> list[Path]:
+    """The files of the laws of other packages."""
+    others = (law for law in _laws().values() if law not in BUILT_IN)
+    return sorted({Path(inspect.getfile(law)) for law in others})
 
 
 @functools.cache

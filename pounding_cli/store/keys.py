@@ -7,13 +7,15 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+from pounding_cli.laws import sources_elsewhere
+
 FORMAT = "pounding study results"
 """Root attribute `format` of every results file."""
 
 FORMAT_VERSION = 3
 """Raised whenever a reader of the former version would misread the file."""
 
-_SOLVER_ROOMS = ("kernels", "model", "solve")
+_SOLVER_PACKAGES = ("kernels", "laws", "model", "solve")
 
 
 @cache
@@ -24,16 +26,16 @@ def package_version() -> str:
 
 @cache
 def solver_version() -> str:
-    """Package version and a digest of the solver's own source.
+    """Package version and a digest of the solver's own source, laws of other packages included.
 
     Between two releases the version stands still while the solver changes; results of the old one must not be
     taken for the new one's.
     """
     root = Path(__file__).parents[1]
     sha = hashlib.sha256()
-    for room in _SOLVER_ROOMS:
-        for path in sorted((root / room).glob("*.py")):
-            sha.update(path.name.encode() + b"\0" + path.read_bytes())
+    own = (path for package in _SOLVER_PACKAGES for path in sorted((root / package).glob("*.py")))
+    for path in (*own, *sources_elsewhere()):
+        sha.update(path.name.encode() + b"\0" + path.read_bytes())
     return f"{package_version()}+{sha.hexdigest()[:12]}"
 
 
