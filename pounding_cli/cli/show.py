@@ -96,7 +96,10 @@ def command(
     elif form == "json":
         click.echo(_json(frame))
     else:
-        aside = [] if wide else [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
+        endings = _ASIDE.get(table, ())
+        if "records_collapsed" in frame and not frame["records_collapsed"].any():
+            endings += ("_collapsed",)
+        aside = [] if wide else [name for name in frame.columns if str(name).endswith(endings)]
         click.echo(results.title)
         click.echo(_columns(results, table, _one_line(frame.drop(columns=aside))))
         if aside:

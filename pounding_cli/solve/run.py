@@ -162,7 +162,10 @@ class Prepared:
         status, steps, events, orders, seconds = self.found
         if status == layout.DONE and not np.isfinite(np.concatenate((*peaks[1:-2], peaks.samples.ravel()))).all():
             status = layout.NOT_FINITE
-        energy = balance(scene, arrays, self.before, state, peaks, self.ledger) if chosen.keeps_ledger else {}
+        energy = {}
+        if chosen.keeps_ledger:
+            with np.errstate(over="ignore", invalid="ignore"):  # a run that failed may have ended at any numbers
+                energy = balance(scene, arrays, self.before, state, peaks, self.ledger)
         outcome, advice = OUTCOMES[status]
         if outcome in ENDS and abs(energy.get("residual", 0.0)) > max(self.accuracy, LEDGER_BOUND):
             outcome, advice = OPEN_LEDGER

@@ -100,7 +100,7 @@ def test_wide_shows_what_is_kept_aside(shown):
     assert "V_ratio_mean" not in aside
     for name in aside:
         assert f" {name} " not in narrow.splitlines()[1]
-        assert f" {name} " in wide.splitlines()[1]
+        assert f" {name} " in f"{wide.splitlines()[1]} "
 
 
 def test_summary_is_what_is_shown_unless_told_otherwise(shown):

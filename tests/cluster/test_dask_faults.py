@@ -237,6 +237,7 @@ def test_a_scheduler_behind_tls(plan, refused, machines, certificates, tmp_path,
     assert "no certificates" in refused(address).message
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
+    monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", 180.0)  # of a busy machine
     dask.config.refresh()
     try:
         outcome = run_plan(plan, tmp_path / "d.h5", engine_name="dask", scheduler=address, solve=solve_slowly)

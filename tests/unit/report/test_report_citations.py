@@ -152,7 +152,7 @@ def test_bibtex_is_well_formed(key):
     assert depth == 0
     if "{{" not in entry.split("author = ")[1].split("\n")[0]:
         people = re.search(r"author = {(.*)}", entry)[1].split(" and ")
-        assert all(re.fullmatch(r"[\w -]+, [A-ZÀ]\.( [A-Z]\.)*", person) for person in people)
+        assert all(re.fullmatch(r"[\w -]+, [A-ZÀ]\.([ -][A-Z]\.)*", person) for person in people)
     assert not re.search(r"(?<!\\)[&%]", entry)
 
 
