@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import os
 import sys
 import time
 from dataclasses import dataclass
@@ -107,7 +108,12 @@ class Quiet:
 def _write(line: str, stream: TextIO) -> None:
     """Write a line at once. A run goes on when nobody reads what it tells any more: its results are what counts."""
     with contextlib.suppress(OSError, ValueError):
-        print(line, file=stream, flush=True)
+        try:
+            print(line, file=stream, flush=True)
+        except BrokenPipeError:  # what stands in its buffer would end the run when it is flushed
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, stream.fileno())
+            os.close(nowhere)
 
 
 class Lines:

@@ -88,7 +88,8 @@ def test_a_log_that_nobody_reads_does_not_stop_a_run(folder):  # noqa: F811
         "s.solve = test_run.known; " + MAIN
     )
     arguments = [sys.executable, "-c", script, os.path.dirname(__file__), "run", "two.yaml", "--log-json"]
-    process = subprocess.Popen(arguments, stdout=write, stderr=subprocess.PIPE, text=True)
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    process = subprocess.Popen(arguments, stdout=write, stderr=subprocess.PIPE, text=True, env=buffered)
     os.close(write)
     said = process.communicate(timeout=120)[1]
     assert (process.returncode, said) == (0, "")
