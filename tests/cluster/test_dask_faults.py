@@ -149,7 +149,8 @@ def test_the_package_is_missing(refused, machines, where):
 
 
 PROGRAM = """
-    import pathlib, signal, subprocess, sys
+    import pathlib, signal, subprocess, sys, warnings
+    warnings.filterwarnings("ignore", "coroutine .* was never awaited")  # Dask's, where it has no time to close
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
     sys.path[:0] = {imported!r}
     import pounding_cli.batch.cluster, pounding_cli.batch.runner
@@ -228,20 +229,33 @@ def certificates(tmp_path, monkeypatch):
     return options, {f"DASK_DISTRIBUTED__COMM__TLS__{name}": value for name, value in env.items()}
 
 
-def test_a_scheduler_behind_tls(plan, refused, machines, certificates, tmp_path, monkeypatch):
-    """With certificates from Dask's configuration; without them in a sentence."""
+RUN_THERE = """
+    import pathlib, sys
+    sys.path[:0] = {imported!r}
+    import pounding_cli.batch.cluster, pounding_cli.batch.runner
+    from slow_solver import solve_slowly
+    from study_plans import small_plan
+
+    pounding_cli.batch.runner.WORTH_WORKERS = 0.0
+    pounding_cli.batch.cluster.WORK = 0.1
+    pounding_cli.batch.cluster.PATIENCE = 100.0  # a busy machine may take minutes to answer
+    plan = small_plan(records=tuple((f"r{{n}}", float(n)) for n in range(1, 16)))
+    outcome = pounding_cli.batch.run_plan(
+        plan, pathlib.Path({output!r}), engine_name="dask", scheduler={address!r}, solve=solve_slowly
+    )
+    assert outcome.done == len(plan.scenes) - outcome.reused
+    print(outcome.engine)
+"""
+
+
+def test_a_scheduler_behind_tls(refused, machines, certificates, tmp_path):
+    """With certificates from Dask's configuration, which a process reads when it starts; without them in a sentence."""
     options, environment = certificates
     address, _ = machines.scheduler("--protocol", "tls", *options)
     machines.worker(address, *options)
     assert address.startswith("tls://")
     assert "no certificates" in refused(address).message
-    for name, value in environment.items():
-        monkeypatch.setenv(name, value)
-    monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", 180.0)  # of a busy machine
-    dask.config.refresh()
-    try:
-        outcome = run_plan(plan, tmp_path / "d.h5", engine_name="dask", scheduler=address, solve=solve_slowly)
-    finally:
-        monkeypatch.undo()
-        dask.config.refresh()
-    assert (outcome.done, outcome.engine) == (len(plan.scenes) - outcome.reused, "dask")
+    program = textwrap.dedent(RUN_THERE.format(imported=IMPORTED, output=str(tmp_path / "t.h5"), address=address))
+    run = [sys.executable, "-c", program]
+    done = subprocess.run(run, capture_output=True, text=True, env=os.environ | environment, timeout=200)
+    assert done.stdout.split()[-1:] == ["dask"], done.stderr
