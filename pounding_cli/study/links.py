@@ -8,6 +8,7 @@ from typing import Any
 
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.links import Link
 from pounding_cli.numbers import counted
 from pounding_cli.study.formulas import law_class
@@ -132,7 +133,8 @@ class _Reader(LawReader):
 
     def _refuse_keys_of_no_link(self, layers: list[Layer], words: list[str]) -> None:
         """Note keys beside a list of links that cannot speak for them: a stiffness, and what none of them takes."""
-        laws = [law for word in words if (law := law_class(word, self.group.laws)) is not None]
+        known = [self.contact() if word == Pounding.name else word for word in words]
+        laws = [law for word in known if word is not None and (law := law_class(word, self.group.laws)) is not None]
         taken = {name for law in laws for name in _keys_of(law)} - {"stiffness"}
         for layer in layers:
             for name in ("stiffness", "tension_cut", "damping_ratio", "restitution", *_all_own()):
