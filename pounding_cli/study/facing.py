@@ -1,4 +1,4 @@
-"""Floors that face no floor: of neighbours whose storeys differ only the floors at one elevation can touch."""
+"""Which floors of neighbours can touch, and which are left out: those that strike columns of which nothing is known."""
 
 from __future__ import annotations
 
@@ -6,47 +6,55 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from pounding_cli.model.building import Building
+from pounding_cli.model.meetings import Strike, meetings
 from pounding_cli.numbers import counted
-from pounding_cli.study.buildings import FLOOR_TOLERANCE
 from pounding_cli.study.problems import Path, Problems, Tree
 
+COLUMNS = (
+    "or write `columns:`, what part of a storey's stiffness and yield shear the columns have that the other's slab "
+    "strikes, e.g. `columns: 20 %`"
+)
+"""What to write where slabs strike columns."""
 
-def unmet(left: Building, right: Building, common: Sequence[tuple[int, int]]) -> tuple[list[int], list[int]]:
-    """Floors of `left` and of `right`, from 1, beside which the neighbour stands without a floor.
 
-    Floors above the neighbour's roof have nothing beside them and are left out.
-    """
-    found = []
-    for side, (one, other) in enumerate(((left, right), (right, left))):
-        top = float(other.elevation[-1]) + FLOOR_TOLERANCE
-        met = {pair[side] for pair in common}
-        found.append([n for n, at in enumerate(one.elevation.tolist(), 1) if at <= top and n not in met])
-    return found[0], found[1]
+def facing(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
+    """Floors of `left` and `right`, from 1, that meet, and slabs that strike columns whose share of the storey is
+    known."""
+    floors, strikes = meetings(left, right)
+    return floors, tuple(strike for strike in strikes if (left, right)[strike.side].columns is not None)
+
+
+def left_out(left: Building, right: Building) -> tuple[list[int], list[int]]:
+    """Floors of `left` and of `right`, from 1, whose slabs strike columns of which nothing is known."""
+    found: tuple[list[int], list[int]] = [], []
+    for strike in meetings(left, right)[1]:
+        if (left, right)[strike.side].columns is None:
+            found[1 - strike.side].append(strike.slab)
+    return found
 
 
 def tell(
     group: Sequence[Building], common: Sequence[Sequence[tuple[int, int]]], root: Tree, path: Path, notes: Problems
 ) -> None:
-    """Note the floors of every pair of neighbours that meet nothing."""
+    """Note the floors of every pair of neighbours that are left out."""
     for place, ((left, right), pairs) in enumerate(zip(pairwise(group), common, strict=True)):
-        floors = unmet(left, right, pairs)
+        floors = left_out(left, right)
         if not any(floors):
             continue
-        alone = " and ".join(
-            f"{_floors(missing)} of {building.name}"
-            for building, missing in zip((left, right), floors, strict=True)
-            if missing
-        )
+        strikers = [(own, building) for own, building in zip(floors, (left, right), strict=True) if own]
+        struck = [building.name for own, building in zip(floors, (right, left), strict=True) if own]
+        alone = " and ".join(f"{_floors(own)} of {building.name}" for own, building in strikers)
         meets = ", ".join(f"{one}" if one == other else f"{one} with {other}" for one, other in _some(pairs))
+        where = f"{counted(len(pairs), 'floor')} only ({meets})" if pairs else "no floor"
         count = sum(map(len, floors))
         notes.at(
             root,
             (*path, place + 1),
-            f"{left.name} and {right.name} meet at {counted(len(pairs), 'floor')} only ({meets}): {alone} "
+            f"{left.name} and {right.name} meet at {where}: {alone} "
             f"{'meets' if count == 1 else 'meet'} no floor and {'is' if count == 1 else 'are'} simulated as never "
             "touching",
-            "a floor that strikes a column is not modelled: give both the same `height:`, or read the results as those "
-            "of buildings that touch nowhere else",
+            f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {' and '.join(struck)}; "
+            "as it stands the results are those of buildings that touch nowhere else",
         )
 
 

@@ -12,6 +12,7 @@ from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
+from pounding_cli.model.meetings import Strike
 from pounding_cli.study.formulas import OwnLaws, known_laws, law_class
 from pounding_cli.study.law_keys import FROM_CASE, own_parameters, words_of
 from pounding_cli.study.problems import Path, Problems, Tree, nearest
@@ -24,7 +25,9 @@ from pounding_cli.study.source import Node
 class Group:
     """The buildings of a group and what else the links of a case depend on besides the case.
 
-    buildings, types : buildings by place and by name; common : common floors of each pair of neighbours
+    buildings, types : buildings by place and by name
+    common, strikes : of each pair of neighbours the floors that meet, and the slabs that strike columns whose share of
+        the storey is known
     impact : the impact element; laws : those of the study's own, by name
     Where the group is not sound an empty one stands in for it, so that its cases can be checked all the same:
     `buildings` and `common` are empty then, and `defined` still holds every name that the file defines.
@@ -36,6 +39,7 @@ class Group:
     impact: Impact
     defined: Sequence[str]
     laws: OwnLaws = field(default_factory=dict)
+    strikes: Sequence[Sequence[Strike]] = ()
 
     @property
     def is_empty(self) -> bool:

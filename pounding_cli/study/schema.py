@@ -40,6 +40,8 @@ AnalysisKind = Literal["elastic", "inelastic"]
 
 Length = Annotated[float, units.LENGTH]
 Gap = Annotated[float, units.GAP]
+Slab = Annotated[float, limited(units.LENGTH, name="slab thickness", example="25 cm", open_low=False)]
+ColumnShare = Annotated[float, Quantity("share of the columns", "", "20 %", 0.0, 1.0, open_low=True)]
 Mass = Annotated[float, units.MASS]
 Period = Annotated[float, limited(units.TIME, name="period", high=60.0)]
 Force = Annotated[float, units.FORCE]
@@ -219,6 +221,12 @@ class _BuildingSpec(Model):
         "given where a storey may lose all resistance; `never`: not looked for",
     )
     foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
+    slab: Slab = optional("0 cm", description="thickness of the floor slabs [m]; slabs whose heights overlap meet")
+    columns: ColumnShare | None = optional(
+        None,
+        description="part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; "
+        "without it such blows are left out",
+    )
 
 
 if TYPE_CHECKING:
@@ -328,6 +336,10 @@ class PairSpec(LinkSpec):
     floors: Floors = optional("all", description="floors with this link, numbered in the left building of the pair")
     elsewhere: LinkOrWord = optional("none", description="the link on the floors not listed")
     by_floor: dict[Floor, LinkOrWord] = optional({}, description="links of single floors; they come before `floors`")
+    at_columns: LinkOrWord | None = optional(
+        None,
+        description="where a slab strikes columns: `pounding` or `none`; unless given as floors that are not listed",
+    )
 
 
 PairOrWord = Annotated[

@@ -23,6 +23,7 @@ YIELDING = f"{VERIFICATION}/test_event_reference.py::test_yielding_connected_pai
 P_DELTA = f"{VERIFICATION}/test_p_delta.py"
 LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
 COLUMNS = f"{VERIFICATION}/test_columns.py::test_columns_that_strike_columns"
+SLABS = f"{UNIT}/study/test_study_columns.py::test_slabs_whose_heights"
 FOUNDED = f"{VERIFICATION}/test_foundation.py::test_shaken_building_against_exact_stepping"
 ENERGIES = f"{VERIFICATION}/test_energy.py"
 ORDERS = f"{VERIFICATION}/test_methods.py::test_declared_order_where_nothing_jumps"
@@ -366,6 +367,15 @@ MOTION = [
     Mutant("point-follows", "the foot of a storey moves the other way", ("= terms", "= -terms"), FOUNDED),
     Mutant("spring-pushes-back", "a dashpot between floors and base pushes", ("-= push", "+= push"), FOUNDED),
     Mutant("columns-shape", "columns are straight between floors", ("at * at * (3.0 - 2.0 * at)", "at"), COLUMNS),
+    Mutant(
+        "slabs-that-meet", "slabs meet by one thickness alone", ("<= reach", "<= 0.5 * reach"), f"{SLABS}_overlap_meet"
+    ),
+    Mutant(
+        "column-flexibility",
+        "struck columns are clamped at one end alone",
+        ("(at * (1.0 - at)) ** 3", "at**3"),
+        f"{UNIT}/study/test_study_columns.py::test_flexibility_of_the_columns_is_that_of_a_clamped_beam",
+    ),
 ]
 
 ENERGY = [
