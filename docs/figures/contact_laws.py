@@ -156,10 +156,12 @@ def compared(tables: dict[str, pd.DataFrame]) -> str:
     return "\n".join(lines)
 
 
-def over_stiffness(tables: dict[str, pd.DataFrame], what: str, case: str, analysis: str) -> pd.DataFrame:
-    """What is compared, largest of all places: a row a law, a column a stiffness."""
+def over_stiffness(
+    tables: dict[str, pd.DataFrame], what: str, case: str, analysis: str, multiples: tuple[int, ...] = MULTIPLES
+) -> pd.DataFrame:
+    """What is compared, largest of all places: a row a law, a column a stiffness, one of `multiples`."""
     largest = means(tables, what, case, analysis).max(axis=1).rename(what).reset_index()
-    return largest.pivot_table(what, "impact.law", "impact.stiffness").set_axis(MULTIPLES, axis=1)
+    return largest.pivot_table(what, "impact.law", "impact.stiffness").set_axis(multiples, axis=1)
 
 
 def growth(tables: dict[str, pd.DataFrame]) -> str:

@@ -118,6 +118,12 @@ class _Reader(LawReader):
         word = says(layers, "link")
         if word is None or word == "none" or (not strikes and given is None):
             return []
+        contact = self.contact() if word == Pounding.name else word
+        if strikes and word == Pounding.name and contact not in (Pounding.name, None):
+            message = f"slabs strike columns here, and the law {contact} between a slab and columns is not modelled"
+            hint = "write `at_columns: none` in the case to leave these blows out, or `law: kelvin-voigt`"
+            self.refuse(("impact", "law"), message, hint)
+            return []
         if isinstance(word, tuple) or law_class(word, self.group.laws) not in (Pounding, None):
             kind = "several links" if isinstance(word, tuple) else word
             self.refuse(

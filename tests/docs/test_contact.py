@@ -57,3 +57,25 @@ def test_the_comparison_is_that_of_runs(comparison):
     begin, end = comparison.marks("laws")
     shown = PAGE.read_text(encoding="utf-8").partition(begin)[2].partition(end)[0].strip()
     assert shown == comparison.compared(comparison.run(comparison.STUDY))
+
+
+def test_what_converges_as_the_contact_stiffens(comparison):
+    """One motion, s of 1280 and 5120 times the stiffest storey. Fails if a shear goes on changing, or if a force or the
+    duration of a blow does not change as the root of s."""
+    study = comparison.stiffening()
+    study["records"] = {"use": ["elcentro"], "duration": "5 s"}
+    study["sweep"][1] = {key: values[-2:] for key, values in study["sweep"][1].items()}
+    tables = comparison.run(study)
+
+    def factors(what, case, analysis="elastic"):
+        values = comparison.over_stiffness(tables, what, case, analysis, comparison.MULTIPLES[-2:])
+        return (values[5120] / values[1280]).reindex(comparison.LOOKS).to_numpy()
+
+    for case in ("touching", "gap"):
+        for what in ("V/V0", "displacement [mm]", "impulse [kN s]"):
+            assert factors(what, case) == pytest.approx(1.0, abs=0.04), (what, case)
+        for what in ("impact force [MN]", "acceleration / alone"):
+            assert factors(what, case) == pytest.approx(2.0, rel=0.04), (what, case)
+    assert factors("mu/mu0", "touching", "inelastic") == pytest.approx(1.0, abs=0.04)
+    assert factors("impacts", "gap") == pytest.approx(1.0, abs=1e-12)
+    assert factors("time in contact [s]", "gap") == pytest.approx(0.5, rel=0.01)
