@@ -605,6 +605,12 @@ PRUNING = [
         OPEN_GAP,
     ),
     Mutant(
+        "columns-never-struck",
+        "columns that nothing strikes are told the whole storey's shear",
+        ("shear, shear", "shear / each.share, shear"),
+        f"{SHEARS}::test_columns_that_are_never_struck",
+    ),
+    Mutant(
         "closing-between-groups",
         "a link between groups has no closing",
         ("= closings[link]", "= 0.0 * closings[link]"),
