@@ -291,8 +291,10 @@ def _open(
     `error` is that of a closing, relative to the floors' own displacements [-]."""
     if response.status != "done":
         return None
-    found = (c for c, link in zip(response.links.max_closing, row.links, strict=True) if link.left == left[-1] - begin)
-    closings = dict(zip(_between(scene, left[-1]), map(float, found), strict=True))
+    found = dict(zip((link.ends for link in row.links), map(float, response.links.max_closing), strict=True))
+    closings = {
+        link: found[dataclasses.replace(link, left=link.left - begin).ends] for link in _between(scene, left[-1])
+    }
     error *= sum(_furthest(response.buildings[place - begin]) for place in (left[-1], right[0]))
     for link in closings:
         if _rests(scene, left, right, link):

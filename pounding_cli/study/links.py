@@ -118,6 +118,12 @@ class _Reader(LawReader):
         word = says(layers, "link")
         if word is None or word == "none" or (not strikes and given is None):
             return []
+        contact = self.contact() if word == Pounding.name else word
+        if strikes and word == Pounding.name and contact not in (Pounding.name, None):
+            message = f"slabs strike columns here, and the law {contact} between a slab and columns is not modelled"
+            hint = "write `at_columns: none` in the case to leave these blows out, or `law: kelvin-voigt`"
+            self.refuse(("impact", "law"), message, hint)
+            return []
         if isinstance(word, tuple) or law_class(word, self.group.laws) not in (Pounding, None):
             kind = "several links" if isinstance(word, tuple) else word
             self.refuse(
@@ -167,7 +173,8 @@ class _Reader(LawReader):
 
     def _refuse_keys_of_no_link(self, layers: list[Layer], words: list[str]) -> None:
         """Note keys beside a list of links that cannot speak for them: a stiffness, and what none of them takes."""
-        laws = [law for word in words if (law := law_class(word, self.group.laws)) is not None]
+        known = [self.contact() if word == Pounding.name else word for word in words]
+        laws = [law for word in known if word is not None and (law := law_class(word, self.group.laws)) is not None]
         taken = {name for law in laws for name in _keys_of(law)} - {"stiffness"}
         for layer in layers:
             for name in ("stiffness", "tension_cut", "damping_ratio", "restitution", *_all_own()):

@@ -140,6 +140,15 @@ def test_links_that_columns_do_not_take(tmp_path, case, message, hint):
     assert problem.column > 1
 
 
+def test_columns_do_not_take_a_law_of_contact(tmp_path):
+    """Fails if blows against columns are left out in silence where the impact element has another law."""
+    pair, impact = f"{LOW}}}, {HIGH}, columns: 20 %}}", "impact: {law: hertz, hertz_stiffness: 1e9 N/m^1.5}\n"
+    (problem,) = refused(tmp_path, pair, CASES + impact)
+    assert "the law hertz between a slab and columns is not modelled" in problem.message
+    assert (problem.line, problem.column) == (3, 15)
+    assert links(study(tmp_path, pair, CASES.replace("1 cm", "1 cm, at_columns: none") + impact)) == ()
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
