@@ -23,6 +23,7 @@ YIELDING = f"{VERIFICATION}/test_event_reference.py::test_yielding_connected_pai
 P_DELTA = f"{VERIFICATION}/test_p_delta.py"
 LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
 COLUMNS = f"{VERIFICATION}/test_columns.py::test_columns_that_strike_columns"
+SHEARS = f"{VERIFICATION}/test_column_shears.py"
 SLABS = f"{UNIT}/study/test_study_columns.py::test_slabs_whose_heights"
 FOUNDED = f"{VERIFICATION}/test_foundation.py::test_shaken_building_against_exact_stepping"
 ENERGIES = f"{VERIFICATION}/test_energy.py"
@@ -367,6 +368,12 @@ MOTION = [
     Mutant("point-follows", "the foot of a storey moves the other way", ("= terms", "= -terms"), FOUNDED),
     Mutant("spring-pushes-back", "a dashpot between floors and base pushes", ("-= push", "+= push"), FOUNDED),
     Mutant("columns-shape", "columns are straight between floors", ("at * at * (3.0 - 2.0 * at)", "at"), COLUMNS),
+    Mutant(
+        "column-shears",
+        "a blow's own force is left out above it",
+        ("if higher else -to_above", "if higher else 0.0"),
+        f"{SHEARS}::test_one_blow_on_columns_that_stand_still",
+    ),
     Mutant(
         "slabs-that-meet", "slabs meet by one thickness alone", ("<= reach", "<= 0.5 * reach"), f"{SLABS}_overlap_meet"
     ),
