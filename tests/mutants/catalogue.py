@@ -657,6 +657,12 @@ HISTORIES = [
         f"{UNIT}/solve/test_histories.py::test_the_output_step_need_not_divide_the_motions",
     ),
     Mutant(
+        "history-closing",
+        "histories: closings are those of the floors, also at columns",
+        "closing=None,",
+        f"{UNIT}/api/test_api_views.py::test_closings_at_columns_are_those_of_the_struck_point",
+    ),
+    Mutant(
         "history-storey-branch",
         "histories: a storey on its lower yield line is taken for one on the upper",
         ("b - first", "min(b - first, 1)"),
