@@ -125,7 +125,7 @@ def test_the_results_keep_what_was_dropped_and_all_effects_agree(folder, pound):
 
 
 def test_every_meeting_is_listed(tmp_path):
-    """Slabs that meet, slabs against columns, and what is left out. Fails if one of them is missing, or a height is that
+    """Slabs that meet, slabs against columns, what is left out. Fails if one is missing, or a height is that
     of another floor."""
     path = tmp_path / "study.yaml"
     path.write_text(
