@@ -56,6 +56,8 @@ class Link:
                 raise ValueError(f"link: it ends at {at:g} of a storey height; give a part above 0, 1 at the floor")
         if not 0.0 <= self.columns <= 1.0 or (self.columns > 0.0 and (self.left_at < 1.0) == (self.right_at < 1.0)):
             raise ValueError(f"link: columns is {self.columns:g}; give a part of 1 where one end stands between floors")
+        if self.columns > 0.0 and not self.law.subtracts_gap:
+            raise ValueError(f"link: columns is given for {self.kind}, which strikes nothing; leave it out")
 
     def __hash__(self) -> int:
         return self._hash
@@ -129,6 +131,11 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
             between += f" {known.index(at) + 1}" if known.index(at) else ""
             names[number] = f"{between}, {names[number]}" if names[number] else between
     return tuple((link.left, link.left_floor, link.right_floor, name) for link, name in zip(links, names, strict=True))
+
+
+def ends_on_columns(place: LinkPlace) -> bool:
+    """Whether a link stands between floors, on columns."""
+    return place[3].startswith(("left columns", "right columns", "left and right columns"))
 
 
 def link_label(buildings: Sequence[str], place: LinkPlace) -> str:

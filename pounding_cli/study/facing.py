@@ -73,3 +73,44 @@ def _floors(numbers: Sequence[int]) -> str:
 
 def _some(pairs: Sequence[tuple[int, int]], most: int = 6) -> list[tuple[int | str, int | str]]:
     return [*pairs[:most], *([("...", "...")] if len(pairs) > most else [])]
+
+
+def meetings_in_words(group: Sequence[Building]) -> list[str]:
+    """Every meeting of neighbours, a line each from the ground up: slabs that meet, slabs that strike columns, and
+    blows that are left out. Floors of one number that meet one above the other share a line."""
+    lines = []
+    for left, right in pairwise(group):
+        floors, strikes = meetings(left, right)
+        found = [(float(left.elevation[i - 1]), "", (i, j)) for i, j in floors]
+        for strike in strikes:
+            columns, slab = (left, right)[strike.side], (right, left)[strike.side]
+            height = float(slab.elevation[strike.slab - 1])
+            said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
+            where = f"at {100 * strike.at:.3g} % of its height"
+            if columns.columns is None:
+                said = f"left out: {said}, {where}; write `columns:` in {columns.name}"
+            else:
+                said = f"{said}, {where}, {100 * columns.columns:.3g} % of the storey"
+            found.append((height, said, (0, 0)))
+        lines += [f"{left.name}|{right.name}  {line}" for line in _from_the_ground(found)]
+    return lines
+
+
+def _from_the_ground(found: list[tuple[float, str, tuple[int, int]]]) -> list[str]:
+    """Lines by height; `found`: height [m], what is said, or "" for the pair of floors that meet."""
+    lines: list[str] = []
+    run: list[tuple[float, int]] = []
+    for height, said, (one, other) in [*sorted(found), (0.0, "end", (0, 0))]:
+        if run and not (said == "" and one == other == run[-1][1] + 1):
+            heights = f"{run[0][0]:g} m" if len(run) == 1 else f"{run[0][0]:g} to {run[-1][0]:g} m"
+            first, last = run[0][1], run[-1][1]
+            both = f"floors {first} to {last} meet those of the same number"
+            lines.append(f"{heights}: {both if first < last else f'floor {first} meets floor {first}'}")
+            run = []
+        if said == "" and one == other:
+            run.append((height, one))
+        elif said == "":
+            lines.append(f"{height:g} m: floor {one} meets floor {other}")
+        elif said != "end":
+            lines.append(f"{height:g} m: {said}")
+    return lines

@@ -19,8 +19,9 @@ OTHER = {
     "tension_cut": True, "law": InfillLaw.PRINTED, "dashpot": DashpotLaw.PRINTED,
 }  # fmt: skip
 LINK = Link(0, 2, 3, LAWS[1])
-STRUCK = dataclasses.replace(LINK, right_at=0.3, columns=0.2)
-ENDS = {"left": 1, "left_floor": 4, "right_floor": 4, "law": LAWS[0], "right_at": 0.5, "columns": 0.5}
+STRUCK = Link(0, 2, 3, LAWS[0], right_at=0.3, columns=0.2)
+LAW = dataclasses.replace(LAWS[0], gap=0.06)
+ENDS = {"left": 1, "left_floor": 4, "right_floor": 4, "law": LAW, "right_at": 0.5, "columns": 0.5}
 
 
 @pytest.mark.parametrize("field", [field.name for field in dataclasses.fields(Link)])
