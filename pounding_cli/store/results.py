@@ -296,7 +296,7 @@ class Results:
     def buildings(self) -> pd.DataFrame:
         """Per building and storey: place from 1 at the left, mass [kg], height [m], stiffness [N/m],
         yield shear [N], fundamental period [s], base-shear ratio V/W [-] (infinite for storeys that never yield),
-        the code's separation from the next building [m].
+        thickness of the slabs [m] (not in files of before), the code's separation from the next building [m].
 
         Swept axes that change a building come first.
         """
@@ -309,7 +309,9 @@ class Results:
             columns |= {"place": np.broadcast_to(places, shape).ravel(), "storey": storey}
             for name in ("mass", "height", "stiffness", "yield_shear"):
                 columns[name] = self._values(file[name]).ravel()
-            for name in ("period", "base_shear_ratio", "separation"):
+            for name in ("period", "base_shear_ratio", "slab", "separation"):
+                if name in ADDED and name not in file:
+                    continue
                 columns[name] = np.broadcast_to(self._values(file[name])[..., None], shape).ravel()
         frame = _frame(columns)
         return frame[frame["mass"].notna()].reset_index(drop=True)
