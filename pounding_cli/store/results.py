@@ -170,8 +170,9 @@ class Results:
                     array = np.broadcast_to(np.expand_dims(array, (at, at + 1)), shape)
                 columns[name] = array.ravel()
             columns["right_floor"] = self._spread(self._values(file["link_right_floor"]), shape)
+            solved = self._spread(self._solved(file)[..., None], shape)
         frame = _frame(columns)
-        return frame[frame["kind"] != ""].reset_index(drop=True)
+        return frame[(frame["kind"] != "") & solved].reset_index(drop=True)
 
     def scene(self) -> pd.DataFrame:
         """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
@@ -366,8 +367,12 @@ class Results:
             shape = self._shape(file[names[0]])
             columns = self._index(file, (*self._dims, *PLACE, "building", level), shape)
             columns |= {name: self._values(file[name]).ravel() for name in names}
-            there = self._there(file, 3)
+            there = self._there(file, 3) & self._spread(self._solved(file)[..., None, None], shape)
         return _frame(columns)[there].reset_index(drop=True)
+
+    def _solved(self, file: h5py.File) -> np.ndarray:
+        """Which rows have a scene: a workflow need not ask for all."""
+        return self._values(file["status"]) != ""
 
     def _there(self, file: h5py.File, between: int) -> np.ndarray:
         """Which rows stand for a storey that exists; `between` dimensions lie between axes and building."""
