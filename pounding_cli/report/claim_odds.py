@@ -139,7 +139,7 @@ def _bars(ax: Axes, odds: pd.DataFrame, names: Sequence[str]) -> None:
     holds = odds["holds"].to_numpy(float)
     ends = np.maximum([holds - odds["holds_low"], odds["holds_high"] - holds], 0)
     ax.errorbar(holds, y, xerr=ends, ls="", color="0.15", lw=1.1, capsize=2.5)
-    for place in np.flatnonzero(odds["samples"].to_numpy() == 0):
+    for place in np.flatnonzero(odds["samples"].to_numpy() == 0).tolist():
         ax.text(
             0.02, place, "not tested" if not odds["failed"].iloc[place] else "scenes failed", va="center", fontsize=8
         )

@@ -106,7 +106,8 @@ def judge_samples(plan: Plan, read: Read, question: Question) -> Iterator[Judged
 
 
 def _passed(finding: Finding | None) -> float:
-    return np.nan if finding is None or finding.passed is None else float(finding.passed)
+    passed = None if finding is None else finding.passed
+    return np.nan if passed is None else float(passed)
 
 
 class _Samples:
