@@ -22,6 +22,65 @@ def values_of(expression: Expression, get: Get, over_motions: str | None = None)
     return np.where(np.isfinite(found), found, np.nan)
 
 
+def needed(expression: Expression) -> tuple[str, ...]:
+    """The variables of `store.layout` that the values of an expression and their errors rest on."""
+    found = dict.fromkeys(["drift", "acceleration", "max_closing", "error_estimate"])
+    for quantity in expression.quantities:
+        found[quantity.name] = None
+        if ratio := _ratio_of(quantity.name):
+            found |= dict.fromkeys([f"{ratio}_mean", f"{ratio}_mean_error"])
+    return tuple(found)
+
+
+def error_of(expression: Expression, get: Get, over_motions: str) -> np.ndarray:
+    """The numerical error of an expression, at most: what it changes where each of its quantities moves by its own
+    error, all added up; NaN where no scene was solved more finely.  Shape (...), as `values_of`."""
+    total = 0.0
+    for part in expression.quantities:
+        both = []
+        for sign in (1, -1):
+            shifted = _Shifted(part, sign, get)
+            both.append(expression(lambda quantity, by=shifted: _value(quantity, by.get_for(quantity), over_motions)))
+        total = total + np.abs(both[0] - both[1]) / 2
+    return np.asarray(total)
+
+
+class _Shifted:
+    """The tables with one quantity of an expression moved by its error."""
+
+    def __init__(self, part: Quantity, sign: int, get: Get) -> None:
+        self.part, self.sign, self.get = part, sign, get
+
+    def get_for(self, quantity: Quantity) -> Get:
+        """The tables as `quantity` sees them."""
+        if quantity is not self.part:
+            return self.get
+        return lambda name: self.get(name) + (self.sign * _error(name, self.get) if name == quantity.name else 0.0)
+
+
+def _ratio_of(name: str) -> str:
+    """The ratio to the building alone whose error a variable has; "" where it is none."""
+    if name.endswith("_ratio"):
+        return name
+    return {"V0": "V_ratio", "mu0": "mu_ratio", "drift0": "mu_ratio", "acceleration0": "acceleration_ratio"}.get(
+        name, ""
+    )
+
+
+def _error(name: str, get: Get) -> np.ndarray:
+    """The error of a variable, all motions alike where few were solved more finely; NaN where none was."""
+    values = get(name)
+    if ratio := _ratio_of(name):
+        with np.errstate(all="ignore"):
+            share = np.expand_dims(get(f"{ratio}_mean_error") / np.abs(get(f"{ratio}_mean")), -3)
+        return np.abs(values) * share
+    known = get("error_estimate")
+    mean = _reduced("mean", known, np.isfinite(known), (-1,))[..., None]
+    mean = np.where(np.isfinite(known).any(axis=-1, keepdims=True), mean, np.nan)
+    share = np.where(np.isfinite(known), known, mean)
+    return np.abs(values) * share.reshape(*share.shape, *(1,) * (values.ndim - share.ndim))
+
+
 def _value(quantity: Quantity, get: Get, over_motions: str | None) -> np.ndarray:
     """One quantity. A storey that a building does not have counts for nothing; one whose number is missing makes the
     result NaN: what failed must not drop out of a mean."""
