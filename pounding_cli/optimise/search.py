@@ -166,10 +166,8 @@ class Search:
         """A point with other values of some coordinates."""
         return self.key([moves.get(number, u) for number, u in enumerate(point)])
 
-    def along(self, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """What is known along a coordinate through the best point: coordinate, rising, and value."""
-        best = self.best
-        assert best is not None
+    def _along(self, number: int, best: Point) -> tuple[np.ndarray, np.ndarray]:
+        """What is known along a coordinate through a point: coordinate, rising, and value."""
         line = sorted(
             (point[number], value) for point, value in self.values.items()
             if all(u == v for place, (u, v) in enumerate(zip(point, best, strict=True)) if place != number)
@@ -302,13 +300,15 @@ class Search:
             if not middles:
                 break
             yield from self._look(middles, SLICES)
+            if self.best != best:  # the search goes on from there
+                return
         for number in self.continuous:
             (low, _), (high, _) = self._leaving(number, best)
             self.flat[number] = low, high
 
     def _leaving(self, number: int, best: Point) -> list[tuple[float, float | None]]:
         """Below and above the best point: the last coordinate on the bottom and the first beyond it, None for none."""
-        u, values = self.along(number)
+        u, values = self._along(number, best)
         is_in = values <= self.values[best] + self.tolerance
         here, found = int(np.flatnonzero(u == best[number])[0]), []
         for step, end in ((-1, -1), (1, u.size)):

@@ -168,6 +168,5 @@ def _map(figure: Figure, ax: Axes, found: Optimum, mapped: list[dict[Any, Any]])
 
 def cite_optimise(resolved: Mapping[str, Any], used: Use) -> None:
     """The references of a search."""
-    used("storn1997", "differential evolution")
-    used("nelder1965", "the simplex method")
-    used("virtanen2020", "SciPy, which carries both out")
+    used("storn1997", "differential evolution, as in SciPy")
+    used("nelder1965", "the simplex method, as in SciPy")

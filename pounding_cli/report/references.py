@@ -195,11 +195,6 @@ REFERENCES = {
             "A simplex method for function minimization", "The Computer Journal", "7(4)", "308--313",
             "10.1093/comjnl/7.4.308",
         ),
-        _article(
-            "virtanen2020", "Virtanen, P., Gommers, R., Oliphant, T. E. and others", 2020,
-            "SciPy 1.0: fundamental algorithms for scientific computing in Python", "Nature Methods", "17",
-            "261--272", "10.1038/s41592-019-0686-2",
-        ),
         Reference(
             "asce2010", "manual", "American Society of Civil Engineers", 2010,
             "Minimum design loads for buildings and other structures, ASCE/SEI 7-10",
