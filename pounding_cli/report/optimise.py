@@ -119,7 +119,7 @@ def _along(ax: Axes, found: Optimum, key: dict[Any, Any], window: tuple[float, f
             label="through the optimum",
         )  # fmt: skip
         ax.set_xticks(range(len(options)), options)
-        at, written = number[key["option"]], number.get(key["written_option"], np.nan)
+        at, written = float(number[key["option"]]), float(number.get(key["written_option"], np.nan))
     else:
         if key["flat_from"] == key["flat_from"]:
             ax.axvspan(

@@ -44,7 +44,7 @@ def refine_optimise(plan: Plan, responses: PartStore) -> Plan | None:
     values, errors = _values(hunt.question, plan, get)
     void = _void(hunt.question, plan, get)
     hunt.void |= {point for point, is_void in zip(hunt.points, void, strict=True) if is_void}
-    hunt.search.tell(np.where(void, np.nan, values), errors)
+    hunt.search.tell(np.where(void, np.nan, values).tolist(), errors.tolist())
     following = hunt.search.ask()
     hunt.is_done = following is None
     hunt.points = list(hunt.search.values) if following is None else following
@@ -82,7 +82,7 @@ def _values(question: Question, plan: Plan, get: Get) -> tuple[np.ndarray, np.nd
 def _void(question: Question, plan: Plan, get: Get) -> np.ndarray:
     """Whether the number means nothing at a point, because a link of a scene went where its law has no meaning."""
     found = counts_of_flags(get("flags"))["records_meaningless"][..., question.case, question.analysis] > 0
-    return found.reshape(-1, len(plan.axes[-1].values)).any(axis=0)
+    return np.asarray(found.reshape(-1, len(plan.axes[-1].values)).any(axis=0))
 
 
 def optimise_tables(plan: Plan, read: Read) -> list[Table]:

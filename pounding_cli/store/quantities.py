@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,27 +36,28 @@ def needed(expression: Expression) -> tuple[str, ...]:
 def error_of(expression: Expression, get: Get, over_motions: str) -> np.ndarray:
     """The numerical error of an expression, at most: what it changes where each of its quantities moves by its own
     error, all added up; NaN where no scene was solved more finely.  Shape (...), as `values_of`."""
-    total = 0.0
+    total = np.zeros(())
     for part in expression.quantities:
-        both = []
-        for sign in (1, -1):
-            shifted = _Shifted(part, sign, get)
-            both.append(expression(lambda quantity, by=shifted: _value(quantity, by.get_for(quantity), over_motions)))
-        total = total + np.abs(both[0] - both[1]) / 2
-    return np.asarray(total)
+        low, high = (expression(_Shifted(part, sign, get, over_motions)) for sign in (-1, 1))
+        total = total + np.abs(high - low) / 2
+    return total
 
 
+@dataclass(frozen=True)
 class _Shifted:
-    """The tables with one quantity of an expression moved by its error."""
+    """The quantities of an expression, one of them moved by its error."""
 
-    def __init__(self, part: Quantity, sign: int, get: Get) -> None:
-        self.part, self.sign, self.get = part, sign, get
+    part: Quantity
+    sign: int
+    get: Get
+    over_motions: str
 
-    def get_for(self, quantity: Quantity) -> Get:
-        """The tables as `quantity` sees them."""
-        if quantity is not self.part:
-            return self.get
-        return lambda name: self.get(name) + (self.sign * _error(name, self.get) if name == quantity.name else 0.0)
+    def __call__(self, quantity: Quantity) -> np.ndarray:
+        return _value(quantity, self._moved if quantity is self.part else self.get, self.over_motions)
+
+    def _moved(self, name: str) -> np.ndarray:
+        values = self.get(name)
+        return values + self.sign * _error(name, self.get) if name == self.part.name else values
 
 
 def _ratio_of(name: str) -> str:
