@@ -33,7 +33,7 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray) -> St
     )
     axis = SweepAxis(tuple(member.key for member in members), nodes, tuple(member.unit for member in members))
     try:
-        found = validated(study.path, study.text, study.resolver.root, axis)
+        found = validated(study.path, study.text, study.resolver.root, axis, study.resolver.reader)
     except InputError as error:
         raise _few(error, len(points)) from None
     return dataclasses.replace(found, warnings=study.warnings, from_data=study.from_data, written=study)
