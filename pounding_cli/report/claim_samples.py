@@ -93,12 +93,7 @@ def judge_samples(plan: Plan, read: Read, question: Question) -> Iterator[Judged
             found = [{} if each is None else {f.words: f for f in each.findings} for each in mine]
             counted = {words: f for row in found for words, f in row.items() if f.passed is not None}
             numbers = {w: np.array([row[w].number if w in row else np.nan for row in found]) for w in counted}
-            passed = {
-                w: np.array(
-                    [float(row[w].passed) if w in row and row[w].passed is not None else np.nan for row in found]
-                )
-                for w in counted
-            }
+            passed = {w: np.array([_passed(row.get(w)) for row in found]) for w in counted}
             yield Judged(
                 point, claim, verdicts[back], {w: y[back] for w, y in numbers.items()},
                 {w: y[back] for w, y in passed.items()}, {w: f.unit for w, f in counted.items()},
