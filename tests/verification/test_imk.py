@@ -8,6 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 from reference import events
+from reference.drawn import shears
 from reference.scenes import INELASTIC, links, oscillator, shake, shear_building, still
 from test_event_reference import agree
 
@@ -168,6 +169,19 @@ def test_collapse_without_p_delta():
     assert solve(dataclasses.replace(scene, analysis="elastic"), 1e-9).status == "done"
     never = dataclasses.replace(building, yield_shear=np.full(3, np.inf))
     assert np.isinf(never.collapse_drift).all()
+
+
+def test_a_reversal_gives_back_no_more_than_was_put_in():
+    """Reloading down from 3 Dy and back, where a reversal takes most of the unloading stiffness. Fails if the unloading
+    is softer than the line that it leaves."""
+    dy = VY / K
+    lost = {"unloading_capacity": 500.0, "deterioration_exponent": 0.1}
+    law = PeakOrientedImk(K, VY, 0.0, capping_ductility=5.0, post_capping_slope=0.1, **lost)
+    path = dy * np.array([3.0, -0.2, -0.4, -0.41, -0.4, -0.3])
+    slopes = np.diff(shears(law, path)) / np.diff(path) / K
+    loading, unloading = slopes[2], slopes[3:]
+    assert 0.1 < loading < 0.9
+    assert unloading == pytest.approx(loading, rel=1e-9)
 
 
 @BOTH
