@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 QUANTITIES: dict[str, tuple[tuple[str, ...], str, str]] = {
     **{name: meaning for name, meaning in FIELDS.items() if not name.startswith("energy_")},
-    "closing": (("time", "link"), "m", "closing of the two floors of a link, gap not subtracted"),
     "energy": (("time", "kind"), "J", "energy put in, held and lost so far"),
 }
 """What `frame` and `plot` can show -> dimensions, unit, meaning."""
@@ -31,21 +30,15 @@ QUANTITIES: dict[str, tuple[tuple[str, ...], str, str]] = {
 class History(histories.History):
     """What a scene does over time; `frame`, `dataset` and `plot` leave out floors and links that do not exist."""
 
+    closing: np.ndarray
+
     @classmethod
     def of(cls, history: histories.History) -> History:
         """The same history, to look at."""
-        return cls(**{field.name: getattr(history, field.name) for field in fields(histories.History)})
-
-    @cached_property
-    def closing(self) -> np.ndarray:
-        """Closing of the two floors of every link over time [m], gap not subtracted, shape (t, m)."""
-        found = np.full((self.time.size, len(self.links)), np.nan)
-        for number, (left, floor, right_floor) in enumerate(histories.link_ends(self.buildings, self.links)):
-            if np.isfinite(self.link_force[0, number]):
-                found[:, number] = (
-                    self.displacement[:, left, floor - 1] - self.displacement[:, left + 1, right_floor - 1]
-                )
-        return found
+        values = {field.name: getattr(history, field.name) for field in fields(histories.History)}
+        if history.closing is None:  # of a file of before: all its links ended at floors
+            values["closing"] = _closing_of_floors(history)
+        return cls(**values)
 
     def frame(self, quantity: str = "displacement") -> pd.DataFrame:
         """One quantity over time, a column each for the floors, storeys or links that there are.
@@ -215,3 +208,13 @@ def _meaning(quantity: str) -> tuple[tuple[str, ...], str, str]:
 def _label(column: Any, names: Sequence[Any]) -> str:
     """A column in words: "soft, floor 5"."""
     return f"{column[0]}, {names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
+
+
+def _closing_of_floors(history: histories.History) -> np.ndarray:
+    """Closing of the two floors of every link over time [m], shape (t, m)."""
+    found = np.full((history.time.size, len(history.links)), np.nan)
+    for number, (left, floor, right_floor) in enumerate(histories.link_ends(history.buildings, history.links)):
+        if np.isfinite(history.link_force[0, number]):
+            u, beside = history.displacement[:, left, floor - 1], history.displacement[:, left + 1, right_floor - 1]
+            found[:, number] = u - beside
+    return found

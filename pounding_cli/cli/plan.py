@@ -89,6 +89,7 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
     )
     if not found.proven and not plan.all_effects and plan.time_step is None:
         lines.append("  more scenes may need no run: --prove runs the buildings alone to find out")
+    lines += _meetings(plan)
     lines.append("cases")
     units = plan.study.unit("gap"), plan.study.unit("link stiffness")
     lines += [f"  {case:<16} {_links(plan, case, *units)}" for case in plan.cases]
@@ -104,6 +105,16 @@ def _lines(plan: Plan, prove: bool | None) -> list[str]:
     if (match := plan.study.spectrum_match()) is not None:
         lines.append(f"  {match.words}")
     return lines
+
+
+def _meetings(plan: Plan) -> list[str]:
+    """Where neighbours can strike each other, at the first point of the sweep."""
+    from pounding_cli.study.facing import meetings_in_words
+
+    first = (0,) * len(plan.axes)
+    group = [plan.study.building(first, place) for place in range(len(plan.buildings))]
+    swept = " (at the first point of the sweep)" if any(plan.study.touching("buildings")) else ""
+    return [f"meetings{swept}", *(f"  {line}" for line in meetings_in_words(group))]
 
 
 def _time(seconds: float) -> str:
@@ -143,10 +154,14 @@ def _links(plan: Plan, case: str, width: Unit, strength: Unit) -> str:
     links = plan.scenes[row.scene].links
     if not links:
         return "no links: runs as buildings alone"
-    groups = Counter((link.kind, link.gap, _stiffness(link.law, strength)) for link in links)
-    return "; ".join(
-        f"{count} x {kind}, gap {width.text(gap)}, {stiffness}" for (kind, gap, stiffness), count in groups.items()
-    )
+    groups = Counter((link.kind, link.gap, _stiffness(link.law, strength)) for link in links if not link.columns)
+    said = [f"{count} x {kind}, gap {width.text(gap)}, {stiffness}" for (kind, gap, stiffness), count in groups.items()]
+    struck = [link for link in links if link.columns]
+    for gap in dict.fromkeys(link.gap for link in struck):
+        springs = sorted(link.law.initial_stiffness for link in struck if link.gap == gap)
+        ends = " to ".join(dict.fromkeys(strength.text(each, 4) for each in (springs[0], springs[-1])))
+        said.append(f"{len(springs)} x slab against columns, gap {width.text(gap)}, {ends} with the columns' bending")
+    return "; ".join(said)
 
 
 def _stiffness(law: LinkLaw, unit: Unit) -> str:

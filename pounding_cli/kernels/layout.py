@@ -55,10 +55,15 @@ foundation's), inverse_mass [1/kg] and mass [kg] (0 of points and padding), alph
 of its law (`law_table.NO_BRANCH` for a storey that stays elastic), and how many memories these laws use; the tables of
 branches, guards and operations (`law_table`)."""
 
-Points = namedtuple("Points", "number size terms slot mass freedom weight handed")
+Shears = namedtuple("Shears", "number slot storey share first link weight")
+"""Shears in columns that slabs strike (`column_shears`): how many; per shear the slot that holds its peak, the slot of
+the storey, the columns' part of its shear [-], and, one more, the first of its links; per entry of these the link and
+what its force adds, over that force [-]."""
+
+Points = namedtuple("Points", "number size terms slot mass freedom weight handed shears")
 """number of points, the same padded to a multiple of eight, and the most terms that one has; per point its slot and the
 mass [kg] that a force on it moves; per term and point, shape (terms, size): the slot of a degree of freedom, its weight
-(0: no term) and the acceleration there over that of the mass [-]."""
+(0: no term) and the acceleration there over that of the mass [-]; `Shears`."""
 
 Springs = namedtuple("Springs", "number size terms stiff stiffness dashpot freedom weight")
 """Springs and dashpots between any degrees of freedom, which no slot carries: numbers as in `Points`, whether one has a
@@ -73,7 +78,7 @@ the same tables."""
 Elements = namedtuple(
     "Elements",
     "number freedoms springs one other weight_one weight_other more first freedom weight stiffness dashpot unknown "
-    "inverse_mass drag loaded",
+    "inverse_mass drag loaded shears",
 )
 """Everything that acts between degrees of freedom, points told by their terms: springs of the slots (as many as slots),
 `Springs`, then the links. An element acts on v, the sum of weight x displacement over its terms, and its force goes
@@ -83,7 +88,7 @@ number of elements; freedoms: as many as slots; springs: elements before the lin
 and weights of its first two terms (weight 0: none); whether some element has more, and then by element, and one more,
 the first of the others, and by term its freedom and weight; by element before the links stiffness [N/m] and dashpot
 [N s/m]; by freedom its place among those that move (-1: a point or padding), inverse mass [1/kg] (0 likewise), dashpot
-to the ground [N s/m], and 1 where the ground's acceleration loads it, else 0."""
+to the ground [N s/m], and 1 where the ground's acceleration loads it, else 0; `Shears`."""
 
 Row = namedtuple("Row", "number slots links links_per_side first_slot first_link slot_places link_places")
 """How the Taylor kernel lines the buildings of a scene up, so that each can be run by itself: every building begins at
@@ -126,11 +131,20 @@ def slot_pointers(a):
 
 
 @njit(**INLINE)
+def shear_pointers(a):
+    """Shears of pointers from Shears of arrays."""
+    return Shears(
+        a.number, pointer(a.slot), pointer(a.storey), pointer(a.share), pointer(a.first), pointer(a.link),
+        pointer(a.weight),
+    )  # fmt: skip
+
+
+@njit(**INLINE)
 def point_pointers(a):
     """Points of pointers from Points of arrays."""
     return Points(
         a.number, a.size, a.terms, pointer(a.slot), pointer(a.mass), pointer(a.freedom), pointer(a.weight),
-        pointer(a.handed),
+        pointer(a.handed), shear_pointers(a.shears),
     )  # fmt: skip
 
 
@@ -150,6 +164,7 @@ def element_pointers(a):
         a.number, a.freedoms, a.springs, pointer(a.one), pointer(a.other), pointer(a.weight_one),
         pointer(a.weight_other), a.more, pointer(a.first), pointer(a.freedom), pointer(a.weight), pointer(a.stiffness),
         pointer(a.dashpot), pointer(a.unknown), pointer(a.inverse_mass), pointer(a.drag), pointer(a.loaded),
+        shear_pointers(a.shears),
     )  # fmt: skip
 
 

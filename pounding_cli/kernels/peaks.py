@@ -10,7 +10,7 @@ from pounding_cli.kernels.clock import END, GROUND, GROUND_CHANGE, INVERSE_H, OR
 from pounding_cli.kernels.from_rest import count_from_rest
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import closed_lanes, closing_at_end, left_minus_right
-from pounding_cli.kernels.polynomial import highest
+from pounding_cli.kernels.polynomial import highest, value
 from pounding_cli.kernels.simd import (
     fused,
     greater,
@@ -24,6 +24,22 @@ from pounding_cli.kernels.simd import (
     store,
 )
 from pounding_cli.kernels.summary import drift_series, may_turn_by_ends, may_turn_by_rates
+
+
+@njit(**CALLED)
+def largest(run, order, best, absolute):
+    """The larger of `best` and the largest value, or magnitude, of the polynomial in `scratch` up to END."""
+    no_inline()
+    bound = abs(run.scratch[0]) if absolute else run.scratch[0]
+    for k in range(1, order + 1):
+        bound += abs(run.scratch[k])
+    if not bound > best:
+        return best
+    end = run.clock[END]
+    for place in (0.0, end):
+        found = value(run.scratch, order, place)
+        best = max(best, abs(found) if absolute else found)
+    return highest(run.scratch, order, end, best, absolute)
 
 
 @njit(**PART)

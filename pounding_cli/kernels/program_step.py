@@ -10,6 +10,7 @@ from numba import njit
 from pounding_cli.kernels import program_peaks, program_series
 from pounding_cli.kernels.clock import ORDER
 from pounding_cli.kernels.collapse import first_collapse_on_program
+from pounding_cli.kernels.column_shears import track_program
 from pounding_cli.kernels.layout import CALLED, NOT_FINITE, PART, STEP_BOUND
 from pounding_cli.kernels.program_events import find_end, reach_end
 from pounding_cli.kernels.program_peaks import account, track
@@ -74,6 +75,8 @@ def program_step(run, terms, programs, settings):
     reach_end(run, terms, p)
     account(run, terms, p, settings.nodes, settings.weights, inelastic, has_terms)
     track(run, p, inelastic)
+    if terms.shears > 0:
+        track_program(run, terms, p)
     if settings.use_islands > 0:
         program_peaks.widen_ranges(run, p)
     return -1, storeys, link, finished

@@ -16,6 +16,7 @@ from numba import njit
 
 from pounding_cli.kernels.between import raise_accelerations, raise_displacements, raise_drift, raise_links
 from pounding_cli.kernels.branches import held_accelerations
+from pounding_cli.kernels.column_shears import raise_at
 from pounding_cli.kernels.forces import accelerations, closing, deformation
 from pounding_cli.kernels.law_table import NO_BRANCH
 from pounding_cli.kernels.layout import (
@@ -126,6 +127,7 @@ def _raise_ends(scene, p, ground):
     for e in range(links.number):
         peaks.closing[e] = max(peaks.closing[e], deformation(elements, elements.springs + e, p.u))
         peaks.force[e] = max(peaks.force[e], abs(p.force[elements.springs + e]))
+    raise_at(peaks, elements, p.shear, p.force)
 
 
 @njit(**INLINE)

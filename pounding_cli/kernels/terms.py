@@ -16,15 +16,17 @@ from pounding_cli.kernels.frame import DOUBLES, INTEGERS, Frame, filler
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.simd import further, fused, gather, greater, load, magnitude, no_inline, splat, store
 
-_COUNTS = ("points", "point_terms", "springs", "spring_places", "spring_terms", "stiff")
-_INTEGERS = ("place", "freedom", "spring_freedom")
-_DOUBLES = ("mass", "weight", "handed", "stiffness", "dashpot", "spring_weight", "rates", "sums")
+_COUNTS = ("points", "point_terms", "springs", "spring_places", "spring_terms", "stiff", "shears")
+_INTEGERS = ("place", "freedom", "spring_freedom", "shear_slot", "shear_storey", "shear_first", "shear_link")
+_DOUBLES = (
+    "mass", "weight", "handed", "stiffness", "dashpot", "spring_weight", "shear_share", "shear_weight", "rates", "sums",
+)  # fmt: skip
 TERMS = Frame(
     "terms",
     dict.fromkeys(_COUNTS, types.int64) | dict.fromkeys(_INTEGERS, INTEGERS) | dict.fromkeys(_DOUBLES, DOUBLES),
 )
-"""The fields of `layout.Points` and `layout.Springs`, slots told by their places; rates: of what springs act on, by
-order [m/s]; sums: room for eight."""
+"""The fields of `layout.Points`, `Shears` and `Springs`, slots and links told by their places; rates: of what
+springs act on, by order [m/s]; sums: room for eight."""
 
 _fill = filler(TERMS)
 
@@ -39,9 +41,10 @@ def room_for_terms(springs, rows):
 def terms_frame(place, points, springs, memory):
     """The frame at `place`, its rows in `memory`."""
     return _fill(place, (
-        points.number, points.terms, springs.number, springs.size, springs.terms, springs.stiff, points.slot,
-        points.freedom, springs.freedom, points.mass, points.weight, points.handed, springs.stiffness,
-        springs.dashpot, springs.weight, further(memory, 8), memory,
+        points.number, points.terms, springs.number, springs.size, springs.terms, springs.stiff,
+        points.shears.number, points.slot, points.freedom, springs.freedom, points.shears.slot, points.shears.storey,
+        points.shears.first, points.shears.link, points.mass, points.weight, points.handed, springs.stiffness,
+        springs.dashpot, springs.weight, points.shears.share, points.shears.weight, further(memory, 8), memory,
     ))  # fmt: skip
 
 

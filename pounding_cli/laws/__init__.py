@@ -72,6 +72,17 @@ def link_laws() -> dict[str, type[LinkLaw]]:
     return {name: law for (_, name), law in _laws().items() if issubclass(law, LinkLaw)}
 
 
+KELVIN_VOIGT = "kelvin-voigt"
+"""What a study calls the law of `Pounding` among the laws of contact."""
+
+
+@functools.cache
+def contact_laws() -> dict[str, type[LinkLaw]]:
+    """The laws of floors that strike each other across a gap, by the name that `impact` of a study calls them."""
+    laws = {name: law for name, law in link_laws().items() if law.subtracts_gap and law is not Pounding}
+    return {KELVIN_VOIGT: Pounding, **laws}
+
+
 @functools.cache
 def storey_laws() -> dict[str, type[StoreyLaw]]:
     """The laws that storeys can have, likewise."""

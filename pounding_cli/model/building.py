@@ -19,6 +19,8 @@ COLLAPSE = 0.10
 """Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""
 
 _LAW_FIELDS = "storey_law", "law_parameters"
+_OF_MEETINGS = "slab", "columns"
+"""Fields that say what neighbours strike; they move no building by themselves, and links carry what follows."""
 
 
 class UnstableError(ValueError):
@@ -48,6 +50,9 @@ class Building:
     law_parameters : (name, value) of the parameters it has beyond stiffness, yield shear and hardening [SI]
     gravity_load : P of P-Delta [N], what every storey carries, >= 0, shape (n,): as its floors move apart by v, P v / h
         pushes them on; None without P-Delta
+    slab : thickness of the floor slabs [m], >= 0, below every storey height; says which floors of neighbours meet
+    columns : part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-],
+        0 < columns <= 1; None: not known
     collapse : drift over storey height at which a storey counts as collapsed [-], > 0, inf for never; None: 0.10 where
         storeys that yield may lose all resistance, never elsewhere
 
@@ -70,6 +75,8 @@ class Building:
     law_parameters: tuple[tuple[str, float], ...] = ()
     gravity_load: np.ndarray | None = None
     collapse: float | None = None
+    slab: float = 0.0
+    columns: float | None = None
 
     def __post_init__(self) -> None:
         loads = () if self.gravity_load is None else ("gravity_load",)
@@ -89,6 +96,10 @@ class Building:
             self._check(key, lambda x: np.isfinite(x) & (x >= 0), "must be finite and not negative")
         if self.collapse is not None and not self.collapse > 0:
             raise ValueError(f"{self.name}: collapse is {self.collapse:g}; it must be above zero, or inf for never")
+        if not 0 <= self.slab < self.height.min():
+            raise ValueError(f"{self.name}: slab is {self.slab:g} m; it must be thinner than its storeys are high")
+        if self.columns is not None and not 0 < self.columns <= 1:
+            raise ValueError(f"{self.name}: columns is {self.columns:g}; it must be above 0 and at most 1")
         unknown = [key for key, _ in self.law_parameters if key not in self.storey_law.parameters()]
         if unknown:
             raise ValueError(f"{self.name}: the storey law '{self.storey_law.name}' has no parameter '{unknown[0]}'")
@@ -189,7 +200,7 @@ class Building:
         sha = hashlib.sha256()
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.name == "name" or (field.name in _LAW_FIELDS and self.storey_law is Bilinear):
+            if field.name in ("name", *_OF_MEETINGS) or (field.name in _LAW_FIELDS and self.storey_law is Bilinear):
                 continue  # bilinear storeys have the digest that they had before there were others
             if field.name in ("gravity_load", "collapse") and value is None:
                 continue  # nor do these change the digests of buildings without them

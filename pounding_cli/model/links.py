@@ -30,6 +30,8 @@ class Link:
     left_at, right_at : where between that floor and the one below it the link ends, as part of the storey height: 1 at
         the floor, as floors that face each other do; below it on the columns of the storey, clamped in both floors [-]
     law : its law with its parameters: `Pounding`, `Infill`, `Connector`, ...
+    columns : part of the storey's stiffness and yield shear in the columns that it ends on, 0 to 1; 0 where their shear
+        is not asked for
 
     Raises
     ------
@@ -42,6 +44,7 @@ class Link:
     law: LinkLaw
     left_at: float = 1.0
     right_at: float = 1.0
+    columns: float = 0.0
 
     def __post_init__(self) -> None:
         if self.left < 0:
@@ -51,6 +54,10 @@ class Link:
         for at in (self.left_at, self.right_at):
             if not 0.0 < at <= 1.0:
                 raise ValueError(f"link: it ends at {at:g} of a storey height; give a part above 0, 1 at the floor")
+        if not 0.0 <= self.columns <= 1.0 or (self.columns > 0.0 and (self.left_at < 1.0) == (self.right_at < 1.0)):
+            raise ValueError(f"link: columns is {self.columns:g}; give a part of 1 where one end stands between floors")
+        if self.columns > 0.0 and not self.law.subtracts_gap:
+            raise ValueError(f"link: columns is given for {self.kind}, which strikes nothing; leave it out")
 
     def __hash__(self) -> int:
         return self._hash
@@ -58,7 +65,7 @@ class Link:
     @cached_property
     def _hash(self) -> int:
         """Kept: what scenes share is looked up by their links."""
-        return hash((self.left, self.left_floor, self.right_floor, self.law, self.left_at, self.right_at))
+        return hash((self.left, self.left_floor, self.right_floor, self.law, self.left_at, self.right_at, self.columns))
 
     @classmethod
     def apart(cls, left: int, left_floor: int, right_floor: int, left_at: float = 1.0, right_at: float = 1.0) -> Link:
@@ -84,6 +91,7 @@ class Link:
     def words(self) -> str:
         """Everything about the link, in a line: two links with one line act alike."""
         between = "" if self.left_at == self.right_at == 1.0 else f" {self.left_at!r} {self.right_at!r}"
+        between += f" columns {self.columns!r}" if self.columns else ""
         return f"{self.left} {self.left_floor} {self.right_floor} {self.law.words}{between}"
 
 
@@ -96,7 +104,8 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
 
     The name is empty where it is the only one. Of several the first that strikes has no name (without one, the first),
     so that it stands in the same row of tables as the pounding of another case; the others are named for their law:
-    `connector`, `connector 2`. A link that ends between floors is named for where.
+    `connector`, `connector 2`. A link that ends between floors is named for the columns it ends on, those of the
+    storey below the floor of that side: `right columns`.
     """
     joined: dict[tuple[LinkEnd, LinkEnd], list[int]] = {}
     for number, link in enumerate(links):
@@ -111,11 +120,22 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
                 kind = links[number].kind
                 count[kind] += 1
                 names[number] = kind if count[kind] == 1 else f"{kind} {count[kind]}"
+    heights: dict[tuple[int, int, int, str], list[tuple[float, float]]] = {}
     for number, link in enumerate(links):
-        if (link.left_at, link.right_at) != (1.0, 1.0):
-            between = f"{link.left_at:g}|{link.right_at:g} of the storey height"
+        if (at := (link.left_at, link.right_at)) != (1.0, 1.0):
+            sides = [side for side, end in zip(("left", "right"), at, strict=True) if end != 1.0]
+            between = f"{' and '.join(sides)} columns"
+            known = heights.setdefault((link.left, link.left_floor, link.right_floor, between), [])
+            if at not in known:
+                known.append(at)
+            between += f" {known.index(at) + 1}" if known.index(at) else ""
             names[number] = f"{between}, {names[number]}" if names[number] else between
     return tuple((link.left, link.left_floor, link.right_floor, name) for link, name in zip(links, names, strict=True))
+
+
+def ends_on_columns(place: LinkPlace) -> bool:
+    """Whether a link stands between floors, on columns."""
+    return place[3].startswith(("left columns", "right columns", "left and right columns"))
 
 
 def link_label(buildings: Sequence[str], place: LinkPlace) -> str:

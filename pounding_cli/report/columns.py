@@ -37,7 +37,8 @@ _LABELS = {
     "displacement_max": "displacement, right", "displacement_min": "displacement, left",
     "max_closing": "largest closing", "peak_force": "peak force", "impacts": "contacts",
     "error_estimate": "error", "seconds": "solver time", "pga": "peak", "arias": "Arias intensity",
-    "window": "duration", "right_floor": "floor right",
+    "window": "duration", "right_floor": "floor right", "shear_below": "column shear below the blow",
+    "shear_above": "column shear above the blow", "shear_demand": "column shear over strength",
 }  # fmt: skip
 _TEXTS = {
     "V_ratio": "storey shear over that alone", "mu": "ductility",

@@ -16,7 +16,7 @@ from pounding_cli.report.axes import SweptAxis, swept_axes
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Tables, names
 from pounding_cli.store.flagged import flagged_scenes
-from pounding_cli.store.layout import RESPONSES, VARIABLES
+from pounding_cli.store.layout import OF_COLUMNS, RESPONSES, VARIABLES
 
 LEVELS = {
     "storey": ("case", "analysis", "building", "storey"),
@@ -132,7 +132,11 @@ def over_sweep(
     """
     axes = tuple(axes) if axes is not None else swept_axes(results)
     shape = tuple(len(axis) for axis in axes)
-    rows = _chosen(_cut(getattr(results, choice.table)(), at or {}), choice)
+    frame = getattr(results, choice.table)()
+    if choice.quantity not in frame.columns and choice.quantity in OF_COLUMNS:
+        hint = "choose another quantity, or write `columns:` in the buildings whose columns are struck"
+        raise InputError(Problem(f"no {choice.quantity} in these results: no slab strikes columns", hint))
+    rows = _chosen(_cut(frame, at or {}), choice)
     scenes = ["point", "case", "analysis", "record"]
     level = list(LEVELS[choice.table])
     point = point_numbers(rows, axes)

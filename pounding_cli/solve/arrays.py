@@ -19,8 +19,18 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import law_tables
 from pounding_cli.solve.blank import LANES, Blank, aligned
-from pounding_cli.solve.places import Places, Struck, places_of, points_of, springs_of, struck_between_floors
-from pounding_cli.solve.response import BuildingResponse, LinkResponse
+from pounding_cli.solve.places import (
+    Columns,
+    Places,
+    Struck,
+    places_of,
+    points_of,
+    shears_of,
+    springs_of,
+    struck_between_floors,
+    struck_columns,
+)
+from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse
 
 _BY_SLOT = Slots._fields[1:11]
 """What is given of every slot (`layout.Slots`)."""
@@ -44,6 +54,7 @@ class Arrays:
     bases: tuple[int, ...]
     rocks: tuple[int, ...]
     laws: tuple[StoreyLaw | None, ...]  # by slot: what yields; None where nothing does
+    columns: tuple[Columns, ...]  # whose shear is asked for
     memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
 
     @property
@@ -67,8 +78,8 @@ def pack(scene: Scene) -> Arrays:
 
 @functools.lru_cache(maxsize=1024)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
-    struck = struck_between_floors(links)
-    alone, places, storeys = _without_links(buildings, analysis, struck)
+    columns = struck_columns(links)
+    alone, places, storeys = _without_links(buildings, analysis, struck_between_floors(links), columns)
     packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links))
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
@@ -90,11 +101,11 @@ def _ends(alone: Arrays, places: Places, links: tuple[Link, ...]) -> tuple[list[
 
 @functools.lru_cache(maxsize=64)
 def _without_links(
-    buildings: tuple[Building, ...], analysis: Analysis, struck: tuple[Struck, ...]
+    buildings: tuple[Building, ...], analysis: Analysis, struck: tuple[Struck, ...], columns: tuple[Columns, ...]
 ) -> tuple[Arrays, Places, tuple[law_tables.Rows | None, np.ndarray]]:
     """The arrays of buildings alone, with the points that links need; where all stands; the rows of their storeys'
     laws, and by slot the first of them, -1 for none."""
-    places = places_of(buildings, struck)
+    places = places_of(buildings, struck, columns)
     slots = _slots(buildings, places)
     laws: list[StoreyLaw | None] = [None] * slots.size
     if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
@@ -106,10 +117,11 @@ def _without_links(
     for i, law in enumerate(laws):
         begin = law.memories_at_rest if law else ()
         memory[: len(begin), i] = begin
+    points = points_of(places, slots.mass)._replace(shears=shears_of(places, columns))
     arrays = Arrays(
-        slots, points_of(places, slots.mass), springs_of(buildings, places), *law_tables.pack_links((), [], []),
+        slots, points, springs_of(buildings, places), *law_tables.pack_links((), [], []),
         tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), tuple(laws),
-        memory.ravel(),
+        columns, memory.ravel(),
     )  # fmt: skip
     return arrays, places, law_tables.storey_rows(laws)
 
@@ -193,8 +205,8 @@ def _furthest(peaks: Peaks, slot: int) -> float:
 
 def unpack(
     scene: Scene, arrays: Arrays, state: State, peaks: Peaks
-) -> tuple[tuple[BuildingResponse, ...], LinkResponse]:
-    """Peaks by slot and link as responses by building and link, which share their memory."""
+) -> tuple[tuple[BuildingResponse, ...], LinkResponse, ColumnResponse]:
+    """Peaks by slot and link as responses by building, link and columns that are struck, which share their memory."""
     buildings = []
     drift_now = drift_of(arrays, state)
     yielding = effects_of(scene).yielding  # elsewhere the kernels track drifts alone
@@ -222,7 +234,18 @@ def unpack(
         impulse=peaks.impulse[:count],
         contact_time=peaks.contact_time[:count],
     )
-    return tuple(buildings), links
+    below, above = peaks.shear[arrays.points.shears.slot].reshape(-1, 2).T
+    return tuple(buildings), links, columns_of(scene, below, above)
+
+
+def columns_of(scene: Scene, below: np.ndarray, above: np.ndarray) -> ColumnResponse:
+    """The response of struck columns from their largest shears below and above the blow [N], one for each link of the
+    scene that asks for them."""
+    columns = struck_columns(scene.links)
+    strength = [each.share * scene.buildings[each.building].yield_shear[each.storey - 1] for each in columns]
+    demand = np.maximum(below, above) / np.array(strength, float)
+    demand[np.isinf(strength)] = np.nan
+    return ColumnResponse(np.array([each.link for each in columns], np.int64), below, above, demand)
 
 
 def with_points(arrays: Arrays, u: np.ndarray) -> np.ndarray:

@@ -118,6 +118,9 @@ def difference(first: Response, second: Response) -> float:
     for name in ("peak_force", "max_closing", "impulse", "contact_time"):
         x, y = getattr(first.links, name), getattr(second.links, name)
         triples.append((x, y, np.full(x.shape, np.abs(x).max(initial=0.0))))
+    for name in ("shear_below", "shear_above"):
+        x, y = getattr(first.columns, name), getattr(second.columns, name)
+        triples.append((x, y, x))
     return _largest(triples)
 
 

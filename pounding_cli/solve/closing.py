@@ -29,8 +29,8 @@ def free_accuracy(accuracy: float) -> float:
 
 def kept_apart(scene: Scene, places: Collection[int]) -> Scene:
     """The scene with nothing between the buildings at these places and the next ones; their closings are found all the
-    same."""
-    links = (
+    same, once for all links that join the same floors."""
+    links = dict.fromkeys(
         Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
         if link.left in places
         else link

@@ -49,6 +49,7 @@ def elements_of(arrays: Arrays) -> Elements:
         inverse_mass=slots.inverse_mass,
         drag=slots.alpha * slots.mass,
         loaded=slots.loaded,
+        shears=arrays.points.shears,
     )
 
 

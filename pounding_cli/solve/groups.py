@@ -23,9 +23,11 @@ from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
+from pounding_cli.solve.arrays import columns_of
 from pounding_cli.solve.assess import difference
 from pounding_cli.solve.closing import free_accuracy, kept_apart
-from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response, composed_method
+from pounding_cli.solve.places import struck_columns
+from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse, Response, composed_method
 
 ERRORS = 10.0
 """By so many accuracies of the closing, relative to the floors' own displacements, a gap must stay open to count as
@@ -289,8 +291,10 @@ def _open(
     `error` is that of a closing, relative to the floors' own displacements [-]."""
     if response.status != "done":
         return None
-    found = (c for c, link in zip(response.links.max_closing, row.links, strict=True) if link.left == left[-1] - begin)
-    closings = dict(zip(_between(scene, left[-1]), map(float, found), strict=True))
+    found = dict(zip((link.ends for link in row.links), map(float, response.links.max_closing), strict=True))
+    closings = {
+        link: found[dataclasses.replace(link, left=link.left - begin).ends] for link in _between(scene, left[-1])
+    }
     error *= sum(_furthest(response.buildings[place - begin]) for place in (left[-1], right[0]))
     for link in closings:
         if _rests(scene, left, right, link):
@@ -331,7 +335,24 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
         error_estimate=float(np.max(errors)),
         sensitivity=float(np.max([part.sensitivity for part in parts])),
         final=tuple(end for part in parts for end in part.final),
+        columns=_columns(scene, groups, parts, closings),
     )
+
+
+def _columns(scene: Scene, groups: list[range], parts: list[Response], closings: Collection[Link]) -> ColumnResponse:
+    """Shears of struck columns: in a group those that its run has found; of columns that are never struck, because
+    their link is in `closings`, what they have of the storey's."""
+    found = []
+    for each in struck_columns(scene.links):
+        group, part = next((g, p) for g, p in zip(groups, parts, strict=True) if each.building in g)
+        if scene.links[each.link] in closings:
+            shear = each.share * part.buildings[each.building - group.start].shear[each.storey - 1]
+            found.append((shear, shear))  # fault: columns-never-struck
+        else:
+            before = sum(link.left in group[:-1] for link in scene.links[: each.link])
+            place = part.columns.link.tolist().index(before)
+            found.append((part.columns.shear_below[place], part.columns.shear_above[place]))
+    return columns_of(scene, *np.array(found).reshape(-1, 2).T)
 
 
 def _sentence(scene: Scene, closings: dict[Link, float]) -> str:

@@ -47,6 +47,8 @@ class History:
         lost in dashpots of the structure and in yielding so far; what the links took, stored or lost. The first is
         the sum of the others.
     buildings, links : names, left to right; `left|right floor j`
+    closing : (t, m) of the two ends of every link, gap not subtracted [m], NaN where the scene has no such link; None
+        where a file of before does not tell it
     """
 
     time: np.ndarray
@@ -62,6 +64,7 @@ class History:
     energy: dict[str, np.ndarray]
     buildings: tuple[str, ...]
     links: tuple[str, ...]
+    closing: np.ndarray | None = None
 
 
 def output_times(scene: Scene, every: float) -> np.ndarray:
@@ -183,6 +186,7 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         energy=dict(zip(ENERGIES, (s.work[:, 0], kinetic, stored, *s.work[:, 1:].T), strict=True)),
         buildings=names,
         links=tuple(link_label(names, place) for place in link_places(scene.links)),
+        closing=deformed[:, elements.springs :],  # fault: history-closing
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pounding_cli.kernels.layout import Points, Springs
+from pounding_cli.kernels.layout import Points, Shears, Springs
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.solve.blank import LANES
@@ -22,7 +22,8 @@ Struck = tuple[int, int, float]
 @dataclass
 class Places:
     """By building: its first slot (and, one more, the number of slots), the slots of its floors, that of a base that
-    sways and that of its rocking (-1: none). `points`: terms by slot; `struck`: the slots of points that links need."""
+    sways and that of its rocking (-1: none). `points`: terms by slot; `struck`: the slots of points that links need;
+    `shears`: by link those of the shears below and above its blow (`column_shears`)."""
 
     begins: list[int] = field(default_factory=lambda: [0])
     floors: list[slice] = field(default_factory=list)
@@ -30,6 +31,7 @@ class Places:
     rocks: list[int] = field(default_factory=list)
     points: dict[int, Terms] = field(default_factory=dict)
     struck: dict[Struck, int] = field(default_factory=dict)
+    shears: dict[int, tuple[int, int]] = field(default_factory=dict)
 
     def floor(self, building: int, floor: int) -> int:
         """The slot of a floor, from 1; of floor 0 that of a base that sways, -1 on the ground."""
@@ -43,8 +45,33 @@ def struck_between_floors(links: Sequence[Link]) -> tuple[Struck, ...]:
     return tuple(dict.fromkeys(end for end in ends if end[2] != 1.0))
 
 
-def places_of(buildings: Sequence[Building], struck: Sequence[Struck]) -> Places:
-    """Slots for all buildings, rocking and base of each before its floors, and for points that links need."""
+@dataclass(frozen=True)
+class Columns:
+    """Columns whose shear is asked for because link number `link` strikes them: building, storey from 1, whether they
+    are those on the building's left side, height of the blow in the storey [-], part of the storey that they have
+    [-]."""
+
+    link: int
+    building: int
+    storey: int
+    on_left: bool
+    at: float
+    share: float
+
+
+def struck_columns(links: Sequence[Link]) -> tuple[Columns, ...]:
+    """The columns that links strike, where their share of the storey is given."""
+    found = []
+    for number, link in enumerate(links):
+        if link.columns > 0.0:
+            (building, storey, at), on_left = (link.ends[1], True) if link.left_at == 1.0 else (link.ends[0], False)
+            found.append(Columns(number, building, storey, on_left, at, link.columns))
+    return tuple(found)
+
+
+def places_of(buildings: Sequence[Building], struck: Sequence[Struck], columns: Sequence[Columns] = ()) -> Places:
+    """Slots for all buildings, rocking and base of each before its floors, for points that links need, and for the
+    shears of columns."""
     places = Places()
     for b, building in enumerate(buildings):
         foundation = building.foundation
@@ -64,6 +91,10 @@ def places_of(buildings: Sequence[Building], struck: Sequence[Struck]) -> Places
                 places.points[place] = _between_floors(places, building, *end)
                 places.struck[end] = place
                 place += 1
+        for each in columns:
+            if each.building == b:
+                places.shears[each.link] = place, place + 1
+                place += 2
         places.begins.append(place)
     return places
 
@@ -126,7 +157,30 @@ def points_of(places: Places, mass: np.ndarray) -> Points:
         compliance = weight[:, :number] / mass[freedom[:, :number]]
         moved[:number] = 1.0 / np.sum(weight[:, :number] * compliance, axis=0)
         handed[:, :number] = compliance * moved[:number]
-    return Points(number, size, len(freedom), slot, moved, freedom, weight, handed)
+    return Points(number, size, len(freedom), slot, moved, freedom, weight, handed, shears_of(places, ()))
+
+
+def shears_of(places: Places, columns: Sequence[Columns]) -> Shears:
+    """The shears below and above every blow: what the columns have of the storey's shear, and of the forces of all
+    blows on them the reaction of a clamped beam at that end; between two blows, that of both sides."""
+    slots, storeys, shares, first, links, weights = [], [], [], [0], [], []
+    for own in columns:
+        for above in (False, True):
+            slots.append(places.shears[own.link][above])
+            storeys.append(places.floor(own.building, own.storey))
+            shares.append(own.share)
+            for other in columns:
+                if (other.building, other.storey, other.on_left) != (own.building, own.storey, own.on_left):
+                    continue
+                to_above = other.at * other.at * (3.0 - 2.0 * other.at)
+                higher = other.at > own.at if above else other.at >= own.at
+                weight = 1.0 - to_above if higher else -to_above  # fault: column-shears
+                links.append(other.link)
+                weights.append(weight if own.on_left else -weight)
+            first.append(len(links))
+    whole = (np.array(each, np.int64) for each in (slots, storeys, first, links))
+    slot, storey, begin, link = whole
+    return Shears(len(slots), slot, storey, np.array(shares), begin, link, np.array(weights))
 
 
 def listed(table: Points | Springs) -> list[Terms]:

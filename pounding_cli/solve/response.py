@@ -58,6 +58,22 @@ class LinkResponse:
 
 
 @dataclass(frozen=True, eq=False)
+class ColumnResponse:
+    """Of columns that slabs strike, one entry for each link that asks for them (`Link.columns`); shape (c,).
+
+    link : number of the link in the scene, from 0
+    shear_below, shear_above : largest |shear| in the columns below and above the blow, without damping force [N]
+    demand : the larger of both over the columns' share of the storey's yield shear, in elastic runs too [-]; NaN where
+        the storey cannot yield
+    """
+
+    link: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    shear_below: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    shear_above: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    demand: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False)
 class Response:
     """The response of a scene, what its solution cost, and what the user should know about it.
 
@@ -78,6 +94,7 @@ class Response:
     samples : floor displacements at the end of every segment of the motion [m], one array (segments, n) a building,
         where the run was asked to watch them
     collapse_time : when a storey collapsed [s], nan where none did
+    columns : shears in columns that slabs strike
     collapse_building, collapse_storey : place of its building from 0, and storey from 1; -1 and 0 where none did
     """
 
@@ -103,6 +120,7 @@ class Response:
     collapse_time: float = float("nan")
     collapse_building: int = -1
     collapse_storey: int = 0
+    columns: ColumnResponse = field(default_factory=ColumnResponse)
 
     @property
     def has_result(self) -> bool:

@@ -176,7 +176,7 @@ class Prepared:
         if outcome not in ENDS:  # no number of a run that failed is ever shown
             for numbers in (*peaks[1:-1], state.u, state.v):
                 numbers.fill(np.nan)
-        buildings, links = unpack(scene, arrays, state, peaks)
+        buildings, links, columns = unpack(scene, arrays, state, peaks)
         note = self.code.note(steps, events)
         effects = effects_of(scene)
         where = self._collapse() if outcome == COLLAPSED else (nan, -1, 0)
@@ -188,6 +188,7 @@ class Prepared:
             final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
             samples=tuple(peaks.samples[:, span].copy() for span in arrays.floors if self.watch),
             collapse_time=where[0], collapse_building=where[1], collapse_storey=where[2],
+            columns=columns,
         )  # fmt: skip
 
     def _collapse(self) -> tuple[float, int, int]:

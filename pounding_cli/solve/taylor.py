@@ -91,7 +91,13 @@ def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Points, Springs]:
     row = _row(arrays.begins, tuple(link.left for link in scene.links), tuple(left), tuple(right))
     points, springs = arrays.points, arrays.springs
     if points.number:
-        points = points._replace(slot=row.slot_places[points.slot], freedom=row.slot_places[points.freedom])
+        table = points.shears
+        shears = table._replace(
+            slot=row.slot_places[table.slot], storey=row.slot_places[table.storey], link=row.link_places[table.link]
+        )
+        points = points._replace(
+            slot=row.slot_places[points.slot], freedom=row.slot_places[points.freedom], shears=shears
+        )
     if springs.number:
         springs = springs._replace(freedom=row.slot_places[springs.freedom])
     return row, points, springs

@@ -26,6 +26,7 @@ BLOCK_BYTES = 8 << 20
 STOREY_FIELDS = {"V": "shear", "mu": "ductility", "drift": "drift", "residual_drift": "residual_drift"}
 FLOOR_FIELDS = {name: name for name in ("acceleration", "displacement_max", "displacement_min")}
 LINK_FIELDS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
+COLUMN_FIELDS = {"shear_below": "shear_below", "shear_above": "shear_above", "shear_demand": "demand"}
 ALONE = {"V0": "shear", "mu0": "ductility", "drift0": "drift", "acceleration0": "acceleration"}
 RATIOS = {"V": "V0", "mu": "mu0", "acceleration": "acceleration0"}
 
@@ -90,7 +91,8 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
     named = dict.fromkeys(digest for row in rows for digest in (row.scene, *row.baselines))
     digests = [digest for digest in named if digest in plan.scenes]  # a workflow need not ask for all
     taken = dict(zip(digests, responses.take(digests), strict=True))
-    arrays = {v.name: empty(v, (len(rows), *shape.of(v.dims[3:]))) for v in (*RESPONSES, *SCENES)}
+    variables = (v for v in (*RESPONSES, *SCENES) if v.name not in shape.left_out)
+    arrays = {v.name: empty(v, (len(rows), *shape.of(v.dims[3:]))) for v in variables}
     arrays["scene"][:] = [row.scene if row.scene in taken else "" for row in rows]
     columns = {place: number for number, place in enumerate(shape.links)}
     alike: dict[tuple, list[int]] = {}
@@ -159,6 +161,9 @@ def _put_links(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarra
     if words.has_peaks and chosen:
         for name in LINK_FIELDS:
             arrays[name][numbers[:, None], chosen] = values[:, words.links[name]]
+        struck = [chosen[int(link)] for link in values[0, words.columns_struck["link"]]]
+        for name, field in COLUMN_FIELDS.items() if struck else ():
+            arrays[name][numbers[:, None], struck] = values[:, words.columns_struck[field]]
 
 
 def _put_alone(arrays: Arrays, numbers: np.ndarray, place: int, line: str, values: np.ndarray) -> None:

@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.solve.response import DONE, OUTCOMES, BuildingResponse, LinkResponse, Response
+from pounding_cli.solve.response import DONE, OUTCOMES, BuildingResponse, ColumnResponse, LinkResponse, Response
 
 _BUILDING_ARRAYS = tuple(f.name for f in fields(BuildingResponse) if f.name not in ("sway", "rocking"))
 _LINK_ARRAYS = tuple(f.name for f in fields(LinkResponse))
+_COLUMN_ARRAYS = tuple(f.name for f in fields(ColumnResponse))
 _COUNTS = tuple(f.name for f in fields(Response) if f.type == "int")
 _SCALARS = tuple(f.name for f in fields(Response) if f.type in ("int", "float"))
 _WORDS = tuple(f.name for f in fields(Response) if f.type == "str")
@@ -29,7 +30,7 @@ class Words:
     facts : status, advice, method; sentences as tuples
     columns : place of every scalar, and of the energies as `energy_<name>`
     buildings : for every building, the span of each of its arrays and of sway and rocking (spans of one)
-    links : the span of each array
+    links, columns_struck : the span of each array
     size : numbers in all
     """
 
@@ -37,6 +38,7 @@ class Words:
     columns: dict[str, int]
     buildings: tuple[dict[str, slice], ...]
     links: dict[str, slice]
+    columns_struck: dict[str, slice]
     size: int
 
     @property
@@ -58,6 +60,7 @@ def encode(response: Response) -> tuple[str, np.ndarray]:
         tuple(response.energy),
         tuple([b.shear.size for b in response.buildings]),
         response.links.impacts.size,
+        response.columns.link.size,
     )
     columns: list[Sequence[float] | np.ndarray] = [
         [getattr(response, name) for name in _SCALARS] + list(response.energy.values())
@@ -66,6 +69,8 @@ def encode(response: Response) -> tuple[str, np.ndarray]:
         columns += [getattr(b, name) for name in _BUILDING_ARRAYS]
         columns.append([b.sway, b.rocking])
     columns += [getattr(response.links, name) for name in _LINK_ARRAYS]
+    if response.columns.link.size:
+        columns += [getattr(response.columns, name) for name in _COLUMN_ARRAYS]
     return line, np.concatenate(columns, dtype=float)
 
 
@@ -76,11 +81,13 @@ def _line(
     energy: tuple[str, ...],
     storeys: tuple[int, ...],
     links: int,
+    struck: int,
 ) -> str:
     """The line of words of a response: the same object for all that say the same."""
     said: dict[str, Any] = {name: str(text) for name, text in zip(_WORDS, words, strict=True)}
     said |= {name: list(map(str, some)) for name, some in zip(_SENTENCES, sentences, strict=True)}
-    return json.dumps(said | {"energy": list(energy), "storeys": list(storeys), "links": links})
+    said |= {"energy": list(energy), "storeys": list(storeys), "links": links}
+    return json.dumps(said | ({"columns": struck} if struck else {}))
 
 
 @lru_cache(maxsize=4096)
@@ -94,6 +101,7 @@ def parse(text: str) -> Words:
     facts: dict[str, Any] = json.loads(text)
     names = [*_SCALARS, *(f"energy_{_text(name)}" for name in facts.pop("energy"))]
     storeys, n_links = map(_count, facts.pop("storeys")), _count(facts.pop("links"))
+    n_struck = _count(facts.pop("columns", 0))
     facts = {name: _text(facts[name]) for name in _WORDS} | {
         name: tuple(_text(sentence) for sentence in facts[name]) for name in _SENTENCES
     }
@@ -109,7 +117,8 @@ def parse(text: str) -> Words:
 
     buildings = tuple(spans(dict.fromkeys(_BUILDING_ARRAYS, n) | {"sway": 1, "rocking": 1}) for n in storeys)
     links = spans(dict.fromkeys(_LINK_ARRAYS, n_links))
-    return Words(facts, {name: place for place, name in enumerate(names)}, buildings, links, end)
+    struck = spans(dict.fromkeys(_COLUMN_ARRAYS, n_struck))
+    return Words(facts, {name: place for place, name in enumerate(names)}, buildings, links, struck, end)
 
 
 def _text(value: Any) -> str:
@@ -149,7 +158,9 @@ def decode(text: str, numbers: np.ndarray) -> Response:
         for spans in words.buildings
     )
     links = LinkResponse(**{name: numbers[words.links[name]].copy() for name in _LINK_ARRAYS})
-    return Response(buildings=buildings, links=links, energy=energy, **scalars, **words.facts)
+    struck = {name: numbers[words.columns_struck[name]].copy() for name in _COLUMN_ARRAYS}
+    columns = ColumnResponse(**struck | {"link": struck["link"].astype(np.int64)})
+    return Response(buildings=buildings, links=links, energy=energy, columns=columns, **scalars, **words.facts)
 
 
 def failed(

@@ -21,7 +21,7 @@ SOFTWARE = ("pounding_cli", "solver", "python", "numpy", "scipy", "numba", "h5py
 
 _SCENE = ("case", "analysis", "record")
 
-_ESTIMATED = ("V", "mu", "drift")
+_ESTIMATED = ("V", "mu", "drift", "shear_below", "shear_above")
 """Peaks the error estimate of a scene speaks of, each relative to itself."""
 
 _ALONE = ("V0", "mu0", "drift0")
@@ -147,9 +147,9 @@ def _numbers(first: Results, second: Results, carried: pd.DataFrame) -> Iterator
         errors = carried.loc[rows.droplevel(inner)]
         group = [rows.get_level_values(name) for name in scene]
         for column in (*_ESTIMATED, *_ALONE, *_SHARED, *_COUNTED):
-            if column not in one:
+            if column not in one and column not in other:
                 continue
-            a, b = one[column].to_numpy(float), other[column].to_numpy(float)
+            a, b = (np.asarray(each.get(column, np.full(len(rows), np.nan)), float) for each in (one, other))
             size = np.fmax(np.abs(a), np.abs(b))
             error = errors["estimated" if column in _ESTIMATED else "asked"].to_numpy()
             if column in _COUNTED:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.model.links import APART, LinkPlace
-from pounding_cli.store.layout import BUILDINGS, LINKS, PLACE, RECORDS, Variable
+from pounding_cli.model.links import APART, LinkPlace, ends_on_columns
+from pounding_cli.store.layout import BUILDINGS, LINKS, OF_COLUMNS, PLACE, RECORDS, Variable
 
 if TYPE_CHECKING:
     from pounding_cli.store.parts import PartStore
@@ -37,6 +38,11 @@ class Shape:
     def of(self, dims: tuple[str, ...]) -> tuple[int, ...]:
         """The sizes of some dimensions."""
         return tuple(self.sizes[dim] for dim in dims)
+
+    @cached_property
+    def left_out(self) -> tuple[str, ...]:
+        """Variables that say nothing in this study."""
+        return () if any(map(ends_on_columns, self.links)) else OF_COLUMNS
 
     @property
     def rows(self) -> tuple[int, ...]:
@@ -81,9 +87,10 @@ def _links(plan: Plan, shape: Shape) -> Data:
         for link in row.links:
             column = places[link.place]
             arrays["kind"][(*at, column)] = link.kind
+            arrays["left_at"][(*at, column)], arrays["right_at"][(*at, column)] = link.left_at, link.right_at
             if link.kind != APART:
                 arrays["gap"][(*at, column)] = link.gap
-    return {v.name: ((*shape.axes, *v.dims), arrays[v.name]) for v in LINKS}
+    return {v.name: ((*shape.axes, *v.dims), arrays[v.name]) for v in LINKS if v.name not in shape.left_out}
 
 
 def _buildings(plan: Plan, shape: Shape) -> Data:
@@ -99,6 +106,7 @@ def _buildings(plan: Plan, shape: Shape) -> Data:
                 arrays[name][(*everywhere, place, slice(building.storeys))] = getattr(building, name)
             arrays["period"][(*everywhere, place)] = building.periods[0]
             arrays["base_shear_ratio"][(*everywhere, place)] = building.base_shear_ratio
+            arrays["slab"][(*everywhere, place)] = building.slab
     for at, point in _points(shape, kept):
         arrays["separation"][at] = plan.study.separations(point)
     return _without_constant_axes(kept, arrays, BUILDINGS)

@@ -32,6 +32,7 @@ FIELDS = {
     "sway": (("time", "building"), "m", "translation of the foundation"),
     "rocking": (("time", "building"), "rad", "rotation of the foundation"),
     "link_force": (("time", "link"), "N", "link force, pulling negative"),
+    "closing": (("time", "link"), "m", "closing of the two ends of a link, gap not subtracted"),
     "energy_input": (("time",), "J", "energy put in by the ground so far"),
     "energy_kinetic": (("time",), "J", "kinetic energy"),
     "energy_stored": (("time",), "J", "elastic energy in storeys and foundations"),
@@ -40,6 +41,9 @@ FIELDS = {
     "energy_links": (("time",), "J", "energy the links took so far, stored or lost"),
 }
 """Dataset -> dimensions, unit, meaning."""
+
+_ADDED = ("closing",)
+"""What files of before do not have."""
 
 _FACTS = ("number", "scene", "every", "times")
 """What is known of a kept scene besides its place."""
@@ -99,11 +103,11 @@ def write_history(file: h5py.File, place: Mapping[str, Any], history: History) -
         if dim in file:  # links: no case may have one
             scales[dim] = _scale(group, dim, file[dim][()], *COORDINATES[dim])
     for name, (dims, unit, text) in FIELDS.items():
-        if not all(dim in scales for dim in dims):
-            continue
         values = _values(history, name)
+        if values is None or not all(dim in scales for dim in dims):
+            continue
         whole = np.full([scales[dim].size for dim in dims], np.nan, np.float32)
-        if name == "link_force":
+        if dims == ("time", "link"):
             whole[:, columns] = values[:, known]
         else:
             whole[tuple(slice(size) for size in values.shape)] = values
@@ -156,7 +160,7 @@ def read_history(group: h5py.Group) -> History:
     forms, here = check_links(group), group.name.strip("/")
     sizes = {dim: group[dim].size for dim in ("time", "building", "storey", "floor", "link") if dim in group}
     for name, (dims, _, _) in FIELDS.items():
-        if all(dim in sizes for dim in dims):
+        if all(dim in sizes for dim in dims) and (name in group or name not in _ADDED):
             expect(forms, f"{here}/{name}", tuple(sizes[dim] for dim in dims), "f")
     beside = group.file if group.parent.name == f"/{GROUP}" else group  # scenes of before have links of before
     for dim in ("building", "storey", "floor", "link"):
@@ -168,7 +172,8 @@ def read_history(group: h5py.Group) -> History:
     time = group["time"][()]
     if not (np.isfinite(time).all() and (np.diff(time) > 0).all()):
         raise refused(f"{here}/time", "does not go on")
-    arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in FIELDS}
+    known = [name for name in FIELDS if name in group or name not in _ADDED]
+    arrays = {name: group[name][()] if name in group else np.empty((time.size, 0), np.float32) for name in known}
     for name, values in arrays.items():  # NaN: the building has no such storey
         if np.isinf(values).any():
             raise refused(f"{here}/{name}", "is not finite")
@@ -193,7 +198,7 @@ def _plain(value: Any) -> Any:
     return plain(value) if isinstance(value, str) else value
 
 
-def _values(history: History, name: str) -> np.ndarray:
+def _values(history: History, name: str) -> np.ndarray | None:
     kind = name.removeprefix("energy_")
     return getattr(history, name) if kind == name else history.energy[kind]
 

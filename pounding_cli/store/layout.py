@@ -52,6 +52,9 @@ RESPONSES = (
     Variable("max_closing", LINK, "m", "largest closing of the two floors, gap not subtracted"),
     Variable("impulse", LINK, "N s", "link force summed over time, pulling negative"),
     Variable("contact_time", LINK, "s", "time with a force in the link"),
+    Variable("shear_below", LINK, "N", "largest shear in the struck columns below the blow, without damping force"),
+    Variable("shear_above", LINK, "N", "largest shear in the struck columns above the blow, without damping force"),
+    Variable("shear_demand", LINK, "1", "the larger of both over the columns' share of the storey's yield shear"),
 )
 
 SCENES = (
@@ -83,14 +86,19 @@ SCENES = (
 FORMERLY = {"accuracy": "tolerance", "time_step": "tolerance"}
 """What files of before call a variable: accuracy or time step were one, the study says which."""
 
-ADDED = ("collapsed", "collapsed0", "collapse_time")
-"""What files of before do not have."""
+OF_COLUMNS = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
+"""What files have where some link strikes columns."""
+
+ADDED = ("collapsed", "collapsed0", "collapse_time", "slab", *OF_COLUMNS)
+"""What files of before, or of other studies, do not have."""
 
 # The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
 
 LINKS = (
     Variable("kind", ("case", "link"), "", "law of the link; empty where there is none", "s"),
     Variable("gap", ("case", "link"), "m", "initial distance of the two floors"),
+    Variable("left_at", ("case", "link"), "1", "left end: part of the height of the storey below its floor, 1 at it"),
+    Variable("right_at", ("case", "link"), "1", "right end: part of the height of the storey below its floor, 1 at it"),
 )
 
 BUILDINGS = (
@@ -100,6 +108,7 @@ BUILDINGS = (
     Variable("yield_shear", ("building", "storey"), "N", "storey yield shear"),
     Variable("period", ("building",), "s", "fundamental period on a fixed base"),
     Variable("base_shear_ratio", ("building",), "1", "yield shear of the lowest storey over the weight, V/W"),
+    Variable("slab", ("building",), "m", "thickness of the floor slabs"),
     Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
 )
 

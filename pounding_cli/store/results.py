@@ -21,7 +21,7 @@ from pounding_cli.store.columns import meaning
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
-from pounding_cli.store.layout import ADDED, FORMERLY, PLACE, SCENES, WRITTEN
+from pounding_cli.store.layout import ADDED, FORMERLY, LINKS, OF_COLUMNS, PLACE, SCENES, WRITTEN
 from pounding_cli.store.solutions import stored_methods
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
@@ -40,6 +40,7 @@ _FLOOR = (
 )  # fmt: skip
 _LINK_FACTS = ("left", "right", "floor")
 _LINK = ("kind", "gap", "impacts", "peak_force", "max_closing", "impulse", "contact_time")
+_FACTS_OF_LINKS = tuple(variable.name for variable in LINKS)
 _SCENE = (
     "status", "advice", "collapse_time", "method", "accuracy", "time_step", "steps", "events", "seconds",
     "energy_residual", "error_estimate", "sensitivity", "effects", "dropped", "flags",
@@ -163,15 +164,20 @@ class Results:
             shape = self._shape(file["impacts"])
             facts = {name: self._spread(self._values(file[f"link_{name}"]), shape) for name in _LINK_FACTS}
             columns = self._index(file, dims, shape) | facts
-            for name in _LINK:
-                array = self._values(file[name])
-                if name in ("kind", "gap"):  # the same for every analysis and record
-                    at = len(self._dims) + 1
-                    array = np.broadcast_to(np.expand_dims(array, (at, at + 1)), shape)
-                columns[name] = array.ravel()
+            columns |= {name: self._by_scene(file, name, shape).ravel() for name in _LINK}
             columns["right_floor"] = self._spread(self._values(file["link_right_floor"]), shape)
+            for name in OF_COLUMNS if OF_COLUMNS[0] in file else ():
+                columns[name] = self._by_scene(file, name, shape).ravel()
         frame = _frame(columns)
         return frame[frame["kind"] != ""].reset_index(drop=True)
+
+    def _by_scene(self, file: h5py.File, name: str, shape: tuple[int, ...]) -> np.ndarray:
+        """A variable of links; one of LINKS is the same for every analysis and record."""
+        array = self._values(file[name])
+        if name not in _FACTS_OF_LINKS:
+            return array
+        at = len(self._dims) + 1
+        return np.broadcast_to(np.expand_dims(array, (at, at + 1)), shape)
 
     def scene(self) -> pd.DataFrame:
         """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
@@ -290,7 +296,7 @@ class Results:
     def buildings(self) -> pd.DataFrame:
         """Per building and storey: place from 1 at the left, mass [kg], height [m], stiffness [N/m],
         yield shear [N], fundamental period [s], base-shear ratio V/W [-] (infinite for storeys that never yield),
-        the code's separation from the next building [m].
+        thickness of the slabs [m] (not in files of before), the code's separation from the next building [m].
 
         Swept axes that change a building come first.
         """
@@ -303,7 +309,9 @@ class Results:
             columns |= {"place": np.broadcast_to(places, shape).ravel(), "storey": storey}
             for name in ("mass", "height", "stiffness", "yield_shear"):
                 columns[name] = self._values(file[name]).ravel()
-            for name in ("period", "base_shear_ratio", "separation"):
+            for name in ("period", "base_shear_ratio", "slab", "separation"):
+                if name in ADDED and name not in file:
+                    continue
                 columns[name] = np.broadcast_to(self._values(file[name])[..., None], shape).ravel()
         frame = _frame(columns)
         return frame[frame["mass"].notna()].reset_index(drop=True)

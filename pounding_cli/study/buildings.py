@@ -18,9 +18,6 @@ from pounding_cli.study.problems import Path, Problems, Tree
 from pounding_cli.study.schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec
 from pounding_cli.study.source import Node
 
-FLOOR_TOLERANCE = 1e-3
-"""Floors of two buildings within this difference in elevation face each other [m]."""
-
 _PER_STOREY = ("mass", "height", "hardening", "stiffness", "yield_shear", "p_delta")
 
 
@@ -37,6 +34,10 @@ def build(name: str, spec: BuildingSpec, root: Node | Tree, path: Path, problems
         )
     code = spec.yield_ if spec.yield_shear is None else None
     design = _design(code, root, (*path, "yield"), problems) if code else None
+    thinnest = min(spec.height) if isinstance(spec.height, tuple) else spec.height
+    if spec.slab >= thinnest:
+        message = f"a slab of {spec.slab:g} m is not thinner than a storey of {thinnest:g} m"
+        problems.at(root, (*path, "slab"), message, "write the thickness of the floor slab, e.g. `slab: 25 cm`")
     foundation = _foundation(spec.foundation, root, (*path, "foundation"), problems)
     parameters = _law_parameters(spec, root, path, problems)
     built = None
@@ -169,8 +170,9 @@ def _derived(
     load = (weight_above(mass) if spec.p_delta else None) if isinstance(spec.p_delta, bool) else np.array(spec.p_delta)
     collapse = np.inf if isinstance(spec.collapse, str) else spec.collapse
     return Building(
-        name, mass, height, stiffness, yield_shear, hardening, alpha, beta, foundation, law, parameters, load, collapse
-    )
+        name, mass, height, stiffness, yield_shear, hardening, alpha, beta, foundation, law, parameters, load, collapse,
+        spec.slab, spec.columns,
+    )  # fmt: skip
 
 
 def _filled(value: Any, storeys: int) -> np.ndarray:
@@ -189,14 +191,3 @@ def design_displacements(spec: BuildingSpec, building: Building) -> np.ndarray |
 def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:
     """Code separation of two neighbours at the lower roof [m]; None where no code designed one."""
     return None if left is None or right is None else float(code_separation(left, right)[-1])
-
-
-def common_floors(left: Building, right: Building) -> tuple[tuple[int, int], ...]:
-    """Floors of `left` and `right`, from 1, that stand at the same elevation (within FLOOR_TOLERANCE)."""
-    other = right.elevation
-    pairs = []
-    for floor, elevation in enumerate(left.elevation, 1):
-        place = int(np.argmin(np.abs(other - elevation)))
-        if abs(other[place] - elevation) <= FLOOR_TOLERANCE:
-            pairs.append((floor, place + 1))
-    return tuple(pairs)

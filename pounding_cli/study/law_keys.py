@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import AfterValidator, GetJsonSchemaHandler
 
-from pounding_cli.laws import link_laws, storey_laws
+from pounding_cli.laws import contact_laws, link_laws, storey_laws
 from pounding_cli.laws.law import Law, Parameter
 from pounding_cli.study.base import optional
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
@@ -58,6 +58,11 @@ def _own_parameters(law: type[Law]) -> Mapping[str, Parameter]:
 def link_keys() -> dict[str, tuple[Any, Any]]:
     """Type and default of the keys that laws of links bring along, as `pydantic.create_model` takes them."""
     return _keys(link_laws())
+
+
+def contact_keys() -> dict[str, tuple[Any, Any]]:
+    """Those that laws of contact bring along, for the impact element."""
+    return _keys(contact_laws())
 
 
 def storey_keys() -> dict[str, tuple[Any, Any]]:

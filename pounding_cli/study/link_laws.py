@@ -7,10 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field
 from typing import Any
 
-from pounding_cli.laws import link_laws
+from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
+from pounding_cli.model.meetings import Strike
 from pounding_cli.study.formulas import OwnLaws, known_laws, law_class
 from pounding_cli.study.law_keys import FROM_CASE, own_parameters, words_of
 from pounding_cli.study.problems import Path, Problems, Tree, nearest
@@ -23,7 +25,9 @@ from pounding_cli.study.source import Node
 class Group:
     """The buildings of a group and what else the links of a case depend on besides the case.
 
-    buildings, types : buildings by place and by name; common : common floors of each pair of neighbours
+    buildings, types : buildings by place and by name
+    common, strikes : of each pair of neighbours the floors that meet, and the slabs that strike columns whose share of
+        the storey is known
     impact : the impact element; laws : those of the study's own, by name
     Where the group is not sound an empty one stands in for it, so that its cases can be checked all the same:
     `buildings` and `common` are empty then, and `defined` still holds every name that the file defines.
@@ -35,6 +39,7 @@ class Group:
     impact: Impact
     defined: Sequence[str]
     laws: OwnLaws = field(default_factory=dict)
+    strikes: Sequence[Sequence[Strike]] = ()
 
     @property
     def is_empty(self) -> bool:
@@ -75,15 +80,16 @@ class LawReader:
 
     def law(self, layers: list[Layer]) -> LinkLaw | None:
         """The law of a link; None where there is none, or where something is wrong."""
-        word = says(layers, "link")
-        if word is None:
+        named = says(layers, "link")
+        if named is None:
             known = ", ".join((*list(link_laws())[1:], "or none")).replace(", or", " or")
             self.refuse(layers[0].path, "'link' is missing", f"write `link: pounding`, {known}")
             return None
-        if word == "none":
+        if named == "none":
             return None
-        law = self.known(word, where(layers, "link"))
-        if law is None:
+        word = self.contact() if named == Pounding.name else named
+        law = None if word is None else self.known(word, where(layers, "link"))
+        if word is None or law is None:
             return None
         gap = says(layers, "gap")
         if gap is None:
@@ -95,9 +101,9 @@ class LawReader:
             return None
         if self._conflicts(law, layers, gap=gap):
             return None
-        self._refuse_keys_of_others(word, law, layers)
+        self._refuse_keys_of_others(named, law, layers)
         impact = self.value(self.group.impact.stiffness, ("impact", "stiffness"))
-        stiffness = self._stiffness(word, law, layers)
+        stiffness = self._stiffness(named, law, layers)
         if impact is None or stiffness is None:
             return None
         if self._conflicts(law, layers, gap=gap, stiffness=stiffness, impact_stiffness=impact):
@@ -131,6 +137,19 @@ class LawReader:
             self.refuse(layers[0].path, str(error).removeprefix("link: "), "correct it")
             return None
 
+    def contact(self) -> str | None:
+        """What `link: pounding` stands for: the law of contact that `impact` names; notes one that is none."""
+        law = self.group.impact.law
+        if law == KELVIN_VOIGT:
+            return Pounding.name
+        found = law_class(law, self.group.laws)
+        if found is not None and found.subtracts_gap and found is not Pounding:
+            return law
+        written = (name for name, own in self.group.laws.items() if own.law.subtracts_gap)
+        hint = f"write {', '.join((*contact_laws(), *written))}"
+        self.refuse(("impact", "law"), f"'{law[:60]}' is no law of contact", hint)
+        return None
+
     def known(self, word: str, path: Path) -> type[LinkLaw] | None:
         """The class of a law by its name; notes an unknown one."""
         law = law_class(word, self.group.laws)
@@ -149,11 +168,12 @@ class LawReader:
             self.refuse(where(layers, name), message, hint)
         return conflict is not None
 
-    def _refuse_keys_of_others(self, word: str, law: type[LinkLaw], layers: list[Layer]) -> None:
+    def _refuse_keys_of_others(self, named: str, law: type[LinkLaw], layers: list[Layer]) -> None:
         """Note keys that belong to another law, where they are said of this one: beside its name, or nearer."""
-        named = next(number for number, layer in enumerate(layers) if "link" in layer.spec.model_fields_set)
-        nearer = [] if isinstance(layers[named].spec, ListedLink) else layers[:named]
-        said = [*nearer, layers[named], *(layer for layer in layers[named + 1 :] if layer.spec.link == word)]
+        place = next(number for number, layer in enumerate(layers) if "link" in layer.spec.model_fields_set)
+        nearer = [] if isinstance(layers[place].spec, ListedLink) else layers[:place]
+        said = [*nearer, layers[place], *(layer for layer in layers[place + 1 :] if layer.spec.link == named)]
+        word = f"{named} of the law {law.name}" if named == Pounding.name and law is not Pounding else named
         own = own_parameters(law)
         others: dict[str, list[str]] = {}
         for owner in link_laws().values():
@@ -177,7 +197,9 @@ class LawReader:
 
     def _own(self, name: str, law: type[LinkLaw], layers: list[Layer]) -> Any:
         """A parameter that only this law has: as given, or its default; None where something is wrong."""
-        given = says(layers, name)
+        given, path = says(layers, name), where(layers, name)
+        if given is None and law.subtracts_gap:
+            given, path = getattr(self.group.impact, name, None), ("impact", name)
         if given is None:
             default = law.parameters()[name].default
             if default is not MISSING:
@@ -185,25 +207,22 @@ class LawReader:
             self.refuse(
                 layers[0].path,
                 f"'{name}' is missing",
-                f"a {law.name} needs it: {own_parameters(law)[name].words}",
+                f"a {law.name} needs it{' here or under `impact`' if law.subtracts_gap else ''}: "
+                f"{own_parameters(law)[name].words}",
             )
             return None
         words = words_of(law, name)
         if words is not None:
             if given in list(words):
                 return words(given)
-            self.refuse(
-                where(layers, name),
-                f"{name}: '{given}' is none of a {law.name}",
-                f"write {' or '.join(words)}",
-            )
+            self.refuse(path, f"{name}: '{given}' is none of a {law.name}", f"write {' or '.join(words)}")
             return None
-        return self.value(given, where(layers, name)) if isinstance(given, StiffnessRule) else given
+        return self.value(given, path) if isinstance(given, StiffnessRule) else given
 
-    def _stiffness(self, word: str, law: type[LinkLaw], layers: list[Layer]) -> float | None:
+    def _stiffness(self, named: str, law: type[LinkLaw], layers: list[Layer]) -> float | None:
         # A stiffness given around a link holds for it only where the kind is the same.
         for place, layer in enumerate(layers):
-            if layer.spec.stiffness is not None and says(layers[place:], "link") == word:
+            if layer.spec.stiffness is not None and says(layers[place:], "link") == named:
                 return self.value(layer.spec.stiffness, (*layer.path, "stiffness"))
         rule = law.stiffness_default
         default = read_stiffness(rule) if rule else self.group.impact.stiffness

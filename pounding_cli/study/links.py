@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.links import Link
+from pounding_cli.model.meetings import column_flexibility
 from pounding_cli.numbers import counted
 from pounding_cli.study.formulas import law_class
 from pounding_cli.study.law_keys import own_parameters
@@ -49,6 +51,7 @@ def links_of(case: CaseSpec, group: Group, root: Node | Tree, path: Path, proble
             entry = case.pairs[place]
             layers.insert(0, _layer(entry, (*path, "pairs", place), PairSpec))
         links += reader.pair(place, layers)
+        links += reader.at_columns(place, layers)
     return tuple(links)
 
 
@@ -104,6 +107,44 @@ class _Reader(LawReader):
         self._refuse_floors_of_no_list([each for some in found.values() for each in some], stood)
         return links
 
+    def at_columns(self, place: int, layers: list[Layer]) -> list[Link]:
+        """The links of slabs that strike columns."""
+        strikes = () if self.group.is_empty else self.group.strikes[place]
+        given = says(layers, "at_columns")
+        if given is not None:
+            layers = [_layer(given, where(layers, "at_columns")), *layers]
+        elif says(layers, "floors") != "all":
+            layers = [_layer(says(layers, "elsewhere"), where(layers, "elsewhere")), *layers]
+        word = says(layers, "link")
+        if word is None or word == "none" or (not strikes and given is None):
+            return []
+        contact = self.contact() if word == Pounding.name else word
+        if strikes and word == Pounding.name and contact not in (Pounding.name, None):
+            message = f"slabs strike columns here, and the law {contact} between a slab and columns is not modelled"
+            hint = "write `at_columns: none` in the case to leave these blows out, or `law: kelvin-voigt`"
+            self.refuse(("impact", "law"), message, hint)
+            return []
+        if isinstance(word, tuple) or law_class(word, self.group.laws) not in (Pounding, None):
+            kind = "several links" if isinstance(word, tuple) else word
+            self.refuse(
+                where(layers, "link"),
+                f"slabs strike columns here, and {kind} between a slab and columns is not modelled",
+                "write `at_columns: pounding`, or `at_columns: none` to leave these blows out",
+            )
+            return []
+        law = self.law(layers)
+        if not isinstance(law, Pounding):
+            return []
+        links = []
+        for strike in strikes:
+            building = self.group.buildings[place + strike.side]
+            assert building.columns is not None  # of these the share is known
+            flexibility = 1.0 / law.stiffness + column_flexibility(building, strike.storey, strike.at)
+            floors = strike.left_floor, strike.right_floor
+            in_series = replace(law, stiffness=1.0 / flexibility)
+            links.append(Link(place, *floors, in_series, strike.left_at, strike.right_at, building.columns))
+        return links
+
     def _refuse_floors_of_no_list(self, elements: list[_Element], stood: Mapping[Path, set[int]]) -> None:
         """Note floors of one link in a list that the list does not stand on."""
         for element in elements:
@@ -132,7 +173,8 @@ class _Reader(LawReader):
 
     def _refuse_keys_of_no_link(self, layers: list[Layer], words: list[str]) -> None:
         """Note keys beside a list of links that cannot speak for them: a stiffness, and what none of them takes."""
-        laws = [law for word in words if (law := law_class(word, self.group.laws)) is not None]
+        known = [self.contact() if word == Pounding.name else word for word in words]
+        laws = [law for word in known if word is not None and (law := law_class(word, self.group.laws)) is not None]
         taken = {name for law in laws for name in _keys_of(law)} - {"stiffness"}
         for layer in layers:
             for name in ("stiffness", "tension_cut", "damping_ratio", "restitution", *_all_own()):

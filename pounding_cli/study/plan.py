@@ -38,7 +38,7 @@ class Axis:
 
 class LinkSeen(NamedTuple):
     """A link as the tables know it: left building from 0, floors from 1, name among those of the same floors
-    (`model.links.link_places`), law, gap [m]."""
+    (`model.links.link_places`), law, gap [m], heights of its ends in the storeys below its floors [-]."""
 
     left: int
     left_floor: int
@@ -46,6 +46,8 @@ class LinkSeen(NamedTuple):
     name: str
     kind: str
     gap: float
+    left_at: float = 1.0
+    right_at: float = 1.0
 
     @property
     def place(self) -> LinkPlace:

@@ -157,7 +157,8 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, pa
     stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
     for gap in dict.fromkeys(link.gap for link in links if link.gap > 0):
         _note("gap", gap, root, _leaf(root, path, "gap"), notes)
-    springs = (link.law for link in links if "stiffness" in link.law.parameters())  # others are not in N/m
+    facing = (link.law for link in links if not link.columns)  # slabs strike columns in series with these
+    springs = (law for law in facing if "stiffness" in law.parameters())  # others are not in N/m
     kinds = dict.fromkeys((not law.stiffness_default, law.initial_stiffness) for law in springs)
     for pounds, stiffness in kinds if stiffest else ():
         what = f"{'impact' if pounds else 'link'} stiffness over the stiffest storey's"

@@ -270,9 +270,9 @@ class Resolver:
             if not sound or types is None or impact is None or any(name not in types for name in names):
                 return None
             placed = [_named(types[name], label) for name, label in zip(names, places(names), strict=True)]
-            common = [_common(one, other) for one, other in pairwise(placed)]
-            for place, floors in enumerate(common):
-                if not floors:
+            found = [facing.facing(one, other) for one, other in pairwise(placed)]
+            for place, (floors, strikes) in enumerate(found):
+                if not floors and not strikes:
                     one, other = placed[place], placed[place + 1]
                     slips = (
                         plausible.slip_of_height(types[name], root, ("buildings", name))
@@ -284,9 +284,12 @@ class Resolver:
                         ("group", place + 1),
                         f"{one.name} and {other.name} have no floor at one elevation: "
                         f"{_metres(one)} against {_metres(other)} m",
-                        f"a floor striking a column is not modelled; {slip}",
+                        f"{slip}; {facing.COLUMNS}",
                     )
-            return Group(placed, types, common, impact, known, laws) if all(common) else None
+            if not all(floors or strikes for floors, strikes in found):
+                return None
+            common, struck = zip(*found, strict=True)
+            return Group(placed, types, common, impact, known, laws, struck)
 
         group = self._once("group", point, ("buildings", "group", "impact", "laws"), work)
         self._last = None if group is None else (point, group)
@@ -409,16 +412,6 @@ def places(names: tuple[str, ...]) -> tuple[str, ...]:
 
 def _named(building: Building, label: str) -> Building:
     return building if building.name == label else replace(building, name=label)
-
-
-_floors: dict[tuple[bytes, bytes], tuple[tuple[int, int], ...]] = {}
-
-
-def _common(left: Building, right: Building) -> tuple[tuple[int, int], ...]:
-    key = (left.height.tobytes(), right.height.tobytes())
-    if key not in _floors:
-        _floors[key] = building_room.common_floors(left, right)
-    return _floors[key]
 
 
 def _metres(building: Building) -> str:

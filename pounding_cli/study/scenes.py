@@ -132,5 +132,6 @@ class Scenes(Mapping[str, Scene]):
 def seen(links: Sequence[Link]) -> tuple[LinkSeen, ...]:
     """What the tables say of links."""
     return tuple(
-        LinkSeen(*place, str(link.kind), float(link.gap)) for place, link in zip(link_places(links), links, strict=True)
+        LinkSeen(*place, str(link.kind), float(link.gap), link.left_at, link.right_at)
+        for place, link in zip(link_places(links), links, strict=True)
     )

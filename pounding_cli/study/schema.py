@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.laws import link_laws, storey_laws
+from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws, storey_laws
 from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
 from pounding_cli.study.formulas import LawSpec
-from pounding_cli.study.law_keys import LawWord, link_keys, quantity_of, storey_keys, words_about
+from pounding_cli.study.law_keys import LawWord, contact_keys, link_keys, quantity_of, storey_keys, words_about
 from pounding_cli.study.record_schema import Records
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
 from pounding_cli.study.units import Quantity, TextForm, factor_of, limited, refuse, whole_number, written_unit
@@ -29,15 +29,19 @@ Distribution = Literal["triangular", "uniform", "parabolic", "asce7", "ubc"]
 if TYPE_CHECKING:
     LinkKind = str
     LawName = str
+    ContactKind = str
     StoreyKind = str
 else:
     LinkKind = Annotated[str, LawWord((*link_laws(), "none"))]
     LawName = Annotated[str, LawWord(tuple(link_laws()))]
+    ContactKind = Annotated[str, LawWord(tuple(contact_laws()))]
     StoreyKind = Literal[tuple(storey_laws())]
 AnalysisKind = Literal["elastic", "inelastic"]
 
 Length = Annotated[float, units.LENGTH]
 Gap = Annotated[float, units.GAP]
+Slab = Annotated[float, limited(units.LENGTH, name="slab thickness", example="25 cm", open_low=False)]
+ColumnShare = Annotated[float, Quantity("share of the columns", "", "20 %", 0.0, 1.0, open_low=True)]
 Mass = Annotated[float, units.MASS]
 Period = Annotated[float, limited(units.TIME, name="period", high=60.0)]
 Force = Annotated[float, units.FORCE]
@@ -217,6 +221,12 @@ class _BuildingSpec(Model):
         "given where a storey may lose all resistance; `never`: not looked for",
     )
     foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
+    slab: Slab = optional("0 cm", description="thickness of the floor slabs [m]; slabs whose heights overlap meet")
+    columns: ColumnShare | None = optional(
+        None,
+        description="part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; "
+        "without it such blows are left out",
+    )
 
 
 if TYPE_CHECKING:
@@ -225,9 +235,12 @@ else:
     BuildingSpec = create_model("BuildingSpec", __base__=_BuildingSpec, __doc__=_BuildingSpec.__doc__, **storey_keys())
 
 
-class Impact(Model):
+class _Impact(Model):
     """The impact element of pounding, and what an infill stiffens to."""
 
+    law: ContactKind = optional(
+        KELVIN_VOIGT, description="law of contact of every `link: pounding`; it may be swept, so that laws are compared"
+    )
     stiffness: LinkStiffness = optional("20 x stiffest storey", description="impact spring s_imp [N/m]")
     restitution: Restitution = optional(0.5, description="coefficient of restitution e [-]")
     damping_ratio: DampingShare | None = optional(
@@ -237,6 +250,12 @@ class Impact(Model):
     dashpot: Literal["reduced-mass", "printed"] = optional(
         "reduced-mass", description="mass in eq. (7); `printed` is its form in the paper, whose unit is wrong"
     )
+
+
+if TYPE_CHECKING:
+    Impact = _Impact
+else:
+    Impact = create_model("Impact", __base__=_Impact, __doc__=_Impact.__doc__, **contact_keys())
 
 
 class _LinkSpec(Model):
@@ -317,6 +336,10 @@ class PairSpec(LinkSpec):
     floors: Floors = optional("all", description="floors with this link, numbered in the left building of the pair")
     elsewhere: LinkOrWord = optional("none", description="the link on the floors not listed")
     by_floor: dict[Floor, LinkOrWord] = optional({}, description="links of single floors; they come before `floors`")
+    at_columns: LinkOrWord | None = optional(
+        None,
+        description="where a slab strikes columns: `pounding` or `none`; unless given as floors that are not listed",
+    )
 
 
 PairOrWord = Annotated[

@@ -14,8 +14,8 @@ from pydantic_core import PydanticCustomError
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
-from pounding_cli.study.buildings import common_floors
 from pounding_cli.study.data import at_keys, tree_of
+from pounding_cli.study.facing import COLUMNS, facing
 from pounding_cli.study.link_laws import Group
 from pounding_cli.study.links import links_of
 from pounding_cli.study.problems import Problems
@@ -49,16 +49,16 @@ def links_between(
     ------
     InputError : with every problem found, each at its key; neighbours without a floor at one elevation
     """
-    common = [common_floors(left, right) for left, right in pairwise(buildings)]
-    for (left, right), floors in zip(pairwise(buildings), common, strict=True):
-        if not floors:
-            hint = "let the storey heights agree somewhere: a floor striking a column is not modelled"
+    common, strikes = zip(*(facing(left, right) for left, right in pairwise(buildings)), strict=True)
+    for (left, right), floors, struck in zip(pairwise(buildings), common, strikes, strict=True):
+        if not floors and not struck:
+            hint = f"let the storey heights agree somewhere; {COLUMNS}"
             raise InputError(Problem(f"{left.name} and {right.name} have no floor at one elevation", hint))
     with _resolver({"cases": {"case": dict(case)}, "impact": dict(impact)}, "cases.case.") as resolver:
         spec, element = resolver.entry((), "cases", "case"), resolver.section((), "impact")
         _refuse(resolver)
         names = [building.name for building in buildings]
-        group = Group(buildings, dict(zip(names, buildings, strict=True)), common, element, names)
+        group = Group(buildings, dict(zip(names, buildings, strict=True)), common, element, names, {}, strikes)
         problems = Problems(str(_FILE))
         links = links_of(spec, group, resolver.root_at(()), ("cases", "case"), problems)
         problems.refuse()

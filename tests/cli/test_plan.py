@@ -122,3 +122,26 @@ def test_the_results_keep_what_was_dropped_and_all_effects_agree(folder, pound):
     storeys, every = pruned.storey(), full.storey()
     for name in ("V", "V0", "mu", "mu0"):
         assert storeys[name].to_numpy() == pytest.approx(every[name].to_numpy(), rel=1e-6)
+
+
+def test_every_meeting_is_listed(tmp_path):
+    """Slabs that meet, slabs against columns, what is left out. Fails if one is missing, or a height is that
+    of another floor."""
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "title: x\nrecords: {use: [elcentro], duration: 1 s}\n"
+        "buildings:\n  A: {storeys: 4, period: 0.3 s, height: 3 m}\n"
+        "  B: {storeys: 3, period: 0.5 s, height: [3 m, 4 m, 5 m], columns: 20 %}\n"
+        "group: [A, B]\ncases: {touching: {link: pounding, gap: 1 cm}}\n"
+    )
+    result = CliRunner().invoke(cli, ["plan", str(path), "--no-prove"], catch_exceptions=False)
+    said = result.stdout.split("meetings\n")[1].split("cases\n")
+    assert said[0].splitlines() == [
+        "  A|B  3 m: floor 1 meets floor 1",
+        "  A|B  6 m: floor 2 of A strikes columns of B in storey 2, at 75 % of its height, 20 % of the storey",
+        "  A|B  7 m: left out: floor 2 of B strikes columns of A in storey 3, at 33.3 % of its height; "
+        "write `columns:` in A",
+        "  A|B  9 m: floor 3 of A strikes columns of B in storey 3, at 40 % of its height, 20 % of the storey",
+        "  A|B  12 m: floor 4 meets floor 3",
+    ]
+    assert "2 x slab against columns, gap 1 cm" in said[1]

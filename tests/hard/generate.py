@@ -8,30 +8,20 @@ from typing import Any
 import yaml
 from hypothesis import strategies as st
 
+from pounding_cli.laws import link_laws, storey_laws
+from pounding_cli.laws.law import LinkLaw
+
+from .draw import MULTIPLE, RESTITUTION, decades, law_keys, own_law, some
 from .make_motions import FOLDER
 
 MOTIONS = ("shake", "fine", "coarse", "spikes", "push")
 
 
-def decades(low: float, high: float, *corners: float | str, far: bool = True) -> st.SearchStrategy:
-    """A positive number, even in its logarithm; now and then a corner of the range, or (`far`) one absurdly far."""
-    usual = st.floats(math.log10(low), math.log10(high)).map(lambda x: float(f"{10**x:.4g}"))
-    rare = [st.sampled_from(corners)] * (2 if corners else 0)
-    if far:
-        rare.append(st.integers(-12, 14).map(lambda x: 10.0**x))
-    return st.integers(0, 40).flatmap(lambda i: rare[i] if i < len(rare) else usual)
-
-
-def some(draw: Any, into: dict, key: str, values: st.SearchStrategy, chance: int = 3) -> None:
-    """Put `key` into a mapping once in `chance` times."""
-    if draw(st.integers(1, chance)) == 1:
-        into[key] = draw(values)
-
-
-RESTITUTION = st.one_of(st.floats(0.01, 1.0).map(lambda x: round(x, 3)), st.sampled_from([1, 0.5, 0.01, 1e-9]))
 SHARE = st.sampled_from([0, 1e-6, 0.01, 0.02, 0.05, 0.4, 0.9, 0.999])
 HARDENING = st.sampled_from([0, 1e-9, 0.02, 0.05, 0.5, 0.999])
-MULTIPLE = st.floats(-6, 7).map(lambda x: f"{10**x:.4g} x stiffest storey")
+P_DELTA = st.sampled_from([True, True, 0, 1, 30])
+"""The weight of the floors above, or so many times the weight."""
+
 GAP = decades(1e-6, 0.3, 0, "0 cm", 10, 1e-12, far=False)
 
 
@@ -69,26 +59,37 @@ def building(draw: Any) -> dict[str, Any]:
     if draw(st.integers(1, 3)) == 1:
         strength = draw(decades(1e-4, 1.0, far=False))
         spec["yield_shear"] = draw(st.sampled_from(["never", [strength * mass * 10 * (n - j) for j in range(n)]]))
+    law = draw(st.sampled_from(["bilinear", *storey_laws()]))
+    spec |= {"storey_law": law} | draw(law_keys(storey_laws()[law]))
+    some(draw, spec, "p_delta", P_DELTA.map(lambda p: p if p is True else [p * mass * 10 * (n - j) for j in range(n)]))
+    some(draw, spec, "collapse", decades(1e-3, 0.5, "never", 1, 1e-6, far=False), 4)
     if draw(st.integers(1, 4)) == 1:
         spec["foundation"] = draw(foundation(storey))
     return spec
 
 
 @st.composite
-def case(draw: Any, storeys: int) -> dict[str, Any]:
+def link(draw: Any, own: dict[str, Any]) -> dict[str, Any]:
+    """One link of any law: of the program, or of `own`, those of the study."""
+    name = draw(st.sampled_from(["pounding", "infill", *link_laws(), *own]))
+    return {"link": name} | draw(law_keys(link_laws().get(name, LinkLaw)))
+
+
+@st.composite
+def case(draw: Any, storeys: int, own: dict[str, Any]) -> dict[str, Any]:
     """What stands between the buildings."""
-    kind = draw(st.sampled_from(["pounding", "pounding", "infill", "infill", "connector", "none"]))
-    spec: dict[str, Any] = {"link": kind, "gap": draw(GAP)}
-    if kind == "none":
+    kind = draw(st.integers(1, 12))
+    if kind == 1:
         return {"link": "none"}
-    some(draw, spec, "stiffness", MULTIPLE if draw(st.booleans()) else decades(1e3, 1e13), 2)
-    some(draw, spec, "restitution", RESTITUTION)
-    some(draw, spec, "tension_cut", st.booleans())
-    if kind == "infill":
-        some(draw, spec, "law", st.sampled_from(["continuous", "printed"]), 2)
+    spec: dict[str, Any] = {"gap": draw(GAP)}
+    if kind <= 4:
+        spec["link"] = draw(st.lists(link(own), min_size=1, max_size=3))
+    else:
+        spec |= draw(link(own))
     some(draw, spec, "floors", st.sampled_from([[1], [storeys]]))
     if "floors" in spec:
-        some(draw, spec, "elsewhere", st.sampled_from(["none", "pounding", "infill", "connector"]), 2)
+        some(draw, spec, "elsewhere", link(own) | st.just("none"), 2)
+    some(draw, spec, "by_floor", link(own).map(lambda one: {1: one}), 6)
     return spec
 
 
@@ -97,6 +98,7 @@ def studies(draw: Any) -> str:
     """The text of a study file: a few scenes each."""
     types = {name: draw(building()) for name in ("a", "b", "c")[: draw(st.integers(1, 3))]}
     group = draw(st.lists(st.sampled_from(list(types)), min_size=2, max_size=draw(st.sampled_from([2, 2, 2, 3, 5]))))
+    own = {f"law {i}": draw(own_law()) for i in range(draw(st.sampled_from([0, 0, 0, 1, 2])))}
     study: dict[str, Any] = {
         "records": {
             "use": [{"file": str(FOLDER / f"{draw(st.sampled_from(MOTIONS))}.txt")}],
@@ -104,11 +106,13 @@ def studies(draw: Any) -> str:
         },
         "buildings": {name: types[name] for name in dict.fromkeys(group)},
         "group": group,
-        "cases": {f"case {i}": draw(case(1)) for i in range(draw(st.integers(1, 4)))},
+        "cases": {f"case {i}": draw(case(1, own)) for i in range(draw(st.integers(1, 4)))},
         "accuracy": draw(st.sampled_from([1e-6, 1e-6, 1e-6, 1e-3, 1e-9, 1e-12, 0.1, 1e-14])),
     }
     scale = st.one_of(decades(0.01, 10, 1e-6, 1e6, far=False), st.sampled_from([{"pga": "5 g"}, {"pga": "0.3 g"}]))
     some(draw, study["records"], "scale", scale, 2)
+    if own:
+        study["laws"] = own
     impact: dict[str, Any] = {}
     some(draw, impact, "stiffness", MULTIPLE, 2)
     some(draw, impact, "restitution", RESTITUTION, 2)

@@ -15,6 +15,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import Response, solve
 from pounding_cli.solve.groups import GroupSolver
+from pounding_cli.solve.response import COLLAPSED
 from pounding_cli.study import expand, load_study
 
 BOUNDS = (2_000, 2_000)
@@ -51,8 +52,10 @@ def closes_to(accuracy: float) -> float:
 
 def fault_of(response: Response) -> str:
     """What is wrong with a response, in a word or two; empty where nothing is."""
-    if response.status != "done":
+    if not response.has_result:
         return "" if response.advice else "an outcome without advice"
+    if response.status == COLLAPSED and not (response.collapse_time >= 0 and response.collapse_storey >= 1):
+        return "a collapse without time and place"
     for building in response.buildings:
         for name in PEAKS:
             if not np.isfinite(getattr(building, name)).all():
@@ -120,7 +123,7 @@ def faults_in(path: Path, tally: Tally) -> list[str]:
                 tally.slowest = max(tally.slowest, response.seconds)
                 if response.seconds > PATIENCE:
                     found.append(f"{where}: slow, {response.seconds:.1f} s")
-                if response.status == "done":
+                if response.has_result:
                     tally.worst_residual = max(tally.worst_residual, abs(response.energy["residual"]))
                     tally.over += abs(response.energy["residual"]) > 1e-8
                 fault = fault_of(response)

@@ -23,6 +23,8 @@ YIELDING = f"{VERIFICATION}/test_event_reference.py::test_yielding_connected_pai
 P_DELTA = f"{VERIFICATION}/test_p_delta.py"
 LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
 COLUMNS = f"{VERIFICATION}/test_columns.py::test_columns_that_strike_columns"
+SHEARS = f"{VERIFICATION}/test_column_shears.py"
+SLABS = f"{UNIT}/study/test_study_columns.py::test_slabs_whose_heights"
 FOUNDED = f"{VERIFICATION}/test_foundation.py::test_shaken_building_against_exact_stepping"
 ENERGIES = f"{VERIFICATION}/test_energy.py"
 ORDERS = f"{VERIFICATION}/test_methods.py::test_declared_order_where_nothing_jumps"
@@ -366,6 +368,21 @@ MOTION = [
     Mutant("point-follows", "the foot of a storey moves the other way", ("= terms", "= -terms"), FOUNDED),
     Mutant("spring-pushes-back", "a dashpot between floors and base pushes", ("-= push", "+= push"), FOUNDED),
     Mutant("columns-shape", "columns are straight between floors", ("at * at * (3.0 - 2.0 * at)", "at"), COLUMNS),
+    Mutant(
+        "column-shears",
+        "a blow's own force is left out above it",
+        ("if higher else -to_above", "if higher else 0.0"),
+        f"{SHEARS}::test_one_blow_on_columns_that_stand_still",
+    ),
+    Mutant(
+        "slabs-that-meet", "slabs meet by one thickness alone", ("<= reach", "<= 0.5 * reach"), f"{SLABS}_overlap_meet"
+    ),
+    Mutant(
+        "column-flexibility",
+        "struck columns are clamped at one end alone",
+        ("(at * (1.0 - at)) ** 3", "at**3"),
+        f"{UNIT}/study/test_study_columns.py::test_flexibility_of_the_columns_is_that_of_a_clamped_beam",
+    ),
 ]
 
 ENERGY = [
@@ -595,6 +612,12 @@ PRUNING = [
         OPEN_GAP,
     ),
     Mutant(
+        "columns-never-struck",
+        "columns that nothing strikes are told the whole storey's shear",
+        ("shear, shear", "shear / each.share, shear"),
+        f"{SHEARS}::test_columns_that_are_never_struck",
+    ),
+    Mutant(
         "closing-between-groups",
         "a link between groups has no closing",
         ("= closings[link]", "= 0.0 * closings[link]"),
@@ -634,6 +657,12 @@ HISTORIES = [
         f"{UNIT}/solve/test_histories.py::test_the_output_step_need_not_divide_the_motions",
     ),
     Mutant(
+        "history-closing",
+        "histories: closings are those of the floors, also at columns",
+        "closing=None,",
+        f"{UNIT}/api/test_api_views.py::test_closings_at_columns_are_those_of_the_struck_point",
+    ),
+    Mutant(
         "history-storey-branch",
         "histories: a storey on its lower yield line is taken for one on the upper",
         ("b - first", "min(b - first, 1)"),
@@ -644,6 +673,18 @@ HISTORIES = [
         "histories: accelerations without the storeys' dashpots",
         ("+=", "+= 0.0 *"),
         f"{UNIT}/solve/test_histories.py::test_the_largest_values_are_the_peaks",
+    ),
+    Mutant(
+        "film-struck-point",
+        "films: a slab that strikes columns touches the floor above",
+        ("+ at * height", "+ height"),
+        f"{UNIT}/report/test_report_animation.py::test_a_slab_that_strikes_columns_touches_them",
+    ),
+    Mutant(
+        "inset-struck-point",
+        "insets: a slab that strikes columns touches the floor above",
+        ('row[f"{side}_at"] * ', ""),
+        f"{UNIT}/report/test_report_figures.py::test_storeys_of_several_heights_are_drawn_to_one_scale",
     ),
     Mutant(
         "film-gap",

@@ -133,6 +133,19 @@ def _damper(tag: int, law: LinkLaw) -> None:
         ops.uniaxialMaterial("ViscousDamper", tag, SERIES, law.force_at_1_m_s, law.exponent)
 
 
+def _contact(tag: int, law: LinkLaw, masses: tuple[float, float]) -> None:
+    """Contacts that are not Kelvin and Voigt's; `ImpactMaterial` is the bilinear one of Muthukumar and DesRoches."""
+    if law.name == "bilinear":
+        k1, k2 = law.stiffnesses
+        ops.uniaxialMaterial("ImpactMaterial", tag, k1, k2, -law.yield_closing, -law.gap)
+    elif law.name == "jankowski":
+        mass = masses[0] * masses[1] / sum(masses)
+        ops.uniaxialMaterial("JankowskiImpact", tag, law.hertz_stiffness, law.damping_ratio, mass, -law.gap)
+    else:
+        zeta = 0.0 if law.name == "hertz" else law.damping_factor
+        ops.uniaxialMaterial("Hertzdamp", tag, law.hertz_stiffness, zeta, -law.gap)
+
+
 def _links(scene: Scene, nodes: list[list[int]], first: int) -> list[int]:
     tags = []
     for e, link in enumerate(scene.links):
@@ -145,6 +158,11 @@ def _links(scene: Scene, nodes: list[list[int]], first: int) -> list[int]:
         )
         if link.kind in ("maxwell", "friction", "viscous"):
             _damper(tag, link.law)
+            ops.element("zeroLength", tag, *ends, "-mat", tag, "-dir", 1)
+            tags.append(tag)
+            continue
+        if link.kind in ("hertz", "hertz-damp", "jankowski", "bilinear"):
+            _contact(tag, link.law, masses)
             ops.element("zeroLength", tag, *ends, "-mat", tag, "-dir", 1)
             tags.append(tag)
             continue

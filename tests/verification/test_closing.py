@@ -108,6 +108,17 @@ def test_a_finer_run_only_where_the_first_does_not_tell(share, assessed, accurac
         assert (found.error_estimate > 0) == assessed
 
 
+def test_two_contacts_on_the_same_floors():
+    """Fails if the floors are watched once for each of the two, which is refused, or if one link gets no closing."""
+    two, motion = tuple(map(shear_building, (0.36, 0.60, 0.36))), shake(2.0)
+    left = Link(0, 3, 3, Pounding(0.5, 2e10, 0.2)), Link(0, 3, 3, Pounding(0.6, 3e10, 0.2))
+    scene = Scene(two, (*left, Link(1, 3, 3, Pounding(0.5, 2e10, 0.2))), motion, ELASTIC)
+    found, whole = by_groups(scene), solve(scene, ACCURACY, all_effects=True)
+    assert found.steps == 0
+    assert found.links.max_closing == pytest.approx(whole.links.max_closing, rel=ACCURACY)
+    assert found.links.max_closing[0] == found.links.max_closing[1] != found.links.max_closing[2]
+
+
 @pytest.mark.parametrize("storeys", [1, 2, 3])
 def test_linear_neighbours_by_exact_steps(storeys):
     """Links that never close leave a scene linear. Fails if the propagator gives them a spring, or tells of a force."""

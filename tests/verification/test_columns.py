@@ -92,8 +92,9 @@ def test_rows_with_points_are_solved_in_islands():
 def test_links_between_floors_are_named_for_where():
     """Fails if two links of the same floors have one name."""
     law = links("pounding", 0.002)[0].law
-    places = link_places((Link(0, 1, 1, law), Link(0, 1, 1, law, right_at=0.4)))
-    assert [name for *_, name in places] == ["", "1|0.4 of the storey height"]
+    ends = (1.0, 1.0), (1.0, 0.4), (1.0, 0.5), (0.5, 0.5)
+    places = link_places([Link(0, 1, 1, law, *end) for end in ends])
+    assert [name for *_, name in places] == ["", "right columns", "right columns 2", "left and right columns"]
 
 
 @pytest.mark.parametrize("at", [0.0, -0.1, 1.5, np.nan])

@@ -20,9 +20,9 @@ from pounding_cli.store import flagged_scenes
 QUANTITIES = {
     "storey": ("V_ratio", "mu_ratio", "V", "mu", "drift", "residual_drift"),
     "floor": ("acceleration_ratio", "acceleration", "displacement"),
-    "link": ("peak_force", "max_closing", "impacts"),
+    "link": ("peak_force", "max_closing", "impacts", "shear_demand"),
 }
-"""Quantities by the table that holds them."""
+"""Quantities by the table that holds them; those that it does not have are left out."""
 MOST_VALUES = 200_000
 """Numbers the page carries; of more, only the largest over the height, then only some points of the longest axis."""
 
@@ -40,11 +40,12 @@ def sweep_data(results: Tables, cases: Sequence[str]) -> dict[str, Any] | None:
     if not axes:
         return None
     frames = {level: _of_cases(getattr(results, level)(), cases) for level in QUANTITIES}
+    kept = {level: [key for key in keys if key in frames[level].columns] for level, keys in QUANTITIES.items()}
     places = {level: frame[_place(level)].drop_duplicates() for level, frame in frames.items()}
 
     def size(heights: bool, points: int) -> int:
         rows = {level: len(here if heights else here.iloc[:, :3].drop_duplicates()) for level, here in places.items()}
-        return 3 * points * sum(rows[level] * len(keys) for level, keys in QUANTITIES.items())
+        return 3 * points * sum(rows[level] * len(keys) for level, keys in kept.items())
 
     heights = size(True, _count(axes)) <= MOST_VALUES
     carried, thinned = list(axes), 1
@@ -55,7 +56,7 @@ def sweep_data(results: Tables, cases: Sequence[str]) -> dict[str, Any] | None:
     known = {"case": list(cases), "analysis": names(results.scene()["analysis"])}
     known |= {"building": names(frames["storey"]["building"]), "pair": names(_pairs(frames["link"]))}
     quantities: list[dict[str, Any]] = []
-    for level, keys in QUANTITIES.items():
+    for level, keys in kept.items():
         frame = frames[level].assign(point=point_numbers(frames[level], carried))
         frame = frame[frame["point"] >= 0]
         for key in keys:

@@ -103,6 +103,19 @@ def test_floors_of_a_link_at_different_numbers():
     assert history.closing.max() == pytest.approx(closing[0], rel=1e-3)
 
 
+@pytest.mark.parametrize("foundation", [None, {"inertia": "1000 t m2", "rocking_stiffness": "5e9 N m"}])
+def test_closings_at_columns_are_those_of_the_struck_point(foundation):
+    """A slab between two floors of its neighbour, also over a rocking base. Fails if the closing of the floors is told
+    in place of that of the point."""
+    low = pound.building("low", storeys=1, period=0.3)
+    keys = {"foundation": foundation} if foundation else {}
+    high = pound.building("high", storeys=2, period=0.6, height=["2 m", "2 m"], columns="20 %", **keys)
+    scene = pound.scene([low, high], pound.motion("elcentro", duration=3.0), gap="1 cm", analysis="elastic")
+    history = pound.history(scene, every="0.5 ms")
+    assert history.links == ("low|high floor 1|2, right columns",)
+    assert history.closing.max() == pytest.approx(pound.solve(scene).links.max_closing[0], rel=1e-3)
+
+
 def test_a_history_in_a_line_as_a_table_and_as_a_dataset(results):
     history = results.history(case="gap", analysis="elastic")
     assert repr(history) == "History(stiff, soft; 3 links; 3 s every 2 ms, 1501 times)"

@@ -98,7 +98,7 @@ def test_a_part_of_the_sweep(swept):
 def test_every_quantity_named_is_a_column_of_its_table(tmp_path):
     from pounding_cli.store import layout, results
 
-    columns = {*results._STOREY, *results._FLOOR, *results._LINK, *results._SCENE}
+    columns = {*results._STOREY, *results._FLOOR, *results._LINK, *results._SCENE, *layout.OF_COLUMNS}
     assert set(quantities()) <= columns
     assert set(quantities()) <= set(layout.VARIABLES)
 
@@ -106,6 +106,7 @@ def test_every_quantity_named_is_a_column_of_its_table(tmp_path):
 @pytest.mark.parametrize(
     ("choice", "message", "hint"),
     [
+        ({"quantity": "shear_demand"}, "no slab strikes columns", "`columns:`"),
         ({"quantity": "V_rato"}, "there is no quantity 'V_rato'", "V_ratio"),
         ({"quantity": "V_ratio", "case": "gip"}, "there is no case 'gip'", "touching, gap"),
         ({"quantity": "V_ratio", "storey": 9}, "there is no storey 9", "1, 2, 3, 4, 5"),

@@ -156,6 +156,16 @@ def test_every_column_is_covered(column):
     assert difference(first, first) == 0.0
 
 
+@pytest.mark.parametrize("column", ["shear_below", "shear_above"])
+def test_shears_of_struck_columns_are_covered(column):
+    """Fails if a finer run that differs in the shear of struck columns alone is said to agree."""
+    scene = linked()
+    struck = dataclasses.replace(scene.links[1], right_at=0.6, columns=0.2)
+    first = solve(dataclasses.replace(scene, links=(scene.links[0], struck)), ACCURACY)
+    new = dataclasses.replace(first.columns, **{column: getattr(first.columns, column) * (1 + 1e-4)})
+    assert difference(first, dataclasses.replace(first, columns=new)) == pytest.approx(1e-4, rel=1e-3)
+
+
 def off_by(errors: dict[float, float], asked: list[float]):
     """A solver whose first storey's drift at the end is wrong by `errors` of its peak, by the accuracy it is asked."""
     scene = linked()

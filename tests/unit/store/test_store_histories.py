@@ -11,6 +11,7 @@ import pytest
 from sealing import edited
 from study_plans import Axis, known, small_plan
 
+from pounding_cli.api import histories as api
 from pounding_cli.errors import InputError
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.store import open_results, write_results
@@ -28,7 +29,7 @@ def made_up(row, links=("stiff|soft floor 2", "stiff|soft floor 1")) -> History:
     return History(
         0.002 * np.arange(TIMES), *noise.normal(size=(2, TIMES)), *by_storey, *noise.normal(size=(2, TIMES, 2)),
         noise.normal(size=(TIMES, len(links))), {name: noise.normal(size=TIMES) for name in ENERGIES},
-        ("stiff", "soft"), tuple(links),
+        ("stiff", "soft"), tuple(links), noise.normal(size=(TIMES, len(links))),
     )  # fmt: skip
 
 
@@ -56,14 +57,29 @@ def test_a_history_comes_back_as_it_was(kept):
     expected = made_up(row)
     assert found.buildings == ("stiff", "soft")
     assert found.links == ("stiff|soft floor 1", "stiff|soft floor 2")
-    assert (found.link_force == expected.link_force[:, ::-1].astype(np.float32)).all()
+    of_links = [name for name, (dims, *_) in FIELDS.items() if "link" in dims]
+    for name in of_links:
+        assert (getattr(found, name) == getattr(expected, name)[:, ::-1].astype(np.float32)).all()
     assert (found.time == expected.time).all()
     for name in FIELDS:
-        if name != "link_force" and not name.startswith("energy"):
+        if name not in of_links and not name.startswith("energy"):
             ours = getattr(expected, name).astype(np.float32)
             assert np.array_equal(getattr(found, name), ours, equal_nan=True), name
     for name in ENERGIES:
         assert (found.energy[name] == expected.energy[name].astype(np.float32)).all()
+
+
+def test_a_file_of_before_tells_no_closings(tmp_path):
+    """They follow from the floors there. Fails if such a file is refused, or a left floor is taken for a right one."""
+    plan = small_plan()
+    row = next(r for r in plan.rows if r.case == "gap")
+    responses = {digest: known(scene) for digest, scene in plan.scenes.items()}
+    of_before = replace(made_up(row), closing=None)
+    write_results(tmp_path / "old.h5", replace(plan, kept=(row,)), responses, histories=[Kept(row, 0.002, of_before)])
+    found = open_results(tmp_path / "old.h5").history()
+    assert found.closing is None
+    floors = of_before.displacement[:, 0, :2] - of_before.displacement[:, 1, :2]
+    assert api.History.of(found).closing == pytest.approx(floors, rel=1e-6)
 
 
 def test_the_frame_says_which_are_kept(kept):

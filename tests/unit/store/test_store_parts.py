@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from study_plans import known, small_plan
 
+from pounding_cli.solve.response import ColumnResponse
 from pounding_cli.store import PartStore
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import decode, encode, parse
 
 ARRAYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
+COLUMNS = ("link", "shear_below", "shear_above", "demand")
 LINKS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 
 
@@ -45,6 +47,7 @@ def same(one, other) -> bool:
         )
         and all((a.sway, a.rocking) == (b.sway, b.rocking) for a, b in zip(one.buildings, other.buildings, strict=True))
         and all(getattr(one.links, n).astype(float).tobytes() == getattr(other.links, n).tobytes() for n in LINKS)
+        and all(getattr(one.columns, n).tobytes() == getattr(other.columns, n).tobytes() for n in COLUMNS)
     )
 
 
@@ -56,8 +59,11 @@ def odd(plan):
     )
     response.links.peak_force[0] = np.nextafter(1e6, 2e6)
     response.buildings[0].shear[1] = np.nan
+    columns = ColumnResponse(np.array([2]), np.array([1e5 / 3]), np.array([np.nextafter(2.0, 3.0)]), np.array([np.nan]))
     return replace(
-        response, buildings=(replace(response.buildings[0], sway=1 / 7, rocking=5e-324), *response.buildings[1:])
+        response,
+        columns=columns,
+        buildings=(replace(response.buildings[0], sway=1 / 7, rocking=5e-324), *response.buildings[1:]),
     )
 
 

@@ -114,3 +114,85 @@ def test_what_does_not_fit_is_refused(tmp_path, link, said):
     with pytest.raises(InputError) as refused:
         expand(study(tmp_path, link))
     assert said in str(refused.value)
+
+
+IMPACT = f"impact: {{{{law: LAW, restitution: 0.6, {K}, penetration: 2 mm}}}}\n"
+
+
+def struck(tmp_path, law: str, case: str = "link: pounding", more: str = ""):
+    """The links of a study whose impact element has a law."""
+    text = (STUDY + IMPACT.replace("LAW", law)).format(link=case) + more
+    (tmp_path / "study.yaml").write_text(text)
+    plan = expand(load_study(tmp_path / "study.yaml"))
+    return [scene.links for scene in plan.scenes.values() if scene.links]
+
+
+@pytest.mark.parametrize(
+    ("law", "expected"),
+    [
+        ("kelvin-voigt", "pounding"),
+        ("hertz", Hertz(0.01, 2e3 * 1000**1.5)),
+        ("jankowski", Jankowski(0.01, 2e3 * 1000**1.5, 0.6)),
+        ("bilinear", BilinearContact(0.01, 2e3 * 1000**1.5, 0.002, 0.6)),
+    ],
+)
+def test_the_law_of_the_impact_element_is_that_of_pounding(tmp_path, law, expected):
+    """And of no other link. Fails if a parameter under `impact` does not reach the law, or if an infill gets it."""
+    ((link,),) = struck(tmp_path, law)
+    assert link.law.words == expected.words if law != "kelvin-voigt" else link.law.name == expected
+    ((infill,),) = struck(tmp_path, law, "link: infill")
+    assert (infill.law.name, infill.law.law) == ("infill", "continuous")
+    ((one, other),) = struck(tmp_path, law, "link: [pounding, {link: damper, damping_coefficient: 1 MN s/m}]")
+    assert (one.law, other.law.name) == (link.law, "damper")
+
+
+def test_a_link_that_names_its_law_takes_what_stands_under_impact(tmp_path):
+    """What stands in the case is nearer."""
+    ((link,),) = struck(tmp_path, "kelvin-voigt", "link: jankowski")
+    assert link.law == Jankowski(0.01, 2e3 * 1000**1.5, 0.6)
+    ((link,),) = struck(tmp_path, "kelvin-voigt", "link: hertz, hertz_stiffness: 5 N/m^1.5")
+    assert link.law == Hertz(0.01, 5.0)
+
+
+def test_the_law_is_an_axis(tmp_path):
+    more = "sweep: {impact.law: [kelvin-voigt, hertz, hertz-damp, jankowski, bilinear]}\n"
+    names = [links[0].law.name for links in struck(tmp_path, "kelvin-voigt", more=more)]
+    assert names == ["pounding", "hertz", "hertz-damp", "jankowski", "bilinear"]
+
+
+def test_a_law_of_the_study_strikes(tmp_path):
+    spring = "force: k*v, parameters: {k: 1 kN/mm}"
+    more = f"laws: {{pad: {{{spring}}}, glue: {{{spring}, acts: always}}}}"
+    ((link,),) = struck(tmp_path, "pad", more=more)
+    assert (link.law.name, link.law.gap) == ("pad", 0.01)
+    with pytest.raises(InputError, match=r"'glue' is no law of contact\n.*jankowski, bilinear, pad"):
+        struck(tmp_path, "glue", more=more)
+
+
+@pytest.mark.parametrize(
+    ("law", "case", "said"),
+    [
+        ("pounding", "link: pounding", "write kelvin-voigt, hertz"),
+        ("infill", "link: pounding", "'infill' is no law of contact"),
+        (
+            "hertz",
+            "link: pounding, stiffness: 1 kN/mm",
+            "'stiffness' means nothing for link: pounding of the law hertz",
+        ),
+        (
+            "hertz",
+            "link: pounding, restitution: 0.4",
+            "'restitution' means nothing for link: pounding of the law hertz",
+        ),
+        ("[hertz]", "link: pounding", "law: a list is not known"),
+    ],
+)
+def test_what_is_no_law_of_contact_is_refused(tmp_path, law, case, said):
+    with pytest.raises(InputError, match=said):
+        struck(tmp_path, law, case)
+
+
+def test_a_missing_parameter_says_where_it_may_stand(tmp_path):
+    (tmp_path / "study.yaml").write_text(STUDY.format(link="link: pounding") + "impact: {law: hertz}\n")
+    with pytest.raises(InputError, match="a hertz needs it here or under `impact`: stiffness k_h"):
+        load_study(tmp_path / "study.yaml")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pounding_cli.study import load_study
-from pounding_cli.study.facing import unmet
+from pounding_cli.study.facing import left_out
 
 HEAD = "records: {use: [elcentro], duration: 5 s}\ncases: {touching: {link: pounding, gap: 0 cm}}\n"
 SEVEN = "A: {storeys: 7, period: 0.6 s, height: 3 m}"
@@ -54,7 +54,7 @@ def test_a_height_of_the_sweep_is_looked_at_too(tmp_path):
 @pytest.mark.parametrize(
     ("left", "right", "expected"), [(3.0, 3.0, ([], [])), (3.0, 4.0, ([1, 2, 3, 5, 6], [1, 2, 4]))]
 )
-def test_unmet_floors_by_hand(left, right, expected):
+def test_floors_that_are_left_out_by_hand(left, right, expected):
     import numpy as np
 
     from pounding_cli.model.building import Building
@@ -63,11 +63,4 @@ def test_unmet_floors_by_hand(left, right, expected):
         ones = np.ones(storeys)
         return Building("x", ones, height * ones, ones, ones, 0.05 * ones, 0.0, 0.0)
 
-    one, other = of(left, 6), of(right, 5)
-    common = [
-        (i, j)
-        for i, at in enumerate(one.elevation, 1)
-        for j, beside in enumerate(other.elevation, 1)
-        if abs(at - beside) < 1e-6
-    ]
-    assert unmet(one, other, common) == expected
+    assert left_out(of(left, 6), of(right, 5)) == expected

@@ -42,6 +42,7 @@ class Result:
     displacement: np.ndarray
     velocity: np.ndarray
     energy: dict[str, float]
+    columns: np.ndarray
     changes: list[tuple[float, tuple]] = field(default_factory=list)
 
 
@@ -111,7 +112,26 @@ class _Run:
         total = self.acceleration(q, rate, a_g)[self.floors] + a_g
         u = q[self.floors]
         shear = self.laws.shears(drift, self.b)
-        return np.vstack((np.abs(shear), np.abs(drift), np.abs(total), u, -u, np.abs(force), closing))
+        struck = np.abs(self.columns(shear, force)).reshape(-1, shear.shape[1])
+        return np.vstack((np.abs(shear), np.abs(drift), np.abs(total), u, -u, np.abs(force), closing, struck))
+
+    def columns(self, shear: np.ndarray, force: np.ndarray) -> list[np.ndarray]:
+        """Shear below and above every blow on columns whose share of the storey is given: cuts through a beam clamped
+        at both ends, with the reactions b^2 (3a + b) / L^3 and a^2 (3b + a) / L^3 to a unit force [N]."""
+        struck = [(e, *_columns(self.scene, link)) for e, link in enumerate(self.scene.links) if link.columns]
+        found = []
+        for e, building, storey, side, a in struck:
+            before = sum(b.storeys for b in self.scene.buildings[:building])
+            length = self.scene.buildings[building].height[storey - 1]
+            for nudge in (-1e-9, 1e-9):
+                cut = self.scene.links[e].columns * shear[before + storey - 1]
+                for other, *place, at in struck:
+                    if place == [building, storey, side]:
+                        b = length - at
+                        below, above = b**2 * (3 * at + b) / length**3, at**2 * (3 * b + at) / length**3
+                        cut = cut + side * force[other] * (below if at > a + nudge * length else -above)
+                found.append(cut)
+        return found
 
     def gather(self, begin: float, t0: float, t1: float, y: np.ndarray, dense) -> None:
         """Raise the peaks by what happens between t0 and t1 after `begin`; `y` holds the states at both ends."""
@@ -209,14 +229,24 @@ class _Run:
         q, rate = self.split(self.y)
         assert self.peak is not None
         s, n, m = c.stiffness.size, floors.size, self.links
-        parts = np.split(self.peak, np.cumsum([s, s, n, n, n, m]))
+        parts = np.split(self.peak, np.cumsum([s, s, n, n, n, m, m]))
         work = dict(zip(("input", "damping", "storeys", "links"), self.y[-4:], strict=True))
         return Result(
             parts[0], parts[1], parts[2], parts[3], -parts[4], parts[5], parts[6],
             self.y[2 * self.n : 2 * self.n + m].copy(), self.contact_time, self.impacts, c.drift @ q,
             q[floors], rate[floors], work | {"kinetic": float(c.mass @ rate**2 / 2), "springs": float(q @
-            c.springs @ q / 2)}, self.changes,
+            c.springs @ q / 2)}, parts[7], self.changes,
         )  # fmt: skip
+
+
+def _columns(scene: Scene, link) -> tuple[int, int, int, float]:
+    """Building and storey of the columns that a link ends on, the way that its force pushes them (1: to the right), and
+    the height of the blow above the floor below [m]."""
+    if link.right_at < 1.0:
+        place, storey, side, at = link.left + 1, link.right_floor, 1, link.right_at
+    else:
+        place, storey, side, at = link.left, link.left_floor, -1, link.left_at
+    return place, storey, side, at * float(scene.buildings[place].height[storey - 1])
 
 
 def integrate(scene: Scene, initial=None, rtol: float = 1e-11, per_radian: float = 0.25) -> Result:

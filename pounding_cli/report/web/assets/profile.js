@@ -3,7 +3,7 @@
 const QUANTITIES = {
   storey: ['V_ratio', 'V', 'mu_ratio', 'mu', 'drift', 'residual_drift'],
   floor: ['acceleration_ratio', 'acceleration', 'displacement'],
-  link: ['peak_force', 'impacts', 'max_closing', 'impulse', 'contact_time'],
+  link: ['peak_force', 'impacts', 'max_closing', 'impulse', 'contact_time', 'shear_demand', 'shear_below', 'shear_above'],
 };
 const MEAN = '*mean*';
 const ALONE = { V: 'V0', mu: 'mu0', drift: 'drift0', acceleration: 'acceleration0' };
