@@ -111,6 +111,18 @@ _LIST = (
         sampled=True,
     ),
     Workflow(
+        "optimise",
+        "What is best?",
+        shows=("optimise", "optimise_points"),
+        schema="pounding_cli.study.optimise_keys:OptimiseSpec",
+        expand="pounding_cli.study.optimise:expand_optimise",
+        refine="pounding_cli.store.optimise:refine_optimise",
+        tables="pounding_cli.store.optimise:optimise_tables",
+        page="pounding_cli.report.optimise:optimise_page",
+        cite="pounding_cli.report.optimise:cite_optimise",
+        sampled=True,
+    ),
+    Workflow(
         "connector",
         "Two connected oscillators in closed form (Figs 4 and 5).",
         ("first", "second", "connector", "frequencies"),

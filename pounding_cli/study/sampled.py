@@ -30,7 +30,7 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray) -> St
     nodes = tuple(tuple(factor.node(u) for factor, u in zip(factors, row, strict=True)) for row in points.tolist())
     axis = SweepAxis(names, nodes, tuple(factor.unit for factor in factors))
     try:
-        found = validated(study.path, study.text, study.resolver.root, axis)
+        found = validated(study.path, study.text, study.resolver.root, axis, study.resolver.reader)
     except InputError as error:
         raise _few(error, len(points)) from None
     return dataclasses.replace(found, warnings=study.warnings, from_data=study.from_data, written=study)

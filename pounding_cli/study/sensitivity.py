@@ -135,7 +135,7 @@ def expand_sensitivity(study: Study) -> Plan:
         plan = expand(sampled)
     else:
         wanted = set(zip(question.place.tolist(), (question.motions[n] for n in record), strict=True))
-        plan = expand(sampled, asks=lambda point, name: (point[-1], name) in wanted)
+        plan = expand(sampled, asks=lambda point, _case, _analysis, name: (point[-1], name) in wanted)
     return dataclasses.replace(plan, workflow="sensitivity", harder=True)
 
 

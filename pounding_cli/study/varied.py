@@ -10,10 +10,18 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.numbers import Unit
-from pounding_cli.study.distributions import EXAMPLES, NEEDED, DistributionReader, lacks_unit
+from pounding_cli.study.distributions import (
+    EXAMPLES,
+    NEEDED,
+    RANGE,
+    Distribution,
+    DistributionReader,
+    lacks_unit,
+    share_of,
+)
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.ranges import number_node
-from pounding_cli.study.rules import StiffnessRule
+from pounding_cli.study.rules import StiffnessRule, read_stiffness
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Mark, Node
 from pounding_cli.study.sweep import is_sweepable
@@ -38,6 +46,8 @@ class Factor:
     number : (u, shape (n,)) -> values in SI, the multiple of a storey's stiffness, or the number of the option
     node : u -> what stands in the study
     labels : of the options
+    spacing : of a range, linear or log
+    place : a node of the file -> its u; None where it lies outside a range or among no options, and of a distribution
     """
 
     key: str
@@ -47,6 +57,8 @@ class Factor:
     number: Callable[[np.ndarray], np.ndarray]
     node: Callable[[float], Node]
     labels: tuple[str, ...] = ()
+    place: Callable[[Node], float | None] = lambda node: None
+    spacing: str = ""
 
 
 def choice_of(u: np.ndarray, options: int) -> np.ndarray:
@@ -73,12 +85,12 @@ def read_uncertain(node: Node, root: Node, problems: Problems) -> list[Factor]:
 def read_searched(section: str, node: Node, root: Node, problems: Problems) -> list[Factor]:
     """Keys that are searched over a range, or chosen: {from: 1, to: 5}, {choice: [1, 2]}; wrong ones are noted."""
     found = []
-    for key, mark, value in _keys(section, node, root, problems, "{from: 0.3, to: 0.6}"):
+    for key, mark, value in _keys(section, node, root, problems, RANGE):
         if not is_sweepable(key, mark, root, problems, "the key"):
             continue
-        if value.get(CHOICE) is None:  # a range is what a uniform distribution is drawn from
+        if not value.is_mapping or CHOICE not in value.value:  # a range is what a uniform distribution is drawn from
             value = Node({"uniform": value}, value.mark, value.text, {"uniform": value.mark})
-        found += _factor(key, mark, value, problems)
+        found += _factor(key, mark, value, problems, is_range=True)
     return found
 
 
@@ -109,11 +121,13 @@ def _motion(mark: Mark, node: Node) -> Factor:
     return Factor(MOTION, mark, 0, Unit(), lambda u: u, lambda u: node)
 
 
-def _factor(key: str, mark: Mark, node: Node, problems: Problems) -> list[Factor]:
+def _factor(key: str, mark: Mark, node: Node, problems: Problems, is_range: bool = False) -> list[Factor]:
     names = list(node.value) if node.is_mapping else []
     if len(names) != 1:
         what = "has more than one distribution" if names else "has no distribution"
         hint = f"write one of {', '.join(DISTRIBUTIONS)}, e.g. `{key}: {EXAMPLES['uniform']}`"
+        if is_range:
+            what, hint = "has more than its choice", f"write `{key}: {EXAMPLES[CHOICE]}` or `{key}: {RANGE}`"
         problems.add(node.mark, f"'{key}' {what}", hint)
         return []
     name, below = names[0], node.value[names[0]]
@@ -123,9 +137,15 @@ def _factor(key: str, mark: Mark, node: Node, problems: Problems) -> list[Factor
     quantity = quantity_of(StudyModel, key.split("."))
     if name == CHOICE:
         return _choice(key, mark, below, quantity, problems)
-    found = DistributionReader(key, quantity, problems).read(name, below)
+    found = DistributionReader(key, quantity, problems, is_range).read(name, below)
     if found is None:
         return []
+
+    spacing = ("log" if found.is_log else "linear") if is_range else ""
+
+    def place(written: Node) -> float | None:
+        return _place(found, quantity, written) if is_range else None
+
     if found.rule is not None:
         of, storey = found.rule.building, f"x {found.rule.which} storey"
         which = found.rule.which
@@ -134,9 +154,29 @@ def _factor(key: str, mark: Mark, node: Node, problems: Problems) -> list[Factor
             text = str(StiffnessRule(float(found(u)), which, of))
             return Node(text, mark, text)
 
-        return [Factor(key, mark, 0, Unit(f"{storey} of {of}" if of else storey), found, multiple)]
+        return [Factor(key, mark, 0, Unit(f"{storey} of {of}" if of else storey), found, multiple, (), place, spacing)]
     unit = unit_of(StudyModel, key.split("."), list(below.value.values()))
-    return [Factor(key, mark, 0, unit, found, lambda u: number_node(unit.number(float(found(u))), unit.name, mark))]
+
+    def number(u: float) -> Node:
+        return number_node(unit.number(float(found(u))), unit.name, mark)
+
+    return [Factor(key, mark, 0, unit, found, number, (), place, spacing)]
+
+
+def _place(found: Distribution, quantity: Quantity | None, written: Node) -> float | None:
+    """The u of what the file says, where that lies in the range."""
+    try:
+        if found.rule is None:
+            value = quantity.read(written.plain()) if quantity is not None else None
+        else:
+            rule = read_stiffness(written.value)
+            is_same = isinstance(rule, StiffnessRule) and (rule.which, rule.building) == (
+                found.rule.which, found.rule.building,
+            )  # fmt: skip
+            value = rule.factor if is_same else None  # type: ignore[union-attr]
+    except PydanticCustomError:
+        return None
+    return share_of(found, float(value)) if isinstance(value, int | float) else None
 
 
 def _choice(key: str, mark: Mark, node: Node, quantity: Quantity | None, problems: Problems) -> list[Factor]:
@@ -158,10 +198,16 @@ def _choice(key: str, mark: Mark, node: Node, quantity: Quantity | None, problem
         seen[same] = option.text
     unit = unit_of(StudyModel, key.split("."), options)
     count, labels = len(options), tuple(option.text or str(option.plain()) for option in options)
+    numbers = {same: number for number, same in enumerate(seen)}
+
+    def place(written: Node) -> float | None:
+        same = _same(written, quantity)
+        return (numbers[same] + 0.5) / count if same in numbers else None
+
     return [
         Factor(
             key, mark, count, unit, lambda u: choice_of(u, count).astype(float),
-            lambda u: options[int(choice_of(np.asarray(u), count))], labels,
+            lambda u: options[int(choice_of(np.asarray(u), count))], labels, place,
         )
     ]  # fmt: skip
 
