@@ -11,7 +11,7 @@ from pounding_cli.kernels.hermite import cubic, quintic
 from pounding_cli.kernels.law_table import branch
 from pounding_cli.kernels.layout import INLINE
 from pounding_cli.kernels.link_force import branch_at, held_force_rate
-from pounding_cli.kernels.polynomial import highest
+from pounding_cli.kernels.polynomial import ABSOLUTE, SIGNED, highest
 from pounding_cli.kernels.simd import short_array
 from pounding_cli.kernels.storey_law import follow, shear_on
 from pounding_cli.laws.program import MEMORIES
@@ -44,11 +44,11 @@ def raise_displacements(slots, peaks, scratch, h, u0, v0, a0, u1, v1, a1):
         if v0[i] * v1[i] < 0.0:
             quintic(scratch, h, u0[i], v0[i], a0[i], u1[i], v1[i], a1[i])
             if v0[i] > 0.0:
-                peaks.displacement_max[i] = highest(scratch, 5, 1.0, peaks.displacement_max[i], False)
+                peaks.displacement_max[i] = highest(scratch, 5, 1.0, peaks.displacement_max[i], SIGNED)
             else:
                 for k in range(6):
                     scratch[k] = -scratch[k]
-                peaks.displacement_min[i] = -highest(scratch, 5, 1.0, -peaks.displacement_min[i], False)
+                peaks.displacement_min[i] = -highest(scratch, 5, 1.0, -peaks.displacement_min[i], SIGNED)
 
 
 @njit(**INLINE)
@@ -77,7 +77,7 @@ def raise_drift(slots, peaks, i, h, d0, r0, q0, d1, r1, q1, state, storeys, loca
     side = 1.0 if r0 > 0.0 else -1.0
     for k in range(6):
         scratch[k] *= side
-    top = side * highest(scratch, 5, 1.0, max(side * d0, side * d1), False)
+    top = side * highest(scratch, 5, 1.0, max(side * d0, side * d1), SIGNED)
     peaks.drift[i] = max(peaks.drift[i], abs(top))
     peaks.shear[i] = max(peaks.shear[i], abs(restoring(slots, state, storeys, i, top, located)))
 
@@ -93,7 +93,7 @@ def raise_links(elements, links, state, peaks, scratch, h, u0, v0, a0, u1, v1, a
                       deformation(elements, element, a1))  # fmt: skip
         if r0 > 0.0 and r1 < 0.0:
             quintic(scratch, h, d0, r0, q0, d1, r1, q1)
-            peaks.closing[e] = highest(scratch, 5, 1.0, peaks.closing[e], False)
+            peaks.closing[e] = highest(scratch, 5, 1.0, peaks.closing[e], SIGNED)
         c0 = d0 - links.offset[e]
         c1 = d1 - links.offset[e]
         if located:
@@ -115,4 +115,4 @@ def raise_links(elements, links, state, peaks, scratch, h, u0, v0, a0, u1, v1, a
         peaks.impulse[e] += 0.5 * h * (force0[e] + force1[e]) + h * h / 12.0 * (g0 - g1)
         if max(abs(force0[e]), abs(force1[e])) + h * (abs(g0) + abs(g1)) > peaks.force[e]:
             cubic(scratch, h, force0[e], g0, force1[e], g1)
-            peaks.force[e] = highest(scratch, 3, 1.0, peaks.force[e], True)
+            peaks.force[e] = highest(scratch, 3, 1.0, peaks.force[e], ABSOLUTE)

@@ -3,7 +3,9 @@ stands at constant distances from one pointer.
 
 A compiler keeps a dozen pointers in registers, not a hundred: with an array for every quantity, moving the pointers
 cost more than the arithmetic. Field f of the eight slots from b on begins at `at(b, f)`; that of slot i alone is at
-`of(i, f)`."""
+`of(i, f)`.
+
+Fields are numbered by `np.arange`: what takes a plain int numba compiles once for each number."""
 
 from __future__ import annotations
 
@@ -25,13 +27,13 @@ from pounding_cli.laws.program import MEMORIES
 (
     COUPLE, COUPLE_RIGHT, STIFFNESS, DASHPOT, INVERSE_MASS, MASS, ALPHA, LOADED, STENCIL_U, STENCIL_U_BELOW,
     STENCIL_U_ABOVE, STENCIL_V, STENCIL_V_BELOW, STENCIL_V_ABOVE, OFFSET_ACCELERATION, TANGENT, OFFSET,
-    DRIFT_LOW, DRIFT_HIGH, TURNS, LOST, LOST_SLOPE, STOREY_MEMORY, _, _, _, _, _, SCALE, PEAK_DRIFT, PEAK_SHEAR,
-    PEAK_ACCELERATION, MAX_DISPLACEMENT, MIN_DISPLACEMENT, INPUT_ENERGY, DASHPOT_ENERGY, DRAG_ENERGY,
-    HYSTERESIS_ENERGY, SPRING_FORCE,
+    DRIFT_LOW, DRIFT_HIGH, TURNS, LOST, LOST_SLOPE, STOREY_MEMORY, _, _, _, _, _, _, _, _, _, _, _, _, _, SCALE,
+    PEAK_DRIFT, PEAK_SHEAR, PEAK_ACCELERATION, MAX_DISPLACEMENT, MIN_DISPLACEMENT, INPUT_ENERGY, DASHPOT_ENERGY,
+    DRAG_ENERGY, HYSTERESIS_ENERGY, SPRING_FORCE,
     EVENT_ROOT, TERM_TOLERANCE, V1, DRIFT0, DRIFT1, DRIFT_RATE0, DRIFT_RATE1, TOTAL_ACCELERATION0, TOTAL_ACCELERATION1,
     V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION, GEOMETRIC,
-) = range(0, 8 * 53, 8)  # fmt: skip
-_SLOT_FIELDS = 53  # an odd number of cache lines spreads them over the cache
+) = np.arange(0, 8 * 61, 8)  # fmt: skip
+_SLOT_FIELDS = 61  # an odd number of cache lines spreads them over the cache
 SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, SPRING_FORCE  # fault: island-slots-restored
 """The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
@@ -42,24 +44,24 @@ SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, SPRING_FORCE  # fault: isl
     LINK_OFFSET, LAW_LINEAR, LAW_CUBIC, LAW_OFFSET, LAW_DASHPOT, LAW_ROOT, ACTS, CLOSED, LOW, HIGH, PINNED_CLOSING,
     MEMORY, EVENTS_AT_INSTANT, PEAK_CLOSING, PEAK_FORCE, IMPULSE, CONTACT_TIME, WORK, UNDECIDED, CLOSING, LARGEST_TERM,
     DASHPOT_NOW, HALF_INVERSE_ROOT,
-) = range(0, 8 * 23, 8)  # fmt: skip
+) = np.arange(0, 8 * 23, 8)  # fmt: skip
 _LINK_FIELDS = 23  # an odd number again
 LINK_CHECKPOINT, LINK_CHECKPOINT_END = LAW_LINEAR, CLOSING
 """Likewise."""
 
 # A link in integers: its slots; what a step leaves to the next: branch, what the last event pinned, impacts.
-LEFT_SLOT, RIGHT_SLOT, BRANCH, PINNED_AT_EVENT, IMPACTS = range(0, 8 * 5, 8)
+LEFT_SLOT, RIGHT_SLOT, BRANCH, PINNED_AT_EVENT, IMPACTS = np.arange(0, 8 * 5, 8)
 LINK_INTEGERS = 5  # integers a link
 LINK_INTEGER_CHECKPOINT, LINK_INTEGER_CHECKPOINT_END = BRANCH, 8 * LINK_INTEGERS  # fault: island-links-restored
 """Likewise."""
 
 # The series of a link, by order: closing [m], its rate [m/s], force [N]; the infill's v^2 and sqrt(s_cur).
-CLOSING_TERM, RATE_TERM, FORCE_TERM, SQUARE_TERM, ROOT_TERM = range(0, 8 * 5, 8)
+CLOSING_TERM, RATE_TERM, FORCE_TERM, SQUARE_TERM, ROOT_TERM = np.arange(0, 8 * 5, 8)
 _TERM_FIELDS = 5
 
 # A storey in integers, a row of all of them each: its branch; the guard that it stands at exactly and at rest, 0 for
 # none; the guard it meets in this step; its events at this instant.
-STOREY_BRANCH, STOREY_PINNED, STOREY_GUARD, STOREY_EVENTS = range(4)
+STOREY_BRANCH, STOREY_PINNED, STOREY_GUARD, STOREY_EVENTS = np.arange(4)
 STOREY_INTEGERS = 4
 STOREY_INTEGER_CHECKPOINT = STOREY_GUARD
 """The integers of a checkpoint are those before it."""

@@ -11,6 +11,7 @@ from pounding_cli.kernels.cells import of, of_link, of_term
 from pounding_cli.kernels.clock import ORDER, H
 from pounding_cli.kernels.layout import CALLED, INLINE, PART
 from pounding_cli.kernels.peaks import largest
+from pounding_cli.kernels.polynomial import ABSOLUTE
 from pounding_cli.kernels.program_events import drift_terms
 from pounding_cli.kernels.program_series import force_register
 from pounding_cli.kernels.simd import no_inline
@@ -28,7 +29,7 @@ def _pushes(run, e):
 def _raise(run, terms, n, order):
     """The peak of shear n by the polynomial in `scratch`."""
     peak = of(terms.shear_slot[n], c.PEAK_SHEAR)
-    run.slots[peak] = largest(run, order, run.slots[peak], True)
+    run.slots[peak] = largest(run, order, run.slots[peak], ABSOLUTE)
 
 
 @njit(**CALLED)

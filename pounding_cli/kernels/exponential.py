@@ -11,7 +11,7 @@ import functools
 from numba import njit
 
 from pounding_cli.kernels.layout import INLINE, OPTIONS
-from pounding_cli.kernels.polynomial import highest
+from pounding_cli.kernels.polynomial import SIGNED, highest
 from pounding_cli.kernels.simd import (
     further,
     fused,
@@ -47,7 +47,7 @@ def peak_within_step(powers, m, orders, total, z, c, side, best):
         for j in range(total):
             size += term[j] * z[j]
         c[k] = side * size
-    return highest(c, orders - 1, 1.0, best, False)
+    return highest(c, orders - 1, 1.0, best, SIGNED)
 
 
 @njit(**INLINE)

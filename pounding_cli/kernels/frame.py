@@ -11,6 +11,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import models, overload_attribute, register_model
 
+from pounding_cli.kernels import pipelines
 from pounding_cli.kernels.layout import PART
 from pounding_cli.kernels.simd import instruction
 
@@ -28,8 +29,9 @@ class Frame(types.Type):
         self.fields = fields
         self.places = {field: place for place, field in enumerate(fields)}
         self.movable = movable
-        for field in fields:
-            _readable(self, field)
+        if not pipelines.QUICK:
+            for field in fields:
+                _readable(self, field)
 
 
 @register_model(Frame)
@@ -38,25 +40,34 @@ class _FrameModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, _WORD.as_pointer())
 
 
-def _readable(frame: Frame, field: str) -> None:
-    """Teach numba `frame.field`."""
+def _read(context, builder, frame, place, field):
+    """Emit `frame.field`."""
     kind = frame.fields[field]
+    word = builder.load(builder.gep(place, [_WORD(frame.places[field])]))
+    if field not in frame.movable:
+        word.set_metadata("invariant.load", builder.module.add_metadata([]))
+    if isinstance(kind, types.CPointer):
+        return builder.inttoptr(word, context.get_value_type(kind))
+    return builder.bitcast(word, ir.DoubleType()) if kind == types.float64 else word
+
+
+def _readable(frame: Frame, field: str) -> None:
+    """Teach numba one field by a function of its own."""
 
     @instruction
     def read(typingctx, place):
         def codegen(context, builder, signature, args):
-            word = builder.load(builder.gep(args[0], [_WORD(frame.places[field])]))
-            if field not in frame.movable:
-                word.set_metadata("invariant.load", builder.module.add_metadata([]))
-            if isinstance(kind, types.CPointer):
-                return builder.inttoptr(word, context.get_value_type(kind))
-            return builder.bitcast(word, ir.DoubleType()) if kind == types.float64 else word
+            return _read(context, builder, frame, args[0], field)
 
-        return kind(place), codegen
+        return frame.fields[field](place), codegen
 
     @overload_attribute(frame, field, jit_options=PART)
     def attribute(place):
         return lambda place: read(place)
+
+
+if pipelines.QUICK:
+    pipelines.teach_fields(Frame, _read)
 
 
 def _as_word(context, builder, value, given, wanted):

@@ -10,7 +10,7 @@ from pounding_cli.kernels.clock import END, GROUND, GROUND_CHANGE, INVERSE_H, OR
 from pounding_cli.kernels.from_rest import count_from_rest
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import closed_lanes, closing_at_end, left_minus_right
-from pounding_cli.kernels.polynomial import highest, value
+from pounding_cli.kernels.polynomial import ABSOLUTE, SIGNED, highest, value
 from pounding_cli.kernels.simd import (
     fused,
     greater,
@@ -58,7 +58,7 @@ def _drift_peak(run, i, factor, offset, best):
     order = run.tally[ORDER]
     drift_series(run, run.clock[H], i, order, factor)
     run.scratch[0] += offset
-    return highest(run.scratch, order, run.clock[END], best, True)
+    return highest(run.scratch, order, run.clock[END], best, ABSOLUTE)
 
 
 @njit(**PART)
@@ -87,7 +87,8 @@ def _shear_peaks(run):
         offset = load(slots, at(b, c.OFFSET))
         first = magnitude(fused(tangent, load(slots, at(b, c.DRIFT0)), offset))
         reach = maximum(first, magnitude(fused(tangent, load(slots, at(b, c.DRIFT1)), offset)))
-        suspects = greater(fused(tangent, load(slots, at(b, c.DRIFT_CHORD_DEVIATION)), reach), peak)
+        deviation = load(slots, at(b, c.DRIFT_CHORD_DEVIATION))
+        suspects = greater(fused(magnitude(tangent), deviation, reach), peak)
         if suspects != 0:
             store(slots, at(b, c.PEAK_SHEAR), maximum(peak, reach))
             suspects &= drift_may_turn(slots, b)
@@ -107,7 +108,7 @@ def _displacement_peak(run, i, sign, best):
     run.scratch[0] = sign * run.W[i - run.padded]
     for k in range(1, order + 1):
         run.scratch[k] = step * run.reciprocal[k] * run.W[(k - 1) * run.padded + i]
-    return highest(run.scratch, order, run.clock[END], best, False)
+    return highest(run.scratch, order, run.clock[END], best, SIGNED)
 
 
 @njit(**PART)
@@ -153,7 +154,7 @@ def _acceleration_peak(run, i, best):
         number += per_h
     run.scratch[0] += run.clock[GROUND]
     run.scratch[1] += run.clock[GROUND_CHANGE]
-    return highest(run.scratch, order - 1, run.clock[END], best, True)
+    return highest(run.scratch, order - 1, run.clock[END], best, ABSOLUTE)
 
 
 @njit(**PART)
@@ -212,7 +213,7 @@ def _closing_peak(run, e, best):
     for k in range(1, order + 1):
         row = (k - 1) * run.padded
         run.scratch[k] = h * run.reciprocal[k] * (run.W[row + left] - run.W[row + right])
-    return highest(run.scratch, order, run.clock[END], best, False)
+    return highest(run.scratch, order, run.clock[END], best, SIGNED)
 
 
 @njit(**CALLED)
@@ -223,7 +224,7 @@ def _force_peak(run, e, best):
     end = run.clock[END]
     for k in range(order):
         run.scratch[k] = run.series[of_term(run, k, e, c.FORCE_TERM)]
-    return highest(run.scratch, order - 1, end, best, True)
+    return highest(run.scratch, order - 1, end, best, ABSOLUTE)
 
 
 @njit(**PART)

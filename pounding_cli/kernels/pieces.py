@@ -7,14 +7,16 @@ kernel; the kernel is optimised as a whole, once. That halves the wait of a firs
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from numba import _dynfunc
+from numba import _dynfunc, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager
 from numba.core.typed_passes import AnnotateTypes, DumpParforDiagnostics, InlineOverloads, NopythonRewrites
+from numba.core.typing.templates import AttributeTemplate
 from numba.core.untyped_passes import (
     FindLiterallyCalls,
     InlineClosureLikes,
@@ -25,6 +27,7 @@ from numba.core.untyped_passes import (
     RewriteDynamicRaises,
     WithLifting,
 )
+from numba.extending import infer_getattr, lower_getattr_generic
 
 _IDLE = {
     AnnotateTypes, DumpParforDiagnostics, FindLiterallyCalls, InlineClosureLikes, InlineInlinables, InlineOverloads,
@@ -35,6 +38,22 @@ _IDLE = {
 
 _REFUSAL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
 """What Python finds where a piece's entry should be: it raises TypeError."""
+
+
+def teach_fields(kind: type[types.Type], read: Callable[..., Any]) -> None:
+    """Teach numba the fields of all frames at once; with `overload_attribute` each is a function to compile.
+
+    read : (context, builder, type, value, name of a field), emits the code that reads it
+    """
+
+    @infer_getattr
+    class Fields(AttributeTemplate):
+        key = kind
+
+        def generic_resolve(self, frame: Any, field: str) -> Any:
+            return frame.fields.get(field)
+
+    lower_getattr_generic(kind)(read)
 
 
 class _Unfinished(JITCodeLibrary):
@@ -48,21 +67,53 @@ class _Unfinished(JITCodeLibrary):
         self._final_module.link_in(ll_module)
 
     def finalize(self) -> None:
-        """Take in what the piece calls; whoever links the piece links that with it, each function once."""
-        for function in self._final_module.functions:
-            if self.inlined and not function.is_declaration:
-                function.add_function_attribute("alwaysinline")
-        for library in dict.fromkeys(self._linking_libraries):
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        """Leave the piece as it is; whoever compiles the kernel links it with all that it calls."""
         for function in self._final_module.functions:
             if not function.is_declaration:
                 function.linkage = "linkonce_odr"
-        self._shared_module = self._final_module
+                if self.inlined:
+                    function.add_function_attribute("alwaysinline")
         self._finalized = True
+
+    def with_called(self) -> list[Any]:
+        """The piece and all that it calls, each once."""
+        found: dict[Any, None] = {}
+        waiting: list[Any] = [self]
+        while waiting:
+            library = waiting.pop()
+            if library not in found:
+                found[library] = None
+                if isinstance(library, _Unfinished):
+                    waiting += library._linking_libraries
+        return list(found)
+
+    def link_into(self, module: Any, done: set[Any]) -> None:
+        """Link the piece and all that it calls into a module, but what is done."""
+        for library in self.with_called():
+            if library not in done:
+                done.add(library)
+                piece = isinstance(library, _Unfinished)
+                module.link_in(library._final_module if piece else library._get_module_for_linking(), preserve=True)
+
+    def _get_module_for_linking(self) -> Any:
+        """For a caller that is no kernel of ours: with all that the piece calls."""
+        if self._shared_module is None:
+            self._shared_module = self._final_module.clone()
+            self.link_into(self._shared_module, {self})
+        return self._shared_module
 
 
 class _Kernel(JITCodeLibrary):
     """A kernel with all its pieces."""
+
+    def finalize(self) -> None:
+        """Take in every piece once, whoever calls it."""
+        done: set[Any] = set()
+        for library in self._linking_libraries:
+            if isinstance(library, _Unfinished):
+                library.link_into(self._final_module, done)
+        self._linking_libraries = [each for each in self._linking_libraries if each not in done]
+        super().finalize()
 
     def _optimize_final_module(self) -> None:
         """Each function by itself before they are inlined into one another, and all once more after that: both make

@@ -25,6 +25,7 @@ PIECE: dict[str, Any] = {}
 """Option of `numba.njit` for what is called from kernels only."""
 
 if QUICK:
-    from pounding_cli.kernels.pieces import KernelCompiler, PieceCompiler
+    from pounding_cli.kernels.pieces import KernelCompiler, PieceCompiler, teach_fields
 
+    __all__ = ["KERNEL", "PIECE", "teach_fields"]
     KERNEL, PIECE = {"pipeline_class": KernelCompiler}, {"pipeline_class": PieceCompiler}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from pounding_cli.kernels.layout import CALLED
@@ -171,6 +172,10 @@ def _turn(c, n, low, high, slope_low, slope_high):
         if moved < 1e-6:  # the next step would move by about 1e-12, the value by its square
             break
     return value(c, n, s)
+
+
+SIGNED, ABSOLUTE = np.bool_(False), np.bool_(True)
+"""Whether the largest p is looked for, or the largest |p|. A plain False or True numba would compile one by one."""
 
 
 @njit(**CALLED)

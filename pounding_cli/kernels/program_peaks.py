@@ -12,7 +12,7 @@ from pounding_cli.kernels.from_rest import count_from_rest
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.ledger import MAX_POINTS, SHARES
 from pounding_cli.kernels.peaks import largest
-from pounding_cli.kernels.polynomial import value
+from pounding_cli.kernels.polynomial import ABSOLUTE, SIGNED, value
 from pounding_cli.kernels.program import RATE
 from pounding_cli.kernels.program_events import drift_terms
 from pounding_cli.kernels.program_series import force_register, is_closed, register
@@ -27,22 +27,22 @@ def _slot_peaks(run, p, i, inelastic):
     slots = run.slots
     order = run.tally[ORDER]
     drift_terms(run, p, i, order, 1.0)
-    slots[of(i, c.PEAK_DRIFT)] = largest(run, order, slots[of(i, c.PEAK_DRIFT)], True)
+    slots[of(i, c.PEAK_DRIFT)] = largest(run, order, slots[of(i, c.PEAK_DRIFT)], ABSOLUTE)
     if inelastic:
         drift_terms(run, p, i, order, slots[of(i, c.TANGENT)])
         run.scratch[0] += slots[of(i, c.OFFSET)]
-        slots[of(i, c.PEAK_SHEAR)] = largest(run, order, slots[of(i, c.PEAK_SHEAR)], True)
+        slots[of(i, c.PEAK_SHEAR)] = largest(run, order, slots[of(i, c.PEAK_SHEAR)], ABSOLUTE)
     for sign in (1.0, -1.0):
         for k in range(order + 1):
             run.scratch[k] = sign * p.U[k * run.padded + i]
         if sign > 0.0:
-            slots[of(i, c.MAX_DISPLACEMENT)] = largest(run, order, slots[of(i, c.MAX_DISPLACEMENT)], False)
+            slots[of(i, c.MAX_DISPLACEMENT)] = largest(run, order, slots[of(i, c.MAX_DISPLACEMENT)], SIGNED)
         else:
-            slots[of(i, c.MIN_DISPLACEMENT)] = -largest(run, order, -slots[of(i, c.MIN_DISPLACEMENT)], False)
+            slots[of(i, c.MIN_DISPLACEMENT)] = -largest(run, order, -slots[of(i, c.MIN_DISPLACEMENT)], SIGNED)
     for k in range(order):
         run.scratch[k] = p.A[k * run.padded + i] + run.clock[GROUND_SLOPE] * p.T[k]
     run.scratch[0] += run.clock[GROUND]
-    slots[of(i, c.PEAK_ACCELERATION)] = largest(run, order - 1, slots[of(i, c.PEAK_ACCELERATION)], True)
+    slots[of(i, c.PEAK_ACCELERATION)] = largest(run, order - 1, slots[of(i, c.PEAK_ACCELERATION)], ABSOLUTE)
 
 
 @njit(**CALLED)
@@ -57,12 +57,12 @@ def _link_peaks(run, p, e):
     )
     for k in range(order + 1):
         run.scratch[k] = p.U[k * run.padded + left] - p.U[k * run.padded + right]
-    links[of_link(e, c.PEAK_CLOSING)] = largest(run, order, links[of_link(e, c.PEAK_CLOSING)], False)
+    links[of_link(e, c.PEAK_CLOSING)] = largest(run, order, links[of_link(e, c.PEAK_CLOSING)], SIGNED)
     if is_closed(run, e) and links[of_link(e, c.ACTS)] != 0.0:
         force = force_register(run, p, e)
         for k in range(order):
             run.scratch[k] = force[k]
-        links[of_link(e, c.PEAK_FORCE)] = largest(run, order - 1, links[of_link(e, c.PEAK_FORCE)], True)
+        links[of_link(e, c.PEAK_FORCE)] = largest(run, order - 1, links[of_link(e, c.PEAK_FORCE)], ABSOLUTE)
         links[of_link(e, c.CONTACT_TIME)] += run.clock[H] * run.clock[END]
 
 

@@ -9,7 +9,6 @@ arithmetic of a small scene. Whoever calls a kernel keeps the arrays alive."""
 
 from __future__ import annotations
 
-import functools
 import inspect
 import operator
 
@@ -29,13 +28,16 @@ def instruction(definition):
     `intrinsic` registers a lowering for each set of argument types, and numba reads all its registries again each time;
     this registers one for all."""
 
+    parameters = inspect.signature(definition)
+    parameters = parameters.replace(parameters=list(parameters.parameters.values())[1:])
+
     @type_callable(definition)
     def typing(context):
         def signature(*args):
             found = definition(context, *args)
             return found and found[0]
 
-        signature.__signature__ = inspect.signature(functools.partial(definition, context))
+        signature.__signature__ = parameters
         return signature
 
     @lower_builtin(definition, types.VarArg(types.Any))
@@ -95,7 +97,7 @@ def further(typingctx, place, count):
     return place(place, count), codegen
 
 
-SHORT = 80
+SHORT = 320
 """Doubles of a short array."""
 
 

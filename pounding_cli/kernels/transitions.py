@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
@@ -58,7 +59,7 @@ def _storey_event(run, i):
     left = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
     g = run.storeys[of_storey(run, i, c.STOREY_GUARD)]
     drift, rate = slots[of(i, c.DRIFT1)], slots[of(i, c.DRIFT_RATE1)]
-    remember(run, g, drift, rate, slots, MEMORIES, of(i, c.STOREY_MEMORY), 8)
+    remember(run, g, drift, rate, slots, np.int64(MEMORIES), of(i, c.STOREY_MEMORY), 8)
     b = int(t.guard(run, g, t.NEXT))
     run.storeys[of_storey(run, i, c.STOREY_BRANCH)] = b
     rests = run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g
@@ -103,7 +104,7 @@ def link_event(run):
     memory = run.links[of_link(e, c.MEMORY)]
     run.links[of_link(e, c.PINNED_CLOSING)] = t.guard(run, g, t.AT) + t.guard(run, g, t.FACTOR) * memory
     closing, rate = _closing_and_rate(run, e)
-    remember(run, g, closing, rate, run.links, 1, of_link(e, c.MEMORY), 8)
+    remember(run, g, closing, rate, run.links, np.int64(1), of_link(e, c.MEMORY), 8)
     run.link_integers[of_link_integer(e, c.IMPACTS)] += int(t.guard(run, g, t.IMPACT))
     run.links[of_link(e, c.EVENTS_AT_INSTANT)] += 1.0
     set_law(run, e)

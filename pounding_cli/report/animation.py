@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -28,6 +28,10 @@ SHARE = 0.12
 
 FADE = 0.2
 """Time in the film [s] after which a flash has a third of its brightness left: contacts are shorter than a frame."""
+
+UP = np.linspace(0.0, 1.0, 9)
+BENT = UP * UP * (3.0 - 2.0 * UP)
+"""Points of a column along its height, and its shape between floors that it is clamped in."""
 
 CALM, YIELDED, PUSH, PULL = "#2b2b2b", "#e08e00", "#c8102e", "#0b62a4"
 """Colours of storeys within and beyond their yield drift, of links that push and that pull."""
@@ -135,7 +139,8 @@ class _Stage:
         self.walls = LineCollection([], linewidths=1.6, animated=True, zorder=2)
         self.slabs = LineCollection([], colors=CALM, linewidths=4.0, animated=True, zorder=3)
         self.bridges = LineCollection([], linewidths=2.5, animated=True, zorder=4)
-        for lines in (self.walls, self.slabs, self.bridges):
+        self.plates = PolyCollection([], facecolor=CALM, linewidths=0, animated=True, zorder=3)
+        for lines in (self.walls, self.slabs, self.plates, self.bridges):
             self.scene.add_collection(lines)
         self.flashes = self.scene.scatter([], [], animated=True, zorder=5, linewidths=0, clip_on=False)
         literal(figure)
@@ -146,7 +151,7 @@ class _Stage:
         self.canvas.draw()
         still = self.canvas.copy_from_bbox(self.canvas.figure.bbox)
         moving: list[tuple[Axes, Artist]] = [
-            (self.scene, part) for part in (self.walls, self.slabs, self.bridges, self.flashes, self.clock)
+            (self.scene, part) for part in (self.walls, self.slabs, self.plates, self.bridges, self.flashes, self.clock)
         ]
         moving += zip(self.strips, self.cursors, strict=True)
         for time, bright, pull in zip(self.film.times, *self._brightness(), strict=True):
@@ -180,7 +185,7 @@ class _Stage:
         scale, h = self.film.scale, self.history
         displacement, drift = _at(h, h.displacement, time), _at(h, h.drift, time)
         sway, rocking = _at(h, h.sway, time), _at(h, h.rocking, time)
-        walls, colors, slabs = [], [], []
+        walls, colors, slabs, plates = [], [], [], []
         for place, elevation in enumerate(self.picture.elevation):
             n = elevation.size
             x = self.left[place] + scale * np.concatenate(([sway[place]], displacement[place, :n]))
@@ -188,27 +193,55 @@ class _Stage:
             tilt = scale * rocking[place] * self.width / 2  # a slab's ends rise and sink by so much
             yields = np.abs(drift[place, :n]) > self.picture.yield_drift[place]
             for j in range(n):
+                column = self._columns(place, j, x, y, rocking[place])
                 for side in (0.04 * self.width, 0.96 * self.width):
-                    walls.append([(x[j] + side, y[j]), (x[j + 1] + side, y[j + 1])])
+                    walls.append(column + np.array([side, 0.0]))
                     colors.append(YIELDED if yields[j] else CALM)
             slabs += [[(x[j], y[j] + tilt), (x[j] + self.width, y[j] - tilt)] for j in range(n + 1)]
+            half = self.picture.slabs[place] / 2 if self.picture.slabs else 0.0
+            if half > 0.0:
+                plates += [
+                    [(a, b - half), (c, d - half), (c, d + half), (a, b + half)] for (a, b), (c, d) in slabs[-n:]
+                ]
         self.walls.set(segments=walls, color=colors)
         self.slabs.set_segments(slabs)
-        self._pose_links(displacement, bright, pull)
+        self.plates.set_verts(plates)
+        self._pose_links(displacement, sway, rocking, bright, pull)
         self.clock.set_text(f"t = {time:6.3f} s")
         for cursor in self.cursors:
             cursor.set_xdata([time, time])
 
-    def _pose_links(self, displacement: np.ndarray, bright: np.ndarray, pull: np.ndarray) -> None:
+    def _columns(self, place: int, j: int, x: np.ndarray, y: np.ndarray, rocking: float) -> np.ndarray:
+        """Points of the columns between floors j and j + 1 (0: base), clamped in both, which lean with the base."""
+        lean = self.film.scale * rocking * (y[j + 1] - y[j]) * (UP - BENT)
+        return np.column_stack((x[j] + (x[j + 1] - x[j]) * BENT + lean, y[j] + (y[j + 1] - y[j]) * UP))
+
+    def _struck(self, place: int, floor: int, at: float, displacement, sway, rocking) -> tuple[float, float]:
+        """How far the end of a link has moved in the picture, and its height [m]."""
+        elevation = np.concatenate(([0.0], self.picture.elevation[place]))
+        moved = np.concatenate(([sway[place]], displacement[place]))
+        height = elevation[floor] - elevation[floor - 1]
+        bent = at * at * (3.0 - 2.0 * at)
+        away = moved[floor - 1] + (moved[floor] - moved[floor - 1]) * bent + rocking[place] * height * (at - bent)
+        return self.film.scale * float(away), float(elevation[floor - 1] + at * height)  # fault: film-struck-point
+
+    def _pose_links(
+        self,
+        displacement: np.ndarray,
+        sway: np.ndarray,
+        rocking: np.ndarray,
+        bright: np.ndarray,
+        pull: np.ndarray,
+    ) -> None:
         """What stands between floors as lines; every force as a flash in the middle."""
         bridges, shades, centres, sizes, hues = [], [], [], [], []
         for link, shine, pulls in zip(self.picture.links, bright, pull, strict=True):
             if link is None:
                 continue
-            a, b = (link.left, link.left_floor - 1), (link.left + 1, link.right_floor - 1)
-            left = self.left[a[0]] + self.width + self.film.scale * displacement[a]
-            right = self.left[b[0]] + self.film.scale * displacement[b]
-            ends = (left, self.picture.elevation[a[0]][a[1]]), (right, self.picture.elevation[b[0]][b[1]])
+            now = displacement, sway, rocking
+            left, up = self._struck(link.left, link.left_floor, link.left_at, *now)
+            right, beside = self._struck(link.left + 1, link.right_floor, link.right_at, *now)
+            ends = (self.left[link.left] + self.width + left, up), (self.left[link.left + 1] + right, beside)
             hue = PULL if pulls else PUSH
             between = drawn(link.kind) != "gap"
             if between:

@@ -161,10 +161,13 @@ def _motions(ax: Axes, shown: Evidence, here: pd.DataFrame, unit: Unit) -> None:
     """Every motion as a thin line."""
     left, right, analysis = (here[name].iloc[0] for name in ("left", "right", "analysis"))
     link = shown.link
+    link = link if "left_at" in link else link.assign(left_at=1.0, right_at=1.0)
     mine = link[(link["left"] == left) & (link["right"] == right) & (link["analysis"] == analysis)]
-    heights = {(f, r): h for f, r, h in here[["floor", "right_floor", "height"]].itertuples(index=False)}
+    facing = here[["floor", "right_floor", "columns", "height"]]
+    heights = {tuple(place): height for *place, height in facing.itertuples(index=False)}
     for _, rows in mine.groupby("record", sort=False):
-        at = [heights[place] for place in zip(rows["floor"], rows["right_floor"], strict=True)]
+        sides = np.where(rows["left_at"] < 1, "left", np.where(rows["right_at"] < 1, "right", ""))
+        at = [heights[place] for place in zip(rows["floor"], rows["right_floor"], sides, strict=True)]
         order = np.argsort(at)
         widths = rows["max_closing"].to_numpy() / unit.factor
         ax.plot(widths[order], np.array(at)[order], color="0.75", lw=0.7, zorder=2)

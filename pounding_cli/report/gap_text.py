@@ -24,7 +24,7 @@ def governing(frame: pd.DataFrame, keys: Sequence[str]) -> list[Part]:
     """
     exact = frame[(frame["rule"] == EXACT) & frame["mean"].notna()]
     among = [*keys, "left", "right", "analysis"]
-    most = exact.loc[exact.groupby(among, sort=False)["mean"].idxmax(), [*among, "floor", "right_floor"]]
+    most = exact.loc[exact.groupby(among, sort=False)["mean"].idxmax(), [*among, "floor", "right_floor", "columns"]]
     rows = frame.merge(most, on=list(most.columns))
     found = []
     for _, part in rows.groupby([*keys, "left", "right"], sort=False):
@@ -84,7 +84,14 @@ def _text(value: float, unit: Unit, digits: int = 4) -> str:
 
 def pair_heading(results: Results, point: Mapping[str, Any], left: str, right: str, rows: pd.DataFrame) -> str:
     """Which floors of which buildings, and where on the sweep."""
-    pairs = dict.fromkeys(zip(rows["floor"], rows["right_floor"], strict=True))
-    floors = [f"floor {one}" if one == other else f"floors {one} and {other}" for one, other in pairs]
+    pairs = dict.fromkeys(zip(rows["floor"], rows["right_floor"], rows["columns"], strict=True))
+    names = {"left": left, "right": right}
+    floors = [
+        f"floor {other if side == 'left' else one} beside columns of {names[side]} in storey "
+        f"{one if side == 'left' else other}"
+        if side
+        else f"floor {one}" if one == other else f"floors {one} and {other}"
+        for one, other, side in pairs
+    ]  # fmt: skip
     swept = ", ".join(f"{key} = {results.value_label(key, value)}" for key, value in point.items())
     return f"{left} | {right}, {' or '.join(floors)}" + (f", {swept}" if swept else "")

@@ -20,13 +20,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DrawnLink:
-    """A link in the picture: place of its left building, its floors from 1, law, gap [m]."""
+    """A link in the picture: place of its left building, its floors from 1, law, gap [m], and where it ends in the
+    storeys below these floors, as part of their height."""
 
     left: int
     left_floor: int
     right_floor: int
     kind: str
     gap: float
+    left_at: float = 1.0
+    right_at: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,7 @@ class Picture:
     links : one for each column of the history's forces, None where the scene has none
     title, words : above the picture: the study; case, analysis, motion
     acceleration : the unit that of the ground is shown in
+    slabs : thickness of the floors' slabs by building [m]; zero unless given
     """
 
     elevation: tuple[np.ndarray, ...]
@@ -45,6 +49,7 @@ class Picture:
     title: str
     words: str
     acceleration: Unit
+    slabs: tuple[float, ...] = ()
 
 
 def picture_of_scene(scene: Scene, title: str, words: str, acceleration: Unit) -> Picture:
@@ -53,10 +58,14 @@ def picture_of_scene(scene: Scene, title: str, words: str, acceleration: Unit) -
     return Picture(
         tuple(building.elevation for building in scene.buildings),
         tuple(np.full(b.storeys, np.inf) if elastic else b.yield_drift for b in scene.buildings),
-        tuple(DrawnLink(k.left, k.left_floor, k.right_floor, str(k.kind), k.gap) for k in scene.links),
+        tuple(
+            DrawnLink(k.left, k.left_floor, k.right_floor, str(k.kind), k.gap, k.left_at, k.right_at)
+            for k in scene.links
+        ),
         title,
         words,
         acceleration,
+        tuple(building.slab for building in scene.buildings),
     )
 
 
@@ -76,7 +85,8 @@ def picture_of_results(results: Results, place: Mapping[str, Any], history: Hist
     links: dict[str, DrawnLink] = {}
     for row in here(results.link()).to_dict("records"):
         left = order.index(row["left"])
-        links[row["link"]] = DrawnLink(left, row["floor"], row["right_floor"], row["kind"], row["gap"])
+        at = row.get("left_at", 1.0), row.get("right_at", 1.0)
+        links[row["link"]] = DrawnLink(left, row["floor"], row["right_floor"], row["kind"], row["gap"], *at)
     source = here(results.records())["source"].iloc[0]
     return Picture(
         tuple(rows["height"].cumsum().to_numpy() for _, rows in storeys),
@@ -85,6 +95,7 @@ def picture_of_results(results: Results, place: Mapping[str, Any], history: Hist
         results.title,
         in_words({name: results.value_label(name, place[name]) for name in results.axes}, place, source),
         results.units["acceleration"],
+        tuple(float(rows["slab"].iloc[0]) if "slab" in rows else 0.0 for _, rows in storeys),
     )
 
 

@@ -106,6 +106,7 @@ def _buildings(plan: Plan, shape: Shape) -> Data:
                 arrays[name][(*everywhere, place, slice(building.storeys))] = getattr(building, name)
             arrays["period"][(*everywhere, place)] = building.periods[0]
             arrays["base_shear_ratio"][(*everywhere, place)] = building.base_shear_ratio
+            arrays["slab"][(*everywhere, place)] = building.slab
     for at, point in _points(shape, kept):
         arrays["separation"][at] = plan.study.separations(point)
     return _without_constant_axes(kept, arrays, BUILDINGS)

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pounding_cli.model.links import LinkPlace
+from pounding_cli.model.meetings import meetings
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.separation import (
     absolute_sum,
@@ -34,8 +37,10 @@ BLOCK_ROWS = 200_000
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
 
-Facing = tuple[int, int, int]
-"""Place of the left building from 0, its floor and that of the right building from 1."""
+_OF_COLUMNS = (
+    "building whose columns, in the storey below its floor, a slab of the other faces: left or right; empty where two "
+    "slabs face each other"
+)
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,7 @@ def gap_tables(plan: Plan, read: Read) -> list[Table]:
 
 def _blocks(plan: Plan, read: Read) -> Iterator[list[Column]]:
     """The table, some points of the sweep at a time."""
-    places = sorted({(link.left, link.left_floor, link.right_floor) for row in plan.rows for link in row.links})
+    places = sorted({link.place for row in plan.rows for link in row.links})
     points = list(np.ndindex(*(len(axis.values) for axis in plan.axes)))
     # what the scenes did, points first, without the one case
     whole = {name: read(name) for name in ("max_closing", "displacement", "error_estimate")}
@@ -72,7 +77,7 @@ def _blocks(plan: Plan, read: Read) -> Iterator[list[Column]]:
 
 
 def _block(
-    plan: Plan, points: list[tuple[int, ...]], places: list[Facing], found: Mapping[str, np.ndarray]
+    plan: Plan, points: list[tuple[int, ...]], places: list[LinkPlace], found: Mapping[str, np.ndarray]
 ) -> list[Column]:
     """The rows at some points; `found` : variables, shape (points, analyses, ...)."""
     wanted = plan.study.model.gap  # type: ignore[attr-defined]  # a section that the registry adds
@@ -95,11 +100,12 @@ def _block(
     columns = place_columns(plan.axes, [points[number] for number in index[0]])
     columns += [
         Column("analysis", spread(list(plan.analyses), 1), "elastic or inelastic storeys"),
-        Column("left", spread([names[left] for left, _, _ in places], 2), "building left of the gap"),
-        Column("right", spread([names[left + 1] for left, _, _ in places], 2), "building right of the gap"),
-        Column("floor", spread([floor for _, floor, _ in places], 2), "floor of the left building", "1"),
-        Column("right_floor", spread([floor for _, _, floor in places], 2), "floor of the right building", "1"),
-        Column("height", facts.heights[index[0], index[2]], "of these floors above the ground", "m"),
+        Column("left", spread([names[left] for left, *_ in places], 2), "building left of the gap"),
+        Column("right", spread([names[left + 1] for left, *_ in places], 2), "building right of the gap"),
+        Column("floor", spread([floor for _, floor, *_ in places], 2), "floor of the left building", "1"),
+        Column("right_floor", spread([floor for _, _, floor, _ in places], 2), "floor of the right building", "1"),
+        Column("columns", spread([name.removesuffix(" columns") for *_, name in places], 2), _OF_COLUMNS),
+        Column("height", facts.heights[index[0], index[2]], "of the slabs above the ground", "m"),
         Column("rule", spread([part["name"] for part in parts], 3), "exact, or the rule that estimates it"),
     ]
     width = plan.study.unit("gap")
@@ -141,9 +147,10 @@ def _meanings(wanted: GapSpec) -> dict[str, str]:
 class _Facts:
     """What the buildings are at every point of the sweep; shapes (points, pairs of floors)."""
 
-    def __init__(self, plan: Plan, points: list[tuple[int, ...]], places: list[Facing]) -> None:
+    def __init__(self, plan: Plan, points: list[tuple[int, ...]], places: list[LinkPlace]) -> None:
         shape = (len(points), len(places))
         self.correlations, self.heights, self.lower, self.code = (np.full(shape, np.nan) for _ in range(4))
+        self.upper = np.ones((2, *shape))  # what the floor has of a place's movement; the floor below has the rest
         self.places = places
         touched = plan.study.touching("buildings")
         known: dict[tuple[int, ...], int] = {}
@@ -155,19 +162,28 @@ class _Facts:
             else:
                 for array in (self.correlations, self.heights, self.lower, self.code):
                     array[number] = array[same]
+                self.upper[:, number] = self.upper[:, same]
         self.faces = np.isfinite(self.heights)
 
     def _enter(self, plan: Plan, number: int, point: tuple[int, ...]) -> None:
         row = [plan.study.building(point, place) for place in range(len(plan.buildings))]
-        facing = plan.study.resolver.group(point)
-        assert facing is not None  # the study was validated at every point
         damping = [first_mode_damping(building) for building in row]
         allowed = [plan.study.resolver.design_displacements(point, name) for name in plan.study.model.group]
-        for column, (left, left_floor, right_floor) in enumerate(self.places):
-            if (left_floor, right_floor) not in facing.common[left]:
+        there: dict[tuple[int, int, int, str], tuple[float, float]] = {}
+        for left, pair in enumerate(pairwise(row)):
+            floors, strikes = meetings(*pair)
+            there |= {(left, *both, ""): (1.0, 1.0) for both in floors}
+            for strike in strikes:
+                name = f"{('left', 'right')[strike.side]} columns"
+                there[left, strike.left_floor, strike.right_floor, name] = strike.left_at, strike.right_at
+        for column, place in enumerate(self.places):
+            if place not in there:
                 continue
+            left, left_floor, right_floor, _ = place
             a, b = row[left], row[left + 1]
-            self.heights[number, column] = a.elevation[left_floor - 1]
+            slab = a.elevation[left_floor - 1] if there[place][0] == 1.0 else b.elevation[right_floor - 1]
+            self.heights[number, column] = slab
+            self.upper[:, number, column] = [at * at * (3.0 - 2.0 * at) for at in there[place]]
             self.lower[number, column] = min(a.elevation[-1], b.elevation[-1])
             if damping[left] > 0 and damping[left + 1] > 0:
                 self.correlations[number, column] = cross_correlation(
@@ -175,15 +191,21 @@ class _Facts:
                 )
             one, other = allowed[left], allowed[left + 1]
             if one is not None and other is not None:
-                self.code[number, column] = one[left_floor - 1] + other[right_floor - 1]
+                ends = zip((one, other), (left_floor, right_floor), self.upper[:, number, column], strict=True)
+                self.code[number, column] = sum(
+                    part * d[floor - 1] + (1.0 - part) * (d[floor - 2] if floor > 1 else 0.0) for d, floor, part in ends
+                )
 
 
 def _rules(plan: Plan, found: Mapping[str, np.ndarray], facts: _Facts, wanted: GapSpec) -> Iterator[Rule]:
     """The exact separations first, then the rules that say something here."""
     analyses = len(plan.analyses)
     exact, peaks, relative = found["max_closing"], found["displacement"], found["error_estimate"][..., None]
-    left, left_floor, right_floor = (np.array(column) for column in zip(*facts.places, strict=True))
-    a, b = peaks[..., left, left_floor - 1], peaks[..., left + 1, right_floor - 1]
+    left, left_floor, right_floor, _ = (np.array(column) for column in zip(*facts.places, strict=True))
+    a = _between(peaks[..., left, left_floor - 1], peaks[..., left, left_floor - 2], left_floor, facts.upper[0])
+    b = _between(
+        peaks[..., left + 1, right_floor - 1], peaks[..., left + 1, right_floor - 2], right_floor, facts.upper[1]
+    )
     reach = relative * absolute_sum(
         a, b
     )  # a relative change of both peaks moves no rule by more than that of their sum
@@ -202,6 +224,13 @@ def _rules(plan: Plan, found: Mapping[str, np.ndarray], facts: _Facts, wanted: G
         yield _of_no_motion("GB 50011-2010", joint(facts.lower), analyses)
     if np.isfinite(facts.code).any():
         yield _of_no_motion(_edition(plan), facts.code, analyses)
+
+
+def _between(above: np.ndarray, below: np.ndarray, floor: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Displacements where slabs face each other or columns: `upper` of the floor above, shape (points, places), and
+    the rest of the floor below; floor 1 stands on the ground. Shape (points, analyses, motions, places)."""
+    part = upper[:, None, None, :]
+    return np.where(part == 1.0, above, part * above + (1.0 - part) * np.where(floor > 1, below, 0.0))
 
 
 def _of_no_motion(name: str, widths: np.ndarray, analyses: int) -> Rule:

@@ -89,7 +89,7 @@ FORMERLY = {"accuracy": "tolerance", "time_step": "tolerance"}
 OF_COLUMNS = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
 """What files have where some link strikes columns."""
 
-ADDED = ("collapsed", "collapsed0", "collapse_time", *OF_COLUMNS)
+ADDED = ("collapsed", "collapsed0", "collapse_time", "slab", *OF_COLUMNS)
 """What files of before, or of other studies, do not have."""
 
 # The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
@@ -108,6 +108,7 @@ BUILDINGS = (
     Variable("yield_shear", ("building", "storey"), "N", "storey yield shear"),
     Variable("period", ("building",), "s", "fundamental period on a fixed base"),
     Variable("base_shear_ratio", ("building",), "1", "yield shear of the lowest storey over the weight, V/W"),
+    Variable("slab", ("building",), "m", "thickness of the floor slabs"),
     Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
 )
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+from itertools import pairwise
 
 from pounding_cli.model.links import APART, Link
+from pounding_cli.model.meetings import meetings
 from pounding_cli.study.expand import expand
 from pounding_cli.study.load import Study, validated
 from pounding_cli.study.plan import Plan
@@ -32,7 +34,12 @@ def expand_gap(study: Study) -> Plan:
     def links_of(point: Point, case: str) -> tuple[Link, ...]:
         row = apart.resolver.group(point)
         assert row is not None  # the study was validated at every point
-        return tuple(Link.apart(left, *floors) for left, pairs in enumerate(row.common) for floors in pairs)
+        links: list[Link] = []
+        for left, pair in enumerate(pairwise(row.buildings)):
+            floors, strikes = meetings(*pair)  # slabs beside columns too, whether or not their share is known
+            links += [Link.apart(left, *both) for both in floors]
+            links += [Link.apart(left, s.left_floor, s.right_floor, s.left_at, s.right_at) for s in strikes]
+        return tuple(links)
 
     return dataclasses.replace(expand(apart, links_of), workflow="gap")
 

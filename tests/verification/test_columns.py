@@ -15,6 +15,7 @@ from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from pounding_cli.solve.groups import GroupSolver
 
 ROCKS = Foundation(inertia=1e7, rocking_stiffness=1e11, rocking_damping=1e8, sways=False)
 
@@ -87,6 +88,24 @@ def test_rows_with_points_are_solved_in_islands():
     assert abs(apart.energy["residual"]) < 1e-9
     for name in ("shear", "drift", "acceleration"):
         assert gather(apart, name) == pytest.approx(gather(together, name), rel=1e-7)
+
+
+@pytest.mark.parametrize("gap", [0.004, 0.5])
+def test_rows_answered_by_groups_keep_the_ends_of_their_links(gap):
+    """A gap that closes and one that never does. Fails if a group takes the floor for the columns below it."""
+    row = struck("pounding", INELASTIC, FOUNDATION, gap=gap)
+    whole, parted = solve(row, 1e-9), by_groups(row)
+    assert (parted.steps == 0) == (gap == 0.5)
+    assert parted.links.max_closing == pytest.approx(whole.links.max_closing, rel=1e-6)
+    assert parted.links.impacts.tolist() == whole.links.impacts.tolist()
+
+
+def by_groups(row):
+    """The response of a row whose groups are solved alone where no gap between them closes."""
+    solver = GroupSolver(
+        lambda scene, watch: solve(scene, 1e-9, watch=watch), lambda scene, finer: solve(scene, finer), 1e-9
+    )
+    return solver(row)
 
 
 def test_links_between_floors_are_named_for_where():

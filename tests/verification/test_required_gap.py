@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 import tempfile
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ import pytest
 
 from pounding_cli.batch import run_plan
 from pounding_cli.laws.pounding import Pounding
-from pounding_cli.model.links import Link
+from pounding_cli.model.links import link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.store import open_results
@@ -58,12 +59,11 @@ def tried(study: Path, folder: Path) -> Tried:
 
 def impacts(scene: Scene, left: int, gap: float) -> np.ndarray:
     """Impacts at every link of a pair, named by the place of its left building; nothing between others."""
-    links = tuple(
-        Link(link.left, link.left_floor, link.right_floor, Pounding(gap, 2e9, 0.2))
-        for link in scene.links
-        if link.left == left
-    )
-    whole = Scene(scene.buildings, links, scene.motion, scene.analysis, scene.tail)
+    law = Pounding(gap, 2e9, 0.2)
+    links = [dataclasses.replace(link, law=law) for link in scene.links if link.left == left]
+    places = link_places(links)
+    links = [links[number] for number in sorted(range(len(links)), key=places.__getitem__)]  # as the tables have them
+    whole = Scene(scene.buildings, tuple(links), scene.motion, scene.analysis, scene.tail)
     return solve(whole, accuracy=1e-9, all_effects=True).links.impacts
 
 
@@ -74,6 +74,20 @@ def test_every_scene_of_a_figure(figure, pairs, tmp_path):
     found = tried(CONFIGS / f"{figure}.yaml", tmp_path)
     assert (found.gaps, found.wider_closed, found.narrower_open) == (10 * pairs, 0, 0)
     assert found.error < 1e-6
+
+
+def test_slabs_beside_columns(tmp_path):
+    """Floors that do not line up. Fails if what is required beside columns is that of a floor, or is left out."""
+    study = CONFIGS / "unequal-heights.yaml"
+    found = tried(study, tmp_path)
+    assert (found.gaps, found.wider_closed, found.narrower_open) == (10, 0, 0)
+    table = open_results(tmp_path / "gap.h5").table("gap").query("rule == 'exact' and analysis == 'elastic'")
+    assert table["columns"].tolist().count("") == 1
+    assert len(table) == 8
+    by_height = table.sort_values("height")
+    assert by_height["mean"].is_monotonic_increasing  # both sway in their first modes above all
+    rules = open_results(tmp_path / "gap.h5").table("gap").pivot_table("mean", ["analysis", "height"], "rule")
+    assert (rules["ABS"] >= rules["exact"]).all()
 
 
 def test_links_and_swept_links_mean_nothing(tmp_path):

@@ -102,13 +102,15 @@ def _buildings(history: History, evidence: Evidence) -> list[dict[str, Any]]:
                 "heights": numbers(rows["height"].to_numpy()),
                 "yield": numbers((rows["yield_shear"] / rows["stiffness"]).to_numpy()),
                 "foundation": bool(moves),
+                "slab": float(rows["slab"].iloc[0]) if "slab" in rows else 0.0,
             }
         )
     return found
 
 
 def _links(history: History, evidence: Evidence, case: str) -> list[dict[str, Any]]:
-    """The case's links: their place in `history.link_force`, buildings by place from 0, floors from 1, law, gap [m]."""
+    """The case's links: their place in `history.link_force`, buildings by place from 0, floors from 1, law, gap [m],
+    where it ends in the storeys below its floors, as part of their height."""
     rows = evidence.link[evidence.link["case"] == case].drop_duplicates("link")
     place = {name: number for number, name in enumerate(history.buildings)}
     column = {name: number for number, name in enumerate(history.links)}
@@ -121,6 +123,8 @@ def _links(history: History, evidence: Evidence, case: str) -> list[dict[str, An
             "right_floor": int(row["right_floor"]),
             "drawn": drawn(row["kind"]),
             "gap": float(row["gap"]),
+            "left_at": float(row.get("left_at", 1.0)),
+            "right_at": float(row.get("right_at", 1.0)),
         }
         for row in rows.to_dict("records")
         if row["link"] in column

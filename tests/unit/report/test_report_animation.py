@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -113,3 +114,25 @@ def test_frames_are_pictures_that_differ(scene):
     assert all(frame.dtype == np.uint8 and frame.shape[2] == 3 for frame in shown)
     assert all(size % 2 == 0 for size in shown[0].shape[:2])  # as video wants
     assert all((one != other).any() for one, other in pairwise(shown))
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.001])
+def test_a_slab_that_strikes_columns_touches_them(scene, turn):
+    """The link ends on the columns as they are drawn: clamped in the floors, which lean with a rocking base. Fails if
+    the columns are straight, or the star stands at the floor."""
+    history, picture = scene
+    history.rocking[:, 1] = turn
+    history.displacement[:, 1, 0], history.displacement[:, 1, 1] = 0.01, 0.03
+    link = DrawnLink(0, 2, 2, "pounding", GAP, 1.0, 0.25)
+    drawn = stage((history, replace(picture, links=(link, None), slabs=(0.3, 0.0))))
+    drawn._pose(0.5, np.ones(2), np.zeros(2, bool))
+    bent = 3 * 0.25**2 - 2 * 0.25**3
+    struck = 20 * (0.01 + 0.02 * bent + turn * 3.0 * (0.25 - bent))
+    middle = (drawn.left[0] + drawn.width + 20 * GAP + drawn.left[1] + struck) / 2
+    height = (6.0 + 3.0 + 0.25 * 3.0) / 2
+    assert drawn.flashes.get_offsets()[0] == pytest.approx((middle, height))
+    wall = drawn.walls.get_segments()[6]  # the near one of the upper storey on the right
+    assert wall[2] - (0.04 * drawn.width, 0.0) == pytest.approx((drawn.left[1] + struck, 3.75))
+    plates = drawn.plates.get_paths()
+    assert len(plates) == 2
+    assert np.ptp(plates[0].vertices[:, 1]) == pytest.approx(0.3)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from report_fakes import CASES, make
 from report_figures import assert_no_overlap, panels
 
 from pounding_cli.errors import InputError
-from pounding_cli.report import figures
+from pounding_cli.report import figures, inset
 from pounding_cli.report.evidence import points
 from pounding_cli.report.style import looks, save
 
@@ -175,3 +178,24 @@ def test_a_title_that_is_no_formula_is_shown_as_it_is(tmp_path, title):
     figure.suptitle(title)
     assert [path.name for path in save({"drawn": figure}, tmp_path, ["png"])] == ["drawn.png"]
     assert figure.get_suptitle() == title
+
+
+def test_storeys_of_several_heights_are_drawn_to_one_scale():
+    """With the points where slabs strike columns. Fails if a storey has the height of another, or a point stands on the
+    wrong side or at a floor."""
+    heights = {"low": [3.0, 3.0], "high": [4.0, 2.0, 3.0]}
+    rows = [(name, n + 1, h) for name, own in heights.items() for n, h in enumerate(own)]
+    storeys = pd.DataFrame(rows, columns=["building", "storey", "height"]).assign(V=1.0, slab=0.3)
+    link = {"link": "x", "left": "low", "right": "high", "floor": 1, "right_floor": 1, "left_at": 1.0, "right_at": 0.75}
+    evidence = SimpleNamespace(
+        storey=storeys, buildings=storeys, group=("low", "high"), periods={"low": 0.3, "high": 0.5},
+        link=pd.DataFrame([link]),
+    )  # fmt: skip
+    ax = Figure().add_subplot()
+    inset.draw_group(ax, evidence, ("high",))
+    blocks = [patch for patch in ax.patches if patch.get_linewidth() > 0]
+    scale = inset.STOREY / 3.0  # of the mean storey
+    assert [block.get_height() / scale for block in blocks] == pytest.approx([3, 3, 4, 2, 3])
+    assert len(ax.patches) - len(blocks) == 5
+    ((x, y),) = ax.lines[0].get_xydata()
+    assert (x, y / scale) == pytest.approx((inset.WIDTH + inset.SPACE, 3.0))

@@ -190,10 +190,13 @@ function drawGround(pen, scene, at, time, ink) {
 }
 
 const floorX = (scene, at, building, floor, time) => at.starts[building] + scene.moved(building, floor, time) * at.sideways;
-const slabThick = (at, building) => Math.max(2, Math.min(7, ((at.heights[building][1] ?? 3) * at.up) * 0.12));
+const slabThick = (scene, at, building) => {
+  const { slab } = scene.buildings[building];
+  return slab ? Math.max(2, slab * at.up) : Math.max(2, Math.min(7, ((at.heights[building][1] ?? 3) * at.up) * 0.12));
+};
 
 function drawBuilding(pen, scene, at, number, time, ink) {
-  const heights = at.heights[number], thick = slabThick(at, number), { sway, rocking } = scene.motions[number];
+  const heights = at.heights[number], thick = slabThick(scene, at, number), { sway, rocking } = scene.motions[number];
   const foot = at.starts[number] + (sway ? scene.between(sway, time) * at.sideways : 0);
   let below = foot;
   const posts = at.wide > 60 ? [0.08, 0.5, 0.92] : [0.1, 0.9];
@@ -212,9 +215,9 @@ function drawBuilding(pen, scene, at, number, time, ink) {
     pen.lineWidth = yielding ? 3.4 : 2;
     pen.beginPath();
     for (const post of posts) {
-      const from = below + post * at.wide, to = here + post * at.wide, middle = (low + high) / 2;
+      const from = below + post * at.wide, to = here + post * at.wide, third = (high - low) / 3;
       pen.moveTo(from, low);
-      pen.bezierCurveTo(from, middle, to, middle, to, high); // upright at both ends, as between stiff floors
+      pen.bezierCurveTo(from, low + third, to, high - third, to, high); // clamped in both floors
     }
     pen.stroke();
     below = here;
@@ -245,26 +248,40 @@ function drawBuilding(pen, scene, at, number, time, ink) {
 function overhangs(scene, at, building, floor) {
   const found = [];
   for (const link of scene.links) {
-    const over = ((at.gaps[link.left] - link.gap) / 2) * at.sideways;
+    const over = reach(at, link);
     if (over <= 0) continue;
-    if (link.left === building && link.floor === floor) found.push(['right', over]);
-    if (link.left + 1 === building && link.right_floor === floor) found.push(['left', over]);
+    if (link.left === building && link.floor === floor && link.left_at === 1) found.push(['right', over]);
+    if (link.left + 1 === building && link.right_floor === floor && link.right_at === 1) found.push(['left', over]);
   }
   return found;
 }
 
+/** By how much a slab reaches further; columns do not, so that the slab that strikes them does by all of it. */
+const reach = (at, link) => ((at.gaps[link.left] - link.gap) / (link.left_at === link.right_at ? 2 : 1)) * at.sideways;
+
 /** The two faces of a link at a time, and its height in the drawing. */
 function faces(scene, at, link, time) {
-  const over = ((at.gaps[link.left] - link.gap) / 2) * at.sideways;
+  const over = reach(at, link);
+  const slab = link.left_at < 1 ? [link.right, link.right_floor] : [link.left, link.floor];
   return {
-    left: floorX(scene, at, link.left, link.floor - 1, time) + at.wide + over,
-    right: floorX(scene, at, link.right, link.right_floor - 1, time) - over,
-    y: at.ground - at.heights[link.left][link.floor] * at.up,
+    left: endX(scene, at, link.left, link.floor - 1, link.left_at, time) + at.wide + (link.left_at === 1 ? over : 0),
+    right: endX(scene, at, link.right, link.right_floor - 1, link.right_at, time) - (link.right_at === 1 ? over : 0),
+    y: at.ground - at.heights[slab[0]][slab[1]] * at.up,
   };
 }
 
+/** Where a link ends on its building: at a floor, or on the columns below it, clamped in both floors. */
+function endX(scene, at, building, floor, part, time) {
+  const above = floorX(scene, at, building, floor, time);
+  if (part === 1) return above;
+  const { sway } = scene.motions[building];
+  const foot = at.starts[building] + (sway ? scene.between(sway, time) * at.sideways : 0);
+  const below = floor ? floorX(scene, at, building, floor - 1, time) : foot;
+  return below + (above - below) * part * part * (3 - 2 * part);
+}
+
 function drawLink(pen, scene, at, link, number, time, ink) {
-  const { left, right, y } = faces(scene, at, link, time), thick = slabThick(at, link.left);
+  const { left, right, y } = faces(scene, at, link, time), thick = slabThick(scene, at, link.left);
   if (link.drawn === 'filling') {
     const end = Math.min(right, left + link.gap * at.sideways); // it presses, it does not pull
     pen.fillStyle = ink.infill;
