@@ -22,7 +22,7 @@ HARDENING = st.sampled_from([0, 1e-9, 0.02, 0.05, 0.5, 0.999])
 P_DELTA = st.sampled_from([True, True, 0, 1, 30])
 """The weight of the floors above, or so many times the weight."""
 
-HEIGHTS = st.sampled_from([3, 3.003, 2.997, 3.5, 4.5, [4, 3], [3, 4], [2, 2.5], 6])
+HEIGHTS = [3, 3.003, 2.997, 3.5, 4.5, [4, 3], [3, 4], [2, 2.5], 6]
 """Storey heights [m]; of a list the first is that of the lowest storey. Slabs of neighbours may be 0.1 % of a storey
 apart."""
 
@@ -106,13 +106,16 @@ def case(draw: Any, storeys: int, own: dict[str, Any], uneven: bool) -> dict[str
 @st.composite
 def studies(draw: Any) -> str:
     """The text of a study file: a few scenes each."""
-    types = {name: draw(building()) for name in ("a", "b", "c")[: draw(st.integers(1, 3))]}
     uneven = draw(st.integers(1, 4)) == 1
-    for spec in types.values() if uneven else ():
-        height, above = draw(HEIGHTS), spec["storeys"] - 1
+    types = {name: draw(building()) for name in ("a", "b", "c")[: draw(st.integers(2 if uneven else 1, 3))]}
+    heights = draw(st.permutations(HEIGHTS)) if uneven else ()
+    for spec, height in zip(types.values(), heights, strict=False):
+        above = spec["storeys"] - 1
         spec["height"] = [height[0], *[height[1]] * above] if isinstance(height, list) else height
         spec |= {"slab": draw(SLABS), "columns": draw(COLUMNS)}
     group = draw(st.lists(st.sampled_from(list(types)), min_size=2, max_size=draw(st.sampled_from([2, 2, 2, 3, 5]))))
+    if uneven:
+        group[:2] = "a", "b"
     own = {f"law {i}": draw(own_law()) for i in range(draw(st.sampled_from([0, 0, 0, 1, 2])))}
     study: dict[str, Any] = {
         "records": {
