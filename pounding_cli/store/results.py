@@ -166,10 +166,11 @@ class Results:
             columns = self._index(file, dims, shape) | facts
             columns |= {name: self._by_scene(file, name, shape).ravel() for name in _LINK}
             columns["right_floor"] = self._spread(self._values(file["link_right_floor"]), shape)
+            solved = self._spread(self._solved(file)[..., None], shape)
             for name in OF_COLUMNS if OF_COLUMNS[0] in file else ():
                 columns[name] = self._by_scene(file, name, shape).ravel()
         frame = _frame(columns)
-        return frame[frame["kind"] != ""].reset_index(drop=True)
+        return frame[(frame["kind"] != "") & solved].reset_index(drop=True)
 
     def _by_scene(self, file: h5py.File, name: str, shape: tuple[int, ...]) -> np.ndarray:
         """A variable of links; one of LINKS is the same for every analysis and record."""
@@ -383,8 +384,12 @@ class Results:
             shape = self._shape(file[names[0]])
             columns = self._index(file, (*self._dims, *PLACE, "building", level), shape)
             columns |= {name: self._values(file[name]).ravel() for name in names}
-            there = self._there(file, 3)
+            there = self._there(file, 3) & self._spread(self._solved(file)[..., None, None], shape)
         return _frame(columns)[there].reset_index(drop=True)
+
+    def _solved(self, file: h5py.File) -> np.ndarray:
+        """Which rows have a scene: a workflow need not ask for all."""
+        return self._values(file["status"]) != ""
 
     def _there(self, file: h5py.File, between: int) -> np.ndarray:
         """Which rows stand for a storey that exists; `between` dimensions lie between axes and building."""

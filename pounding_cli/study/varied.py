@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,7 +30,13 @@ from pounding_cli.study.units import Quantity
 from pounding_cli.study.written import quantity_of, unit_of
 
 MOTION = "motion"
-"""The key that stands for the choice among the motions of the study."""
+"""The key that stands for the choice of motions."""
+
+ANY, BOOTSTRAP = "any", "bootstrap"
+"""What it chooses: one of the motions, or as many as there are, drawn anew with replacement."""
+
+DRAWN_SETS = 64
+"""Different sets of motions of a bootstrap."""
 
 CHOICE = "choice"
 DISTRIBUTIONS = (*NEEDED, CHOICE)
@@ -48,6 +55,7 @@ class Factor:
     labels : of the options
     spacing : of a range, linear or log
     place : a node of the file -> its u; None where it lies outside a range or among no options, and of a distribution
+    together : further keys of the study that move with it, by the same u
     """
 
     key: str
@@ -59,6 +67,12 @@ class Factor:
     labels: tuple[str, ...] = ()
     place: Callable[[Node], float | None] = lambda node: None
     spacing: str = ""
+    together: tuple[Factor, ...] = ()
+
+    @property
+    def members(self) -> tuple[Factor, ...]:
+        """Itself and those that move with it."""
+        return (self, *self.together)
 
 
 def choice_of(u: np.ndarray, options: int) -> np.ndarray:
@@ -67,19 +81,37 @@ def choice_of(u: np.ndarray, options: int) -> np.ndarray:
 
 
 def read_uncertain(node: Node, root: Node, problems: Problems) -> list[Factor]:
-    """The keys under `uncertain:`; what is wrong is noted in `problems`."""
-    found = []
-    for key, mark, value in _keys("uncertain", node, root, problems, EXAMPLES["uniform"]):
-        if key == MOTION:
-            if value.value == "any":
-                found.append(_motion(mark, value))
-            else:
-                problems.add(
-                    value.mark, f"motion: '{value.text}' is not known", "write `motion: any`: each is as likely"
-                )
-        elif is_sweepable(key, mark, root, problems, "the key"):
-            found += _factor(key, mark, value, problems)
+    """The keys under `uncertain:`; those of one entry of a list move together. What is wrong is noted in `problems`."""
+    entries = node.value if node.is_list else [node]
+    found, seen = list[Factor](), dict[str, int]()
+    for entry in entries:
+        mine = list[Factor]()
+        for key, mark, value in _keys("uncertain", entry, root, problems, EXAMPLES["uniform"]):
+            if key in seen:
+                problems.add(mark, f"'{key}' is also in line {seen[key]}", "remove one of the two")
+            elif key == MOTION:
+                mine += _motion(mark, value, problems)
+            elif is_sweepable(key, mark, root, problems, "the key"):
+                mine += _factor(key, mark, value, problems)
+            seen.setdefault(key, mark[0])
+        found += _together(mine, problems) if node.is_list else mine
     return found
+
+
+def _together(factors: list[Factor], problems: Problems) -> list[Factor]:
+    """One factor of several keys; none where they cannot move together."""
+    if len(factors) < 2:
+        return factors
+    first, others = factors[0], factors[1:]
+    for other in others:
+        if other.key == MOTION or first.key == MOTION:
+            problems.add(other.mark, "the motion moves by itself", "write `- motion: ...` as an entry of its own")
+            return []
+        if other.options != first.options:
+            what = f"keys that move together need as many options each: {first.key} has {first.options or 'a range'}"
+            problems.add(other.mark, f"{what}, {other.key} {other.options or 'a range'}", "give as many of each")
+            return []
+    return [dataclasses.replace(first, together=tuple(others))]
 
 
 def read_searched(section: str, node: Node, root: Node, problems: Problems) -> list[Factor]:
@@ -116,9 +148,14 @@ def _swept(root: Node) -> dict[str, int]:
     return {key: mark[0] for holder in holders for key, mark in (holder.keys or {}).items()}
 
 
-def _motion(mark: Mark, node: Node) -> Factor:
-    """The choice of motion, which is no key of the file; how many there are to choose from is not known here."""
-    return Factor(MOTION, mark, 0, Unit(), lambda u: u, lambda u: node)
+def _motion(mark: Mark, node: Node, problems: Problems) -> list[Factor]:
+    """The choice of motions, which is no key of the file; how many there are to choose from is not known here."""
+    if node.value not in (ANY, BOOTSTRAP):
+        hint = "write `motion: any` (one of them) or `motion: bootstrap` (as many, drawn with replacement)"
+        problems.add(node.mark, f"motion: '{node.text}' is not known", hint)
+        return []
+    options = DRAWN_SETS if node.value == BOOTSTRAP else 0
+    return [Factor(MOTION, mark, options, Unit(), lambda u: u, lambda u: node)]
 
 
 def _factor(key: str, mark: Mark, node: Node, problems: Problems, is_range: bool = False) -> list[Factor]:

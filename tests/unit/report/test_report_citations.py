@@ -68,6 +68,10 @@ IMPACT = {"anagnostopoulos1992", *DASHPOT}
         ((("[stiff, soft]", "[unused, soft]"),), {*IMPACT, "ubc1994"}),
         ((("[stiff, soft]", "[soft, soft]"),), IMPACT),
         ((("soft: {", "soft: {storey_law: peak-oriented, "),), {*IMPACT, "ubc1991", "clough1966", "ibarra2005"}),
+        (
+            (("soft: {", "soft: {storey_law: imk-peak-oriented, capping_ductility: 4, post_capping_slope: 0.1, "),),
+            {*IMPACT, "ubc1991", "ibarra2005"},
+        ),
         ((("5 s}", "5 s, scale: {arias: taft}}"),), {*IMPACT, "ubc1991", "arias1970"}),
         ((("5 s}", "5 s, scale: table1}"),), {*IMPACT, "ubc1991", "arias1970"}),
     ],
