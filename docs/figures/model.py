@@ -52,6 +52,19 @@ LINKS: dict[str, LinkLaw] = {
     "maxwell": Maxwell(GAP, 2e7, 2e6),
     "friction": Friction(GAP, 4e7, 3e5),
 }
+STOREYS = {
+    "capping_ductility": 3.0,
+    "post_capping_slope": 0.08,
+    "residual_strength": 0.2,
+    "strength_capacity": 60.0,
+    "capping_capacity": 60.0,
+    "unloading_capacity": 120.0,
+    "reloading_capacity": 60.0,
+    "pinching_force": 0.3,
+    "pinching_drift": 0.6,
+}
+"""Parameters of the laws of storeys that have them."""
+
 ALWAYS = ("connector", "damper", "viscous", "maxwell", "friction")
 """Laws that act whatever the closing: drawn from the start of the pulse to its end."""
 
@@ -87,7 +100,11 @@ def loop_of_link(law: LinkLaw) -> tuple[np.ndarray, np.ndarray]:
 def loop_of_storey(law: type[StoreyLaw]) -> tuple[np.ndarray, np.ndarray]:
     """Drift over yield drift and shear over yield shear of a storey of 0.5 s."""
     stiffness = MASS * (2 * np.pi / 0.5) ** 2
-    building = Building("one", [MASS], [3.0], [stiffness], [6e5], [0.05], 0.5, 0.0, storey_law=law)
+    parameters = tuple((name, value) for name, value in STOREYS.items() if name in law.parameters())
+    building = Building(
+        "one", [MASS], [3.0], [stiffness], [6e5], [0.05], 0.5, 0.0,
+        storey_law=law, law_parameters=parameters, collapse=np.inf,
+    )  # fmt: skip
     kept = history(Scene((building,), (), pulse(4.5, 2.0, 3.0), Analysis.INELASTIC), 1e-9, 1e-3)
     moving = kept.time <= 2.0
     return kept.drift[moving, 0, 0] * stiffness / 6e5, kept.shear[moving, 0, 0] / 6e5
@@ -180,8 +197,9 @@ def draw_links() -> None:
 def draw_storeys() -> None:
     """Shear over drift, law by law."""
     laws = storey_laws()
-    figure = Figure(figsize=(3.2 * len(laws), 2.8), layout="constrained")
-    for ax, (name, law) in zip(np.atleast_1d(figure.subplots(1, len(laws), sharey=True)), laws.items(), strict=True):
+    rows = -(-len(laws) // 2)
+    figure = Figure(figsize=(6.4, 2.6 * rows), layout="constrained")
+    for ax, (name, law) in zip(figure.subplots(rows, 2, sharey=True).flat, laws.items(), strict=True):
         drift, shear = loop_of_storey(law)
         ax.plot(drift, shear, color=BLUE, lw=1.2)
         ax.axhline(0.0, color=GREY, lw=0.5)
@@ -189,7 +207,8 @@ def draw_storeys() -> None:
         ax.set_title(name, fontsize=8)
         ax.set_xlabel("drift over yield drift", fontsize=8)
         ax.tick_params(labelsize=7)
-    figure.axes[0].set_ylabel("shear over yield shear", fontsize=8)
+    for ax in figure.axes[::2]:
+        ax.set_ylabel("shear over yield shear", fontsize=8)
     figure.savefig(FOLDER / "storeys.svg", metadata={"Date": None})
 
 

@@ -128,8 +128,11 @@ class Lines:
     def start(self, total: int, reused: int) -> None:
         later = self.counts.come > 0
         self.counts.start(total, reused)
-        found = f" ({reused} already solved)" if reused and not later else ""
-        self.say(f"{counted(total, 'more scene' if later else 'scene')} to solve{found}")
+        if later:  # rounds may be many, and each a moment
+            self.step(0, 0)
+            return
+        found = f" ({reused} already solved)" if reused else ""
+        self.say(f"{counted(total, 'scene')} to solve{found}")
 
     def compiled(self) -> None:
         self.counts.compiled()

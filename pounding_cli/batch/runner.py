@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -121,48 +122,63 @@ def _run(
     replace: bool,
 ) -> Outcome:
     reuse(plan, output, parts, progress.say, replace)
-    refine = WORKFLOWS[plan.workflow].part("refine")
     former = set(parts)
-    used, seconds, solved = "none", 0.0, 0
-    following: Plan | None = plan
-    while following is not None:
-        plan = following
-        order = order_of(plan, parts)
-        if order.digests:
-            by, spent = _solve_round(plan, order, parts, chosen, progress, solve)
-            used = by if used in ("none", "serial") else used
-            seconds, solved = seconds + spent, solved + len(order.digests)
-        following = None if refine is None else refine(plan, parts)
+    plan, solved = _solve_rounds(plan, parts, chosen, progress, solve)
     if replace:
         parts.only(plan.scenes)
     reused = sum(digest in former for digest in plan.scenes)
-    workers = chosen.workers if used == chosen.name else 1
-    run = Run(time.perf_counter() - begin, solved, reused, used, workers)
+    workers = chosen.workers if solved.engine == chosen.name else 1
+    run = Run(time.perf_counter() - begin, solved.scenes, reused, solved.engine, workers)
     histories = kept_histories(plan, parts, output, parts.key, progress.say, replace)
     write_results(output, plan, parts, run, histories)
     parts.remove()
     failures = tuple(_failures(plan, parts))
-    done = solved - len(failures)
+    done = solved.scenes - len(failures)
     wall = time.perf_counter() - begin
-    return Outcome(output, done, len(failures), reused, failures, used, workers, seconds, wall)
+    return Outcome(output, done, len(failures), reused, failures, solved.engine, workers, solved.seconds, wall)
 
 
-def _solve_round(
-    plan: Plan, order: Order, parts: PartStore, chosen: Engine, progress: Progress, solve: Solve | None
-) -> tuple[str, float]:
-    """Solve what is missing of a plan and show how it goes; what is solved is kept, whatever happens. Returns as
-    `_solve_missing`."""
-    progress.start(len(order.digests), len(plan.scenes) - len(order.digests))
+@dataclass
+class _Solved:
+    """How many scenes were solved, by which engine, and the time in the solver, all workers together [s]."""
+
+    scenes: int = 0
+    engine: str = "none"
+    seconds: float = 0.0
+
+
+def _solve_rounds(
+    plan: Plan, parts: PartStore, chosen: Engine, progress: Progress, solve: Solve | None
+) -> tuple[Plan, _Solved]:
+    """Solve what is missing of a plan and of the plans that follow from it, and show how it goes; what is solved is
+    kept, whatever happens. Returns the last plan."""
+    refine = WORKFLOWS[plan.workflow].part("refine")
+    solved, saved = _Solved(), time.monotonic()
+    following: Plan | None = plan
     try:
-        found = _solve_missing(plan, order, parts, chosen, progress, solve)
+        while following is not None:
+            plan = following
+            order = order_of(plan, parts)
+            if order.digests:
+                progress.start(len(order.digests), len(plan.scenes) - len(order.digests))
+                solved.scenes += len(order.digests)
+                by, spent = _solve_missing(plan, order, parts, chosen, progress, solve)
+                solved.engine = by if solved.engine in ("none", "serial") else solved.engine
+                solved.seconds += spent
+            if time.monotonic() - saved > CHUNK_SECONDS:  # rounds may be many, each too short for the disk
+                parts.flush()
+                saved = time.monotonic()
+            following = None if refine is None else refine(plan, parts)
     except BaseException:
         with contextlib.suppress(OSError):  # the disk may be why
             parts.flush()
-        progress.stop()
-        progress.say(f"{parts.saved(plan.scenes)} of {counted(len(plan.scenes), 'scene')} kept in {parts.folder}")
+        if solved.scenes:
+            progress.stop()
+            progress.say(f"{parts.saved(plan.scenes)} of {counted(len(plan.scenes), 'scene')} kept in {parts.folder}")
         raise
-    progress.stop()
-    return found
+    if solved.scenes:
+        progress.stop()
+    return plan, solved
 
 
 def _solve_missing(

@@ -27,6 +27,7 @@ COMMANDS = {
     "gap": ("pounding_cli.cli.gap", "How wide must the gap be?"),
     "fragility": ("pounding_cli.cli.fragility", "How likely is a limit passed?"),
     "sensitivity": ("pounding_cli.cli.sensitivity", "What decides the numbers?"),
+    "optimise": ("pounding_cli.cli.optimise", "What is best?"),
     "animate": ("pounding_cli.cli.animate", "Show a scene over time as a film."),
     "plan": ("pounding_cli.cli.plan", "Show what would run and what would not, before running."),
     "export": ("pounding_cli.cli.export", "Write tables as CSV, Parquet, Excel or netCDF."),

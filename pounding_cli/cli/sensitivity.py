@@ -19,7 +19,8 @@ def command(path: Path, outcome: Outcome) -> None:
     """What decides the numbers of STUDY, where some of its keys are uncertain.
 
     The keys stand under `uncertain:` with the distribution of each; `motion: any` lets the motion vary too. What is
-    looked at stands under `sensitivity:`, e.g. `outputs: [largest mu in soft]`. Quasi-random samples are solved like a
+    looked at stands under `sensitivity:`, e.g. `outputs: [largest mu in soft]`, or `claims: all`: how likely the
+    paper's statements hold. Quasi-random samples are solved like a
     sweep; Sobol's indices say which part of the variance each key explains, those of Morris screen many keys cheaply.
 
     A scene that fails is solved once more, a hundred times as finely; where it fails again its outputs get no index.
@@ -32,7 +33,9 @@ def command(path: Path, outcome: Outcome) -> None:
       pound show results/study-sensitivity.h5 sensitivity
       pound report results/study-sensitivity.h5
     """
-    from pounding_cli.report.sensitivity_text import cells, heads, method_of, notes, parts, spread_sentence
+    from pounding_cli.report import claim_odds
+    from pounding_cli.report.claim_samples import ODDS
+    from pounding_cli.report.sensitivity_text import cells, heads, notes, parts, split_claims, spread_sentence
     from pounding_cli.store import open_results
     from pounding_cli.store.sensitivity import INDICES, OUTPUTS
 
@@ -40,7 +43,16 @@ def command(path: Path, outcome: Outcome) -> None:
     answer = results.answer(INDICES)
     among = [key for key in results.axes if key in answer.frame]
     click.echo(results.title)
-    found = list(parts(results, answer.frame, among))
+    if claim_odds.asks_claims(results):
+        odds = results.answer(ODDS).frame
+        points = list(odds.groupby(among, sort=False)) if among else [((), odds)]
+        for place, rows in points[:FEW_POINTS]:
+            if among:
+                click.echo(", ".join(f"{k} = {results.units[k].text(v)}" for k, v in zip(among, place, strict=True)))
+            print_table(claim_odds.HEADS, claim_odds.rows(rows), words=1)
+        if len(points) > FEW_POINTS:
+            click.echo(f"{len(points) - FEW_POINTS} further points: pound show {path} {ODDS}")
+    found = list(parts(results, split_claims(answer.frame)[1], among))
     for part in found[:FEW_POINTS]:
         click.echo(f"{part.output}{f' [{part.unit}]' if part.unit else ''}{f', {part.words}' if part.words else ''}")
         if part.outcome == "found":
@@ -49,7 +61,7 @@ def command(path: Path, outcome: Outcome) -> None:
             click.echo(f"  {part.outcome}")
     if len(found) > FEW_POINTS:
         click.echo(f"{len(found) - FEW_POINTS} further outputs, cases and points: pound show {path} {INDICES}")
-    if method_of(answer) == "sobol":
+    if OUTPUTS in results.answers:
         for row in results.answer(OUTPUTS).frame.to_dict("records")[:FEW_POINTS]:
             click.echo(spread_sentence(row))
     for note in notes(results):

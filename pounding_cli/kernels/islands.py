@@ -165,3 +165,60 @@ def restore(run, row, building):
     run.tally[EVENTS] -= row.notes[left * NOTE_COUNT + ISLAND_EVENTS]
     for b in range(left, right + 1):
         row.notes[b * NOTE_COUNT + SOLVED] = 0
+
+
+@njit(**CALLED)
+def guess_islands(run, row, use_islands):
+    """Begin a segment: who touches whom, as far as one can tell. A link that is closed or has just opened counts, so
+    that none outside an island has anything left that it pushes with.
+
+    Two neighbours that are alone are taken together: a step of both costs little more than a step of one."""
+    no_inline()
+    notes = row.notes
+    alone = False
+    for b in range(row.number):
+        mine = b * NOTE_COUNT
+        notes[mine + SOLVED] = 0
+        joined = APART
+        if b + 1 < row.number:
+            held = notes[mine + TOUCHED_BEFORE] + notes[mine + PINNED] + notes[mine + NOTE_COUNT + PINNED] > 0
+            joined = TOUCH if held or not use_islands or touches_now(run, row, b) else APART
+        notes[mine + JOINED] = joined
+        before = b > 0 and notes[mine - NOTE_COUNT + JOINED] == TOUCH
+        if joined == TOUCH or before:
+            alone = False
+        elif alone:
+            notes[mine - NOTE_COUNT + JOINED] = TOUCH
+            alone = False
+        else:
+            alone = True
+
+
+@njit(**CALLED)
+def join_touching(run, row):
+    """Join solved neighbours that may touch after all, and put them back; returns whether there are any."""
+    no_inline()
+    notes = row.notes
+    found = False
+    for b in range(row.number - 1):
+        solved = notes[b * NOTE_COUNT + SOLVED] > 0 and notes[(b + 1) * NOTE_COUNT + SOLVED] > 0
+        if notes[b * NOTE_COUNT + JOINED] == APART and solved and may_touch(run, row, b):
+            notes[b * NOTE_COUNT + JOINED] = FOUND
+            found = True
+            for side in (b, b + 1):
+                restore(run, row, side)
+    for b in range(row.number - 1):
+        if notes[b * NOTE_COUNT + JOINED] == FOUND:
+            notes[b * NOTE_COUNT + JOINED] = TOUCH
+    return found
+
+
+@njit(**PART)
+def end_segment(row):
+    """End a segment. Neighbours between whom something happened are taken to touch in the next one."""
+    notes = row.notes
+    for b in range(row.number):
+        mine = b * NOTE_COUNT
+        together = notes[mine + JOINED] == TOUCH
+        notes[mine + TOUCHED_BEFORE] = notes[first_of(notes, b) * NOTE_COUNT + ISLAND_EVENTS] if together else 0
+        notes[mine + PINNED] = notes[mine + PINNED_AT_END]

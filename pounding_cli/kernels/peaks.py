@@ -87,7 +87,8 @@ def _shear_peaks(run):
         offset = load(slots, at(b, c.OFFSET))
         first = magnitude(fused(tangent, load(slots, at(b, c.DRIFT0)), offset))
         reach = maximum(first, magnitude(fused(tangent, load(slots, at(b, c.DRIFT1)), offset)))
-        suspects = greater(fused(tangent, load(slots, at(b, c.DRIFT_CHORD_DEVIATION)), reach), peak)
+        deviation = load(slots, at(b, c.DRIFT_CHORD_DEVIATION))
+        suspects = greater(fused(magnitude(tangent), deviation, reach), peak)
         if suspects != 0:
             store(slots, at(b, c.PEAK_SHEAR), maximum(peak, reach))
             suspects &= drift_may_turn(slots, b)

@@ -28,7 +28,7 @@ MOST_TRIES = 40
 SHORTER = 1e-3
 
 SHORTEST = 1e-14
-"""As in `taylor`."""
+"""As in `plain_step`."""
 
 
 @njit(**PART)

@@ -97,7 +97,7 @@ def further(typingctx, place, count):
     return place(place, count), codegen
 
 
-SHORT = 80
+SHORT = 320
 """Doubles of a short array."""
 
 

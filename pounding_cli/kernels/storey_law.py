@@ -17,7 +17,7 @@ from pounding_cli.kernels.simd import no_inline, short_array
 Storeys = namedtuple("Storeys", "branch memory before")
 """The storeys of a sample, by slot: branch, memories (MEMORIES rows), drift at the sample before [m]."""
 
-MOST_EVENTS = 4
+MOST_EVENTS = 8
 """Branches that a storey may leave between two samples, where events are not located."""
 
 

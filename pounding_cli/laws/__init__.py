@@ -16,6 +16,7 @@ from pounding_cli.laws.damper import Damper
 from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.laws.friction import Friction
 from pounding_cli.laws.hertz import Hertz, HertzDamp
+from pounding_cli.laws.imk import PeakOrientedImk, PinchingImk
 from pounding_cli.laws.infill import Infill
 from pounding_cli.laws.jankowski import Jankowski
 from pounding_cli.laws.law import Law, LinkLaw
@@ -39,6 +40,8 @@ BUILT_IN: tuple[type[Law], ...] = (
     BilinearContact,
     Bilinear,
     PeakOriented,
+    PeakOrientedImk,
+    PinchingImk,
     Sway,
     Rocking,
 )

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,15 +27,15 @@ class Operation(IntEnum):
     KEEP = 3  # x goes to the memory of number y
 
 
-MEMORIES = 6
+MEMORIES = 14
 """Numbers that a law may remember of events."""
 
 GIVEN = 3 + MEMORIES
 """Registers that are given: closing, rate, memories, and q where the closing is written so. Operation n fills register
 GIVEN + n; the last one is the force."""
 
-MOST_REGISTERS = 40
-"""Registers that a force may need."""
+MOST_REGISTERS = 160
+"""Registers that a force, or what is remembered of an event, may need."""
 
 _CLOSING, _RATE, _MEMORY, _ROOT = 0, 1, 2, GIVEN - 1
 
@@ -58,6 +59,14 @@ class Expression:
     register: int = 0
     parts: tuple[Expression, ...] = ()
     numbers: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        """Of every part once: an expression may hold another many times over."""
+        return hash((self.operation, self.register, self.parts, self.numbers))
 
     def __add__(self, other: Expression | float) -> Expression:
         if isinstance(other, Expression):
@@ -109,7 +118,7 @@ class Expression:
         a, b, c = self.numbers
         if self.operation is Operation.POWER:
             with np.errstate(divide="ignore"):
-                return a * np.maximum(x, 0.0) ** b
+                return a * np.maximum(x, 0.0) ** b if b else a * np.greater(x, 0.0)
         y = self.parts[-1].at(closing, rate, *memory)
         if self.operation is Operation.LINEAR:
             return a * x + b * y + c
@@ -143,6 +152,26 @@ _Q = Expression(register=_ROOT)
 def square_root(of: Expression) -> Expression:
     """The square root of what stays above zero."""
     return of**0.5
+
+
+def positive_part(of: Expression) -> Expression:
+    """max(x, 0). It has a corner at zero: for what is remembered of an event, not for forces."""
+    return Expression(Operation.POWER, parts=(of,), numbers=(1.0, 1.0, 0.0))
+
+
+def above_zero(of: Expression) -> Expression:
+    """1 where x > 0, else 0; likewise."""
+    return Expression(Operation.POWER, parts=(of,), numbers=(1.0, 0.0, 0.0))
+
+
+def larger(one: Expression, other: Expression | float) -> Expression:
+    """The larger of two; likewise."""
+    return positive_part(one - other) + other
+
+
+def smaller(one: Expression, other: Expression | float) -> Expression:
+    """The smaller of two; likewise."""
+    return one - positive_part(one - other)
 
 
 def operations(force: Expression, root: int = 1) -> tuple[Step, ...]:

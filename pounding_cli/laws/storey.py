@@ -87,6 +87,11 @@ class StoreyLaw(Law):
         return math.isfinite(self.yield_shear)
 
     @property
+    def softest(self) -> float:
+        """The least slope of its shear beyond the yield, over k [-]."""
+        return self.hardening
+
+    @property
     def memories_at_rest(self) -> tuple[float, ...]:
         """What it remembers before anything has moved; memories not named are zero."""
         return ()
@@ -111,14 +116,18 @@ class StoreyLaw(Law):
         return 0.5 * self.shear(branch, drift, *memory) ** 2 / self.stiffness
 
 
-def drift_rises_above(at: float, to: str, of_memory: float = 0.0, memory: int = 0) -> Guard:
+def drift_rises_above(
+    at: float, to: str, of_memory: float = 0.0, memory: int = 0, *sets: tuple[int, Expression]
+) -> Guard:
     """The drift rises above `at` [m] plus a multiple of a memory."""
-    return Guard(Quantity.CLOSING, at, -1.0, to, of_memory=of_memory, memory=memory)
+    return Guard(Quantity.CLOSING, at, -1.0, to, of_memory=of_memory, memory=memory, sets=sets)
 
 
-def drift_falls_below(at: float, to: str, of_memory: float = 0.0, memory: int = 0) -> Guard:
+def drift_falls_below(
+    at: float, to: str, of_memory: float = 0.0, memory: int = 0, *sets: tuple[int, Expression]
+) -> Guard:
     """The drift falls below it."""
-    return Guard(Quantity.CLOSING, at, 1.0, to, of_memory=of_memory, memory=memory)
+    return Guard(Quantity.CLOSING, at, 1.0, to, of_memory=of_memory, memory=memory, sets=sets)
 
 
 def turns_down(to: str, *sets: tuple[int, Expression]) -> Guard:

@@ -66,10 +66,11 @@ def write_report(
             files.append(write_markdown(folder / "claims-sensitivity.md", claim_tables.page(title, columns)))
         drawn = [f"{file_name(name)}.png" for name in figures] if "png" in formats else []
         scaled = match.words if match else ""
-        lines = page.summary(part, judgements, drawn, results.scene(), swept, scaled, own)
+        scene = everything.scene()
+        lines = page.summary(part, judgements, drawn, scene, swept, scaled, own)
         files.append(write_markdown(folder / "summary.md", lines))
         if with_page:
-            files.append(write_page(results, folder, figures, evidences, shown, columns, own))
+            files.append(write_page(results, folder, figures, evidences, shown, columns, own, scene))
     except OSError as error:
         raise unwritable(folder, error) from error
     return files

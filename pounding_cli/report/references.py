@@ -185,6 +185,16 @@ REFERENCES = {
             "Toward SALib 2.0: advancing the accessibility and interpretability of global sensitivity analyses",
             "Socio-Environmental Systems Modelling", "4", "18155", "10.18174/sesmo.18155",
         ),
+        _article(
+            "storn1997", "Storn, R. & Price, K.", 1997,
+            "Differential evolution - a simple and efficient heuristic for global optimization over continuous spaces",
+            "Journal of Global Optimization", "11(4)", "341--359", "10.1023/A:1008202821328",
+        ),
+        _article(
+            "nelder1965", "Nelder, J. A. & Mead, R.", 1965,
+            "A simplex method for function minimization", "The Computer Journal", "7(4)", "308--313",
+            "10.1093/comjnl/7.4.308",
+        ),
         Reference(
             "asce2010", "manual", "American Society of Civil Engineers", 2010,
             "Minimum design loads for buildings and other structures, ASCE/SEI 7-10",

@@ -10,15 +10,28 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding_cli.report import claim_odds
 from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
+from pounding_cli.report.claim_samples import ODDS, THRESHOLDS
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.sensitivity_text import Part, cells, heads, method_of, notes, parts, sentence, spread_sentence
+from pounding_cli.report.sensitivity_text import (
+    Part,
+    cells,
+    heads,
+    method_of,
+    notes,
+    parts,
+    sentence,
+    split_claims,
+    spread_sentence,
+)
 from pounding_cli.report.style import caption, new_figure, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.sensitivity import FOUND, INDICES, OUTPUTS, SAMPLES
+from pounding_cli.store.indices import FOUND
+from pounding_cli.store.sensitivity import INDICES, OUTPUTS, SAMPLES
 
 MOST_OUTPUTS = 6
 """Outputs in one figure; of more, the first are drawn."""
@@ -32,30 +45,41 @@ _LOW, _HIGH, _FIRST, _TOTAL = "#0072B2", "#E69F00", "#56B4E9", "#000000"
 def sensitivity_page(results: Results, shown: Evidence, with_figures: bool = True) -> AnswerPage:
     """What the report of a sensitivity study says, at one point of the other swept keys."""
     answer = results.answer(INDICES)
-    found = list(parts(results, _at(answer.frame, shown)))
+    of_claims, frame = split_claims(_at(answer.frame, shown))
+    found = list(parts(results, frame))
     figures: dict[str, Illustration] = {}
+    grids, lead, said = list[tuple[str, Grid]](), list[str](), list[str]()
+    if claim_odds.asks_claims(results):
+        odds = _at(results.answer(ODDS).frame, shown)
+        lead = claim_odds.lead(odds)
+        grids = claim_odds.grids(odds, _at(results.answer(THRESHOLDS).frame, shown))
+        said = claim_odds.notes(results, odds)
+        if with_figures:
+            drawing = claim_odds.draw_odds(odds, of_claims, shown)
+            figures["sensitivity-claims"] = Illustration(drawing, "How likely each claim holds", " ".join(lead))
     drawn = [part for part in found if part.outcome == FOUND][:MOST_OUTPUTS]
     if with_figures and drawn:
         text = " ".join(map(sentence, drawn))
         figures["sensitivity"] = Illustration(draw_indices(answer, drawn, shown), "What decides the outputs", text)
         samples = results.answer(SAMPLES)
-        said = "Every dot is a sample; the line is the mean of the output along the key."
+        about = "Every dot is a sample; the line is the mean of the output along the key."
         scatter = draw_samples(samples, _at(samples.frame, shown), drawn, shown)
-        figures["sensitivity-samples"] = Illustration(scatter, "The samples", said)
-    grids = [
+        figures["sensitivity-samples"] = Illustration(scatter, "The samples", about)
+    grids += [
         (part.title, Grid(heads(answer), cells(answer, part), range(1, len(heads(answer)))))
         for part in found
         if part.outcome == FOUND
     ]
-    lead = [sentence(part) for part in found]
-    if method_of(answer) == "sobol":
+    lead += [sentence(part) for part in found]
+    if OUTPUTS in results.answers:
         lead += [spread_sentence(row) for row in _at(results.answer(OUTPUTS).frame, shown).to_dict("records")]
-    return AnswerPage("Sensitivity", lead, figures, grids, notes(results))
+    return AnswerPage("Sensitivity", lead, figures, grids, [*said, *notes(results)])
 
 
 def _at(frame: pd.DataFrame, shown: Evidence) -> pd.DataFrame:
     """The rows of the point that is shown; the samples are no point of it."""
-    sampled = set((shown.resolved.get("uncertain") or {}).keys())
+    uncertain = shown.resolved.get("uncertain") or {}
+    sampled = {key for entry in (uncertain if isinstance(uncertain, list | tuple) else [uncertain]) for key in entry}
     for key, value in shown.point.items():
         if key in frame and key not in sampled:
             frame = frame[frame[key] == value]

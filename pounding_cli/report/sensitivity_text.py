@@ -11,7 +11,8 @@ import pandas as pd
 from pounding_cli.numbers import counted
 from pounding_cli.report.evidence import Tables
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.sensitivity import FOUND, INDICES, PERCENTILES
+from pounding_cli.store.indices import FOUND
+from pounding_cli.store.sensitivity import INDICES, PERCENTILES
 
 _HEADS = {
     "sobol": ("key", "first order", "total", "output at its low end", "at its high end"),
@@ -48,6 +49,12 @@ class Part:
 def method_of(answer: Answer) -> str:
     """sobol or morris."""
     return "sobol" if "total" in answer.frame else "morris"
+
+
+def split_claims(frame: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """A table of indices: the rows about claims of the paper, which rest on all cases, and the others."""
+    of_claims = frame["case"] == ""
+    return frame[of_claims], frame[~of_claims]
 
 
 def parts(results: Tables, frame: pd.DataFrame, among: Sequence[str] = ()) -> Iterator[Part]:

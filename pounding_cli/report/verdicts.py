@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from pounding_cli.report.evidence import Evidence
+from pounding_cli.study.claim_names import CLAIMS
 
 
 class Verdict(StrEnum):
@@ -62,16 +63,19 @@ class Claim:
 
     key : short name, in tables
     paper : the paper's words
-    figures : the studies it is about, "fig6" and "fig7"
     rule : the thresholds, in words
     find : the numbers at one point of the sweep
     """
 
     key: str
     paper: str
-    figures: tuple[str, ...]
     rule: str
     find: Callable[[Evidence], Sequence[Finding]]
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The figures it is about, "fig6" and "fig7"."""
+        return CLAIMS[self.key]
 
     def judge(self, evidence: Evidence) -> Judgement:
         """Find the numbers and give the verdict."""

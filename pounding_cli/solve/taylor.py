@@ -155,13 +155,13 @@ def prepare(
     """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
     last three as in `ground.segments`, and a history to enter (`kernels.history`); see `kernels.taylor.build`. It does
     what the scene needs, or looks for everything there is."""
-    from pounding_cli.kernels import taylor
+    from pounding_cli.kernels import scratch, taylor
 
     tolerance = local_tolerance(accuracy)
     row, points, springs = places_of(scene, arrays)
     programs = any(link.law.general for link in scene.links)
     registers = arrays.links.registers if programs else 0
-    doubles, whole = taylor.memory_needed(
+    doubles, whole = scratch.memory_needed(
         row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size
     )
     memory, integers = aligned(doubles), np.zeros(whole, np.int64)

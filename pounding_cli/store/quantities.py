@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,6 +21,66 @@ def values_of(expression: Expression, get: Get, over_motions: str | None = None)
     """
     found = expression(lambda quantity: _value(quantity, get, over_motions))
     return np.where(np.isfinite(found), found, np.nan)
+
+
+def needed(expression: Expression) -> tuple[str, ...]:
+    """The variables of `store.layout` that the values of an expression and their errors rest on."""
+    found = dict.fromkeys(["drift", "acceleration", "max_closing", "error_estimate"])
+    for quantity in expression.quantities:
+        found[quantity.name] = None
+        if ratio := _ratio_of(quantity.name):
+            found |= dict.fromkeys([f"{ratio}_mean", f"{ratio}_mean_error"])
+    return tuple(found)
+
+
+def error_of(expression: Expression, get: Get, over_motions: str) -> np.ndarray:
+    """The numerical error of an expression, at most: what it changes where each of its quantities moves by its own
+    error, all added up; NaN where no scene was solved more finely.  Shape (...), as `values_of`."""
+    total = np.zeros(())
+    for part in expression.quantities:
+        low, high = (expression(_Shifted(part, sign, get, over_motions)) for sign in (-1, 1))
+        total = total + np.abs(high - low) / 2
+    return total
+
+
+@dataclass(frozen=True)
+class _Shifted:
+    """The quantities of an expression, one of them moved by its error."""
+
+    part: Quantity
+    sign: int
+    get: Get
+    over_motions: str
+
+    def __call__(self, quantity: Quantity) -> np.ndarray:
+        return _value(quantity, self._moved if quantity is self.part else self.get, self.over_motions)
+
+    def _moved(self, name: str) -> np.ndarray:
+        values = self.get(name)
+        return values + self.sign * _error(name, self.get) if name == self.part.name else values
+
+
+def _ratio_of(name: str) -> str:
+    """The ratio to the building alone whose error a variable has; "" where it is none."""
+    if name.endswith("_ratio"):
+        return name
+    return {"V0": "V_ratio", "mu0": "mu_ratio", "drift0": "mu_ratio", "acceleration0": "acceleration_ratio"}.get(
+        name, ""
+    )
+
+
+def _error(name: str, get: Get) -> np.ndarray:
+    """The error of a variable, all motions alike where few were solved more finely; NaN where none was."""
+    values = get(name)
+    if ratio := _ratio_of(name):
+        with np.errstate(all="ignore"):
+            share = np.expand_dims(get(f"{ratio}_mean_error") / np.abs(get(f"{ratio}_mean")), -3)
+        return np.abs(values) * share
+    known = get("error_estimate")
+    mean = _reduced("mean", known, np.isfinite(known), (-1,))[..., None]
+    mean = np.where(np.isfinite(known).any(axis=-1, keepdims=True), mean, np.nan)
+    share = np.where(np.isfinite(known), known, mean)
+    return np.abs(values) * share.reshape(*share.shape, *(1,) * (values.ndim - share.ndim))
 
 
 def _value(quantity: Quantity, get: Get, over_motions: str | None) -> np.ndarray:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pounding_cli.store.answers import Column, Read, Table, place_columns
-from pounding_cli.store.quantities import values_of
-from pounding_cli.study.expression import LINK
-from pounding_cli.study.sensitivity import Question, question_of
-from pounding_cli.study.varied import MOTION, choice_of
+from pounding_cli.store.indices import draws, independent_samples, indices
+from pounding_cli.store.quantities import Get, values_of
+from pounding_cli.study.expression import LINK, Expression
+from pounding_cli.study.sensitivity import Question
+from pounding_cli.study.varied import MOTION
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -21,17 +21,7 @@ if TYPE_CHECKING:
 INDICES, OUTPUTS, SAMPLES = "sensitivity", "sensitivity_outputs", "sensitivity_samples"
 """Names of the tables."""
 
-FOUND = "found"
-CONSTANT = "the output does not change"
-"""Outcomes; another one says how many scenes failed."""
-
-SHARE = 0.2
-"""Lowest and highest part of a key's distribution that a tornado compares [-]."""
-
 PERCENTILES = (5, 50, 95)
-
-_AT_ONCE = 2_000_000
-"""Numbers of a bootstrap that are looked at together."""
 
 MEANINGS = {
     "first": "first-order index: part of the variance that this key explains by itself",
@@ -47,182 +37,100 @@ MEANINGS = {
 }
 
 
-def sensitivity_tables(plan: Plan, read: Read) -> list[Table]:
-    """The tables of a plan of `pound sensitivity`."""
-    question = question_of(plan.study)
-    found = _Outputs(plan, read, question)
-    rows = list(_rows(question, found))
-    tables = [Table(INDICES, [_index_columns(plan, question, found, rows)])]
-    if question.spec.method == "sobol":
-        tables.append(Table(OUTPUTS, [_output_columns(plan, question, found)]))
-    return [*tables, Table(SAMPLES, _samples(plan, question, found))]
+@dataclass(frozen=True, eq=False)
+class Series:
+    """A number looked at, over all samples.
 
-
-class _Outputs:
-    """The outputs of all samples.
-
-    values : shape (other points, cases, analyses, outputs, samples)
+    point : number on every other swept axis, from 0
+    case, analysis : where it is; "" where it rests on all of them
+    name : of the output
+    unit : SI
+    values : NaN where a sample gave none, shape (samples,)
     """
 
-    def __init__(self, plan: Plan, read: Read, question: Question) -> None:
-        self.plan, self.question = plan, question
-        self.others = tuple(len(axis.values) for axis in plan.axes[:-1])
-        self._read, self._kept = read, dict[str, np.ndarray]()
-        record = question.record
-        parts = []
-        for output in question.outputs:
-            whole = values_of(output, self._get, question.spec.over_motions if record is None else None)
-            whole = whole.reshape(-1, *whole.shape[len(self.others) :])  # other points, points, cases, analyses, ...
-            taken = whole[:, question.place]
-            if record is not None:
-                taken = np.take_along_axis(taken, record[None, :, None, None, None], axis=-1)[..., 0]
-            parts.append(np.moveaxis(taken, 1, -1))
-        self._kept.clear()
-        self.values = np.stack(parts, axis=3)
+    point: tuple[int, ...]
+    case: str
+    analysis: str
+    name: str
+    unit: str
+    values: np.ndarray
 
-    def _get(self, name: str) -> np.ndarray:
-        if name not in self._kept:
+
+def sensitivity_tables(plan: Plan, read: Read, question: Question, more: Sequence[Series] = ()) -> list[Table]:
+    """The tables of a plan of `pound sensitivity`.
+
+    more : numbers that are looked at beside the outputs of the study
+    """
+    outputs = list(_outputs(plan, read, question))
+    tables = [Table(INDICES, [_index_columns(plan, question, [*outputs, *more])])]
+    if not outputs:
+        return tables
+    if question.spec.method == "sobol":
+        tables.append(Table(OUTPUTS, [_output_columns(plan, question, outputs)]))
+    return [*tables, Table(SAMPLES, _samples(plan, question, outputs))]
+
+
+def _outputs(plan: Plan, read: Read, question: Question) -> Iterator[Series]:
+    """The outputs of all samples, by point, case, analysis and output."""
+    if not question.outputs:
+        return
+    others = tuple(len(axis.values) for axis in plan.axes[:-1])
+    kept: dict[str, np.ndarray] = {}
+
+    def get(name: str) -> np.ndarray:
+        if name not in kept:
             try:
-                self._kept[name] = self._read(name).astype(float)
+                kept[name] = read(name).astype(float)
             except KeyError:  # no case has a link
                 assert name in LINK
-                points = tuple(len(axis.values) for axis in self.plan.axes)
-                shape = (*points, len(self.plan.cases), len(self.plan.analyses), len(self.plan.records), 0)
-                self._kept[name] = np.zeros(shape)
-        return self._kept[name]
+                points = tuple(len(axis.values) for axis in plan.axes)
+                kept[name] = np.zeros((*points, len(plan.cases), len(plan.analyses), len(plan.records), 0))
+        return kept[name]
 
-    @cached_property
-    def places(self) -> list[tuple[int, int, int, int]]:
-        """Other point, case, analysis, output; numbers from 0."""
-        return list(np.ndindex(*self.values.shape[:4]))
-
-    @property
-    def independent(self) -> np.ndarray:
-        """The samples of Sobol that are independent of each other: his matrices A and B, shape (2 x base samples,)."""
-        block = len(self.question.factors) + 2
-        begins = np.arange(self.question.samples) * block
-        return np.concatenate([begins, begins + block - 1])
+    found = np.stack([_of_samples(output, get, question, len(others)) for output in question.outputs], axis=3)
+    for place in np.ndindex(found.shape[:4]):
+        point, case, analysis, number = place
+        output = question.outputs[number]
+        at = tuple(int(n) for n in np.unravel_index(point, others)) if others else ()
+        yield Series(at, plan.cases[case], plan.analyses[analysis], str(output), output.unit, found[place])
 
 
-@dataclass(frozen=True, eq=False)
-class _Row:
-    """A key's part in one output; `numbers` by column."""
+def _of_samples(output: Expression, get: Get, question: Question, others: int) -> np.ndarray:
+    """An output of every sample, shape (other points, cases, analyses, samples)."""
+    if question.drawn is None or question.takes_one:
+        whole = values_of(output, get, None if question.takes_one else question.spec.over_motions)
+        whole = whole.reshape(-1, *whole.shape[others:])  # other points, points, cases, analyses, ...
+        taken = whole[:, question.place]
+        if question.takes_one:
+            taken = np.take_along_axis(taken, question.motion_set[None, :, None, None, None], axis=-1)[..., 0]
+        return np.moveaxis(taken, 1, -1)
+    parts = []
+    for number in np.unique(question.motion_set):
+        motions = question.drawn[number]
+        places = question.place[question.motion_set == number]
 
-    place: tuple[int, int, int, int]
-    factor: int
-    outcome: str
-    failed: int
-    numbers: dict[str, float]
+        def some(name: str, places: np.ndarray = places, motions: np.ndarray = motions) -> np.ndarray:
+            axis = -2 if name in LINK else -3
+            return get(name).take(places, axis=others).take(motions, axis=axis)
 
-
-def _rows(question: Question, found: _Outputs) -> Iterator[_Row]:
-    analyse = _sobol if question.spec.method == "sobol" else _morris
-    for place in found.places:
-        y = found.values[place]
-        failed = int(np.isnan(y).sum())
-        outcome = FOUND if not failed else f"refused: {failed} of {y.size} samples gave no number"
-        if not failed and np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0):
-            outcome = CONSTANT
-        numbers: list[dict[str, float]] = [{} for _ in question.factors]
-        if outcome == FOUND:
-            numbers = analyse(question, y)
-            if question.spec.method == "sobol":
-                for factor, ends in enumerate(_ends(question, found, y)):
-                    numbers[factor] |= ends
-        for factor in range(len(question.factors)):
-            yield _Row(place, factor, outcome, failed, numbers[factor])
+        whole = values_of(output, some, question.spec.over_motions)
+        parts.append(whole.reshape(-1, *whole.shape[others:]))
+    back = np.argsort(np.argsort(question.motion_set, kind="stable"), kind="stable")
+    return np.moveaxis(np.concatenate(parts, axis=1)[:, back], 1, -1)
 
 
-def _sobol(question: Question, y: np.ndarray) -> list[dict[str, float]]:
-    """First-order and total indices with their percentile intervals, drawn base sample by base sample."""
-    from SALib.analyze import sobol
-
-    count, keys = question.samples, len(question.factors)
-    blocks = ((y - y.mean()) / y.std()).reshape(count, keys + 2)
-    a, b = blocks[:, 0], blocks[:, -1]
-    draws = _draws(question, count)
-    found = []
-    tails = 50 * (1 - question.spec.confidence)
-    for factor in range(keys):
-        ab = blocks[:, factor + 1]
-        numbers: dict[str, float] = {}
-        for name, estimate in (("first", sobol.first_order), ("total", sobol.total_order)):
-            numbers[name] = float(estimate(a, ab, b))
-            drawn = np.concatenate([_estimates(estimate, a, ab, b, some) for some in draws()])
-            numbers[f"{name}_low"], numbers[f"{name}_high"] = np.nanpercentile(drawn, [tails, 100 - tails]).tolist()
-        found.append(numbers)
-    return found
-
-
-def _estimates(estimate: Any, a: np.ndarray, ab: np.ndarray, b: np.ndarray, draw: np.ndarray) -> np.ndarray:
-    with np.errstate(invalid="ignore", divide="ignore"):  # a draw in which the output does not change
-        return estimate(a[draw], ab[draw], b[draw])
-
-
-def _draws(question: Question, count: int) -> Callable[[], Iterator[np.ndarray]]:
-    """Yields the numbers of the base samples of all draws, shape (count, some draws); the same ones each time."""
-    step = max(1, _AT_ONCE // count)
-
-    def blocks() -> Iterator[np.ndarray]:
-        random = np.random.default_rng(question.spec.seed)
-        for begin in range(0, question.spec.draws, step):
-            yield random.integers(count, size=(count, min(step, question.spec.draws - begin)))
-
-    return blocks
-
-
-def _morris(question: Question, y: np.ndarray) -> list[dict[str, float]]:
-    from SALib.analyze import morris
-
-    found = morris.analyze(
-        question.problem, question.grid, y, num_resamples=question.spec.draws, conf_level=question.spec.confidence,
-        num_levels=question.levels, seed=question.spec.seed,
-    )  # fmt: skip
-    return [
-        {
-            "mu_star": float(found["mu_star"][factor]),
-            "mu_star_low": float(found["mu_star"][factor] - found["mu_star_conf"][factor]),
-            "mu_star_high": float(found["mu_star"][factor] + found["mu_star_conf"][factor]),
-            "mu": float(found["mu"][factor]),
-            "sigma": float(found["sigma"][factor]),
-        }
-        for factor in range(len(question.factors))
-    ]
-
-
-def _ends(question: Question, found: _Outputs, y: np.ndarray) -> Iterator[dict[str, float]]:
-    """Means of the output at both ends of every key, of a choice at the options where it is least and most, each with
-    its standard error."""
-    y, cube = y[found.independent], question.cube[found.independent]
-    for factor, options in enumerate(question.options):
-        u = cube[:, factor]
-        if options:
-            option = choice_of(u, options)
-            groups = [y[option == number] for number in range(options)]
-            groups = sorted((group for group in groups if group.size), key=lambda group: float(group.mean()))
-        else:
-            groups = [y[u < SHARE], y[u >= 1 - SHARE]]
-        numbers = {"mean": float(y.mean())}
-        for name, here in (("at_low", groups[0]), ("at_high", groups[-1])):
-            numbers[name] = float(here.mean()) if here.size else np.nan
-            numbers[f"{name}_error"] = float(here.std(ddof=1) / np.sqrt(here.size)) if here.size > 1 else np.nan
-        yield numbers
-
-
-def _where(plan: Plan, found: _Outputs, places: list[tuple[int, int, int, int]]) -> list[Column]:
+def where_columns(plan: Plan, series: Sequence[Series]) -> list[Column]:
     """The columns that say where a row stands."""
-    points = list(np.ndindex(*found.others))
-    outputs = found.question.outputs
     return [
-        *place_columns(plan.axes[:-1], [points[place[0]] for place in places]),
-        Column("case", _text([plan.cases[place[1]] for place in places]), "case of the study"),
-        Column("analysis", _text([plan.analyses[place[2]] for place in places]), "elastic or inelastic storeys"),
-        Column("output", _text([str(outputs[place[3]]) for place in places]), "number looked at"),
-        Column("unit", _text([outputs[place[3]].unit for place in places]), "SI unit of the output"),
+        *place_columns(plan.axes[:-1], [each.point for each in series]),
+        Column("case", texts([each.case for each in series]), "case of the study; empty: all of them"),
+        Column("analysis", texts([each.analysis for each in series]), "elastic or inelastic storeys; empty: both"),
+        Column("output", texts([each.name for each in series]), "number looked at"),
+        Column("unit", texts([each.unit for each in series]), "SI unit of the output"),
     ]
 
 
-def _index_columns(plan: Plan, question: Question, found: _Outputs, rows: list[_Row]) -> list[Column]:
+def _index_columns(plan: Plan, question: Question, series: Sequence[Series]) -> list[Column]:
     names = (
         [f"{name}{end}" for name in ("first", "total") for end in ("", "_low", "_high")]
         + ["mean"]
@@ -230,13 +138,20 @@ def _index_columns(plan: Plan, question: Question, found: _Outputs, rows: list[_
         if question.spec.method == "sobol"
         else ["mu_star", "mu_star_low", "mu_star_high", "mu", "sigma"]
     )
+    found = [(each, *indices(question, each.values)) for each in series]
+    rows = [
+        (each, outcome, factor.key, numbers[number])
+        for each, outcome, numbers in found
+        for number, factor in enumerate(question.factors)
+    ]
     confidence = f"{question.spec.confidence:.4g} bootstrap interval"
+    failed = [int(np.isnan(each.values).sum()) for each, *_ in rows]
     columns = [
-        *_where(plan, found, [row.place for row in rows]),
-        Column("key", _text([question.factors[row.factor].key for row in rows]), "key that varies"),
-        Column("outcome", _text([row.outcome for row in rows]), "found, or why there is no index"),
-        Column("failed", np.array([row.failed for row in rows]), "samples without a number", "1"),
-        Column("samples", np.full(len(rows), found.values.shape[-1]), "samples that the index rests on", "1"),
+        *where_columns(plan, [each for each, *_ in rows]),
+        Column("key", texts([key for *_, key, _ in rows]), "key that varies, the first of those that move together"),
+        Column("outcome", texts([outcome for _, outcome, *_ in rows]), "found, or why there is no index"),
+        Column("failed", np.array(failed), "samples without a number", "1"),
+        Column("samples", np.full(len(rows), len(question.cube)), "samples that the index rests on", "1"),
     ]
     for name in names:
         stem = name.removesuffix("_error")
@@ -246,32 +161,30 @@ def _index_columns(plan: Plan, question: Question, found: _Outputs, rows: list[_
             meaning = f"standard error: {meaning}"
         elif name != stem:
             meaning = f"{'low' if name.endswith('_low') else 'high'} end of the {confidence}: {meaning}"
-        pure = stem in ("first", "total")
-        columns.append(
-            Column(name, np.array([row.numbers.get(name, np.nan) for row in rows]), meaning, "1" if pure else "")
-        )
+        data = np.array([numbers.get(name, np.nan) for *_, numbers in rows])
+        columns.append(Column(name, data, meaning, "1" if stem in ("first", "total") else ""))
     return columns
 
 
-def _output_columns(plan: Plan, question: Question, found: _Outputs) -> list[Column]:
+def _output_columns(plan: Plan, question: Question, series: Sequence[Series]) -> list[Column]:
     """Mean, standard deviation and percentiles of every output, with intervals, over the independent samples."""
-    spec, some = question.spec, found.independent
+    spec, some = question.spec, independent_samples(question)
     tails = 50 * (1 - spec.confidence)
     names = ("mean", "deviation", *(f"percentile_{share}" for share in PERCENTILES))
     rows = []
-    for place in found.places:
-        y = found.values[place][some]
-        if np.isnan(found.values[place]).any():
+    for each in series:
+        y = each.values[some]
+        if np.isnan(each.values).any():
             rows.append(dict.fromkeys((f"{name}{end}" for name in names for end in ("", "_low", "_high")), np.nan))
             continue
         numbers = dict(zip(names, _statistics(y).tolist(), strict=True))
-        drawn = np.concatenate([_statistics(y[draw]) for draw in _draws(question, y.size)()], axis=1)
+        drawn = np.concatenate([_statistics(y[draw]) for draw in draws(question, y.size)()], axis=1)
         low, high = np.percentile(drawn, [tails, 100 - tails], axis=1)
         numbers |= {f"{name}_low": value for name, value in zip(names, low.tolist(), strict=True)}
         numbers |= {f"{name}_high": value for name, value in zip(names, high.tolist(), strict=True)}
         rows.append(numbers)
-    columns = _where(plan, found, found.places)
-    failed = [int(np.isnan(found.values[place]).sum()) for place in found.places]
+    columns = where_columns(plan, series)
+    failed = [int(np.isnan(each.values).sum()) for each in series]
     columns.append(Column("failed", np.array(failed), "samples without a number", "1"))
     columns.append(Column("samples", np.full(len(rows), some.size), "independent samples", "1"))
     for name in names:
@@ -288,34 +201,51 @@ def _statistics(y: np.ndarray) -> np.ndarray:
     return np.stack([y.mean(axis=0), y.std(axis=0, ddof=1), *np.percentile(y, PERCENTILES, axis=0)])
 
 
-def _samples(plan: Plan, question: Question, found: _Outputs) -> Iterator[list[Column]]:
-    """All samples with their outputs, in the order of the method; a block for each point, case and analysis."""
+def sample_columns(plan: Plan, question: Question, point: tuple[int, ...]) -> list[Column]:
+    """All samples in the order of the method: number, whether independent, the values of the keys.
+
+    point : on the other swept axes
+    """
     count = len(question.cube)
-    points = list(np.ndindex(*found.others))
-    for other, case, analysis in np.ndindex(*found.values.shape[:3]):
-        columns = [
-            *place_columns(plan.axes[:-1], [points[other]] * count),
-            Column("case", _text([plan.cases[case]] * count), "case of the study"),
-            Column("analysis", _text([plan.analyses[analysis]] * count), "elastic or inelastic storeys"),
-            Column("sample", np.arange(1, count + 1), "number of the sample", "1"),
-            Column("independent", np.isin(np.arange(count), found.independent).astype(int), "1 where independent", "1"),
-        ]
-        for number, factor in enumerate(question.factors):
+    independent = np.isin(np.arange(count), independent_samples(question)).astype(int)
+    columns = [
+        *place_columns(plan.axes[:-1], [point] * count),
+        Column("sample", np.arange(1, count + 1), "number of the sample", "1"),
+        Column("independent", independent, "1 where independent", "1"),
+    ]
+    for number, factor in enumerate(question.factors):
+        if factor.key == MOTION:
+            labels = [question.motion_label(n) for n in question.motion_set]
+            columns.append(Column(MOTION, texts(labels), "ground motions"))
+            continue
+        for member in factor.members:
             u = question.cube[:, number]
-            if factor.key == MOTION:
-                assert question.record is not None
-                columns.append(Column(MOTION, _text([question.motions[n] for n in question.record]), "ground motion"))
-            elif factor.options:
-                labels = _text([factor.labels[int(n)] for n in factor.number(u)])
-                columns.append(Column(factor.key, labels, f"varies: {factor.key}"))
+            if member.options:
+                labels = [member.labels[int(n)] for n in member.number(u)]
+                columns.append(Column(member.key, texts(labels), f"varies: {member.key}"))
             else:
-                unit = factor.unit
-                columns.append(Column(factor.key, factor.number(u), f"varies: {factor.key}", unit.si or "1", unit))
-        for number, output in enumerate(question.outputs):
-            values = found.values[other, case, analysis, number]
-            columns.append(Column(f"output {output}", values, "output", output.unit or "1"))
-        yield columns
+                unit = member.unit
+                columns.append(Column(member.key, member.number(u), f"varies: {member.key}", unit.si or "1", unit))
+    return columns
 
 
-def _text(values: list[str]) -> np.ndarray:
+def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Iterator[list[Column]]:
+    """All samples with their outputs; a block for each point, case and analysis."""
+    blocks: dict[tuple, list[Series]] = {}
+    for each in series:
+        blocks.setdefault((each.point, each.case, each.analysis), []).append(each)
+    for (point, case, analysis), mine in blocks.items():
+        count, keys = len(question.cube), sample_columns(plan, question, point)
+        swept = sum(len(axis.names) for axis in plan.axes[:-1])
+        yield [
+            *keys[:swept],
+            Column("case", texts([case] * count), "case of the study"),
+            Column("analysis", texts([analysis] * count), "elastic or inelastic storeys"),
+            *keys[swept:],
+            *(Column(f"output {each.name}", each.values, "output", each.unit or "1") for each in mine),
+        ]
+
+
+def texts(values: Sequence[str]) -> np.ndarray:
+    """A column of texts."""
     return np.array(values, dtype=object)

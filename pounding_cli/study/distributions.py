@@ -29,6 +29,9 @@ EXAMPLES = {
     "choice": "{choice: [0.4, 0.5]}",
 }
 
+RANGE = "{from: 0.3, to: 0.6}"
+"""A key that is searched over a range."""
+
 _LEAST = 1e-12
 """Probability beyond the last values of a distribution without an end: seven standard deviations from the mean."""
 
@@ -71,14 +74,23 @@ class Distribution:
         return score if self.name == "normal" else np.exp(score)
 
 
+def share_of(found: Distribution, value: float) -> float | None:
+    """The u of a uniform distribution at a value; None beyond its ends."""
+    low, high = found.fields["from"], found.fields["to"]
+    if not low <= value <= high:
+        return None
+    return float(np.log(value / low) / np.log(high / low)) if found.is_log else (value - low) / (high - low)
+
+
 class DistributionReader:
     """Reads the distribution of one key; what is wrong is noted in `problems`.
 
     quantity : what the key takes; None where it takes no number
+    is_range : whether it is searched over a range, which is read as the uniform distribution between its ends
     """
 
-    def __init__(self, key: str, quantity: Quantity | None, problems: Problems) -> None:
-        self.key, self.quantity, self.problems = key, quantity, problems
+    def __init__(self, key: str, quantity: Quantity | None, problems: Problems, is_range: bool = False) -> None:
+        self.key, self.quantity, self.problems, self.is_range = key, quantity, problems, is_range
 
     def read(self, name: str, node: Node) -> Distribution | None:
         """The distribution; None where something is wrong."""
@@ -92,7 +104,8 @@ class DistributionReader:
             quantity = Quantity("multiple of a storey's stiffness", "", "20 x stiffest storey", 0.0, open_low=True)
         elif quantity is None and len(self.problems.found) == before:
             hint = f"write the values to choose from: `{self.key}: {{choice: [...]}}`"
-            self.problems.add(node.mark, f"'{self.key}' takes no number that could be drawn from a distribution", hint)
+            how = "that could be searched over a range" if self.is_range else "that could be drawn from a distribution"
+            self.problems.add(node.mark, f"'{self.key}' takes no number {how}", hint)
         if len(self.problems.found) > before or quantity is None:
             return None
         fields = {field: self._number(field, each, quantity, rule) for field, each in node.value.items()}
@@ -104,17 +117,19 @@ class DistributionReader:
         return found if self._is_sound(found, node, quantity) else None
 
     def _check_fields(self, name: str, node: Node) -> None:
-        example = f"write `{self.key}: {EXAMPLES[name]}`"
+        example = f"write `{self.key}: {RANGE if self.is_range else EXAMPLES[name]}`"
+        what = "the range" if self.is_range else f"'{name}'"
         if not node.is_mapping:
-            self.problems.add(node.mark, f"'{name}' is not a mapping", example)
+            self.problems.add(node.mark, f"{what} is not a mapping", example)
             return
         known = (*NEEDED[name], *_MORE[name])
         for field in node.value:
             if field not in known:
-                self.problems.at(node, (field,), f"unknown key '{field}' in {name}", nearest(field, known), key=True)
+                where = "a range" if self.is_range else name
+                self.problems.at(node, (field,), f"unknown key '{field}' in {where}", nearest(field, known), key=True)
         for field in NEEDED[name] if set(node.value) <= set(known) else ():
             if field not in node.value:
-                self.problems.at(node, (), f"'{name}' lacks '{field}'", example)
+                self.problems.at(node, (), f"{what} lacks '{field}'", example)
         spacing = node.get("spacing")
         if spacing is not None and spacing.value not in ("linear", "log"):
             self.problems.add(spacing.mark, f"spacing: '{spacing.text}' is not known", "write linear or log")
@@ -132,7 +147,8 @@ class DistributionReader:
             return None
         if len({(rule.which, rule.building) for rule in rules}) > 1 or len(said) < len(numbers):
             other = next((each for each in numbers if each not in said), said[-1])
-            what = "all values of a distribution are multiples of one storey's stiffness, or none is"
+            whole = "range" if self.is_range else "distribution"
+            what = f"all values of a {whole} are multiples of one storey's stiffness, or none is"
             self.problems.add(other.mark, what, f"write e.g. `{said[0].text}` for each of them")
         return rules[0]
 

@@ -32,8 +32,8 @@ Links = Callable[[Point, str], tuple[Link, ...] | None]
 alone."""
 
 
-Asks = Callable[[Point, str], bool]
-"""asks(point, record) -> whether the scenes of a motion are wanted there."""
+Asks = Callable[[Point, str, Analysis, str], bool]
+"""asks(point, case, analysis, record) -> whether the scenes of a row are wanted."""
 
 
 def expand(study: Study, links_of: Links | None = None, asks: Asks | None = None) -> Plan:
@@ -69,7 +69,7 @@ def expand(study: Study, links_of: Links | None = None, asks: Asks | None = None
             links = builder.links(point, case)
             shown, linked = seen(links), Digests(buildings, links)
             for (analysis, record), baselines in around.alone.items():
-                if asks is not None and not asks(point, record):
+                if asks is not None and not asks(point, case, analysis, record):
                     rows.add("", ("",) * len(baselines), shown)
                     continue
                 scene = linked.of(motions[record].motion, analysis, tail)

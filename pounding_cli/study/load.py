@@ -20,6 +20,7 @@ from pounding_cli.study import buildings as building_room
 from pounding_cli.study.bracket import with_brackets
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.kinds import refuse_other_kinds
+from pounding_cli.study.motion_reader import MotionReader
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis
 from pounding_cli.study.plausible import few
@@ -145,10 +146,13 @@ def load_study(path: str | Path) -> Study:
     return validated(path, *read_source(path))
 
 
-def validated(path: Path, text: str, root: Node, sampled: SweepAxis | None = None) -> Study:
+def validated(
+    path: Path, text: str, root: Node, sampled: SweepAxis | None = None, reader: MotionReader | None = None
+) -> Study:
     """The study of a tree; `text` is what it says, record files are sought beside `path`. Raises as `load_study`.
 
     sampled : one more axis, whose points nobody wrote: what is unlikely at them is not told
+    reader : of the study's motions, where one has read them already
     """
     file = shortened(path)
     refuse_other_kinds(root, file)
@@ -157,7 +161,7 @@ def validated(path: Path, text: str, root: Node, sampled: SweepAxis | None = Non
     axes = read_axes(root, problems)
     _check_uncertain(root, problems)
     axes = axes if sampled is None else (*axes, sampled)
-    resolver = Resolver(root, axes, file, path.resolve().parent)
+    resolver = Resolver(root, axes, file, reader or MotionReader(path.resolve().parent))
     problems.extend(resolver.problems(resolver.base))
     faulty = bool(problems.found)
     for place, axis in enumerate(axes):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pounding_cli.model.links import LinkPlace
 from pounding_cli.model.scene import Scene
@@ -95,6 +95,9 @@ class Plan:
     kept : rows whose scenes are kept over time, every `every` seconds
     workflow : what is asked of the scenes, a key of WORKFLOWS
     harder : whether a scene that fails is solved once more, more finely
+    state : what a workflow in rounds keeps from one to the next
+    first : the plan of the first round, where it decides what all rounds ask for; None in that round itself, and where
+        rows say it
     """
 
     study: Study
@@ -115,6 +118,8 @@ class Plan:
     time_step: float | None = None
     workflow: str = "run"
     harder: bool = False
+    state: Any = None
+    first: Plan | None = None
 
     def shown(self, row: Row) -> dict[str, str]:
         """The swept values of a row, by key, in the units of the study."""

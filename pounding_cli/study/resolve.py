@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -52,10 +51,10 @@ class Resolver:
     Every answer keeps the problems met on the way; `problems` tells them; answers are whole where none are.
     """
 
-    def __init__(self, root: Node, axes: tuple[SweepAxis, ...], file: str, folder: Path) -> None:
+    def __init__(self, root: Node, axes: tuple[SweepAxis, ...], file: str, reader: MotionReader) -> None:
         self.root, self.axes, self.file = root, axes, file
         self.warnings = Problems(file)
-        self.reader = MotionReader(folder)
+        self.reader = reader
         self.base: Point = (-1,) * len(axes)
         self._touched = [touched_by(axis, root) for axis in axes]
         self._found: OrderedDict[tuple[Any, ...], tuple[Any, tuple[Problem, ...]]] = OrderedDict()

@@ -26,11 +26,14 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray) -> St
     ------
     InputError : the study is not sound at one of them
     """
-    names = tuple(factor.key for factor in factors)
-    nodes = tuple(tuple(factor.node(u) for factor, u in zip(factors, row, strict=True)) for row in points.tolist())
-    axis = SweepAxis(names, nodes, tuple(factor.unit for factor in factors))
+    members = [member for factor in factors for member in factor.members]
+    nodes = tuple(
+        tuple(member.node(u) for factor, u in zip(factors, row, strict=True) for member in factor.members)
+        for row in points.tolist()
+    )
+    axis = SweepAxis(tuple(member.key for member in members), nodes, tuple(member.unit for member in members))
     try:
-        found = validated(study.path, study.text, study.resolver.root, axis)
+        found = validated(study.path, study.text, study.resolver.root, axis, study.resolver.reader)
     except InputError as error:
         raise _few(error, len(points)) from None
     return dataclasses.replace(found, warnings=study.warnings, from_data=study.from_data, written=study)
@@ -54,7 +57,9 @@ def distinct(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray,
     kept: list[int] = []
     places = np.empty(len(points), dtype=int)
     for number, row in enumerate(points.tolist()):
-        values = tuple(repr(factor.node(u).plain()) for factor, u in zip(factors, row, strict=True))
+        values = tuple(
+            repr(member.node(u).plain()) for factor, u in zip(factors, row, strict=True) for member in factor.members
+        )
         if values not in first:
             first[values] = len(kept)
             kept.append(number)

@@ -420,9 +420,14 @@ _BRACKET_FORM = {
     "title": "Bracket",
     "examples": ["impact.stiffness"],
 }
-_UNCERTAIN_FORM = {
+_UNCERTAIN_KEYS = {
     "type": "object",
-    "additionalProperties": {"anyOf": [{"const": "any"}, {"type": "object", "minProperties": 1, "maxProperties": 1}]},
+    "additionalProperties": {
+        "anyOf": [{"enum": ["any", "bootstrap"]}, {"type": "object", "minProperties": 1, "maxProperties": 1}]
+    },
+}
+_UNCERTAIN_FORM = {
+    "anyOf": [_UNCERTAIN_KEYS, {"type": "array", "items": _UNCERTAIN_KEYS}],
     "title": "Uncertain",
     "examples": [{"impact.restitution": {"uniform": {"from": 0.4, "to": 0.65}}, "motion": "any"}],
 }
@@ -471,7 +476,8 @@ class _StudyModel(Model):
     uncertain: Annotated[Any, WithJsonSchema(_UNCERTAIN_FORM)] = optional(
         None,
         description="dotted keys with the distribution of each: `uniform`, `normal`, `lognormal`, `triangular` or "
-        "`choice`; `motion: any` chooses one of the motions",
+        "`choice`; `motion: any` chooses one of the motions, `motion: bootstrap` draws as many anew; the keys of one "
+        "list entry move together",
     )
     bracket: Annotated[Any, WithJsonSchema(_BRACKET_FORM)] = optional(
         None,

@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from pounding_cli.study.claim_names import claims_about
 from pounding_cli.study.expand import expand
 from pounding_cli.study.expression import Expression, NotUnderstood, read_expression
 from pounding_cli.study.load import Study
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.problems import Problems
+from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.resolve import places
 from pounding_cli.study.sampled import at_points, distinct
-from pounding_cli.study.sensitivity_keys import SensitivitySpec
+from pounding_cli.study.sensitivity_keys import ALL, SensitivitySpec
 from pounding_cli.study.varied import MOTION, Factor, choice_of, read_uncertain
 
 SAMPLES = {"sobol": 256, "morris": 32}
@@ -35,12 +36,14 @@ class Question:
     spec : its section
     factors : the keys that vary, the choice of motion among them
     outputs : the numbers looked at
+    claims : the statements looked at
     motions : names of the motions
     """
 
     spec: SensitivitySpec
     factors: tuple[Factor, ...]
     outputs: tuple[Expression, ...]
+    claims: tuple[str, ...]
     motions: tuple[str, ...]
 
     @property
@@ -55,7 +58,7 @@ class Question:
 
     @property
     def motion(self) -> int | None:
-        """The number of the factor that chooses the motion; None where every motion is run at every point."""
+        """The number of the factor that chooses the motions; None where every sample rests on all of them."""
         return next((n for n, factor in enumerate(self.factors) if factor.key == MOTION), None)
 
     @property
@@ -67,7 +70,9 @@ class Question:
     @property
     def options(self) -> tuple[int, ...]:
         """How many values each factor chooses from; 0 of a continuous one."""
-        return tuple(len(self.motions) if factor.key == MOTION else factor.options for factor in self.factors)
+        return tuple(
+            factor.options or len(self.motions) if factor.key == MOTION else factor.options for factor in self.factors
+        )
 
     @property
     def problem(self) -> dict[str, Any]:
@@ -116,9 +121,34 @@ class Question:
         return self._distinct[1]
 
     @property
-    def record(self) -> np.ndarray | None:
-        """Of every sample the number of its motion, shape (samples,); None: all."""
-        return None if self.motion is None else choice_of(self.cube[:, self.motion], len(self.motions))
+    def takes_one(self) -> bool:
+        """Whether every sample rests on one motion."""
+        return self.motion is not None and not self.factors[self.motion].options
+
+    @cached_property
+    def drawn(self) -> np.ndarray | None:
+        """The motions that every sample may rest on, one set a line, shape (sets, motions of a set); None: all."""
+        if self.motion is None:
+            return None
+        count = len(self.motions)
+        if self.takes_one:
+            return np.arange(count)[:, None]
+        random = np.random.default_rng(self.spec.seed)
+        return np.sort(random.integers(count, size=(self.options[self.motion], count)), axis=1)
+
+    @property
+    def motion_set(self) -> np.ndarray:
+        """Of every sample its line of `drawn`, shape (samples,); 0 where there is no choice."""
+        if self.motion is None:
+            return np.zeros(len(self.cube), dtype=int)
+        return choice_of(self.cube[:, self.motion], self.options[self.motion])
+
+    def motion_label(self, number: int) -> str:
+        """A line of `drawn` in words: the motions, with a factor where one was drawn more than once."""
+        assert self.drawn is not None
+        counts = np.bincount(self.drawn[number], minlength=len(self.motions))
+        named = zip(self.motions, counts.tolist(), strict=True)
+        return " + ".join(name if count == 1 else f"{count} {name}" for name, count in named if count)
 
 
 def expand_sensitivity(study: Study) -> Plan:
@@ -130,12 +160,11 @@ def expand_sensitivity(study: Study) -> Plan:
     """
     question = question_of(study)
     sampled = at_points(study, question.keys, question.points)
-    record = question.record
-    if record is None:
+    if not question.takes_one:
         plan = expand(sampled)
     else:
-        wanted = set(zip(question.place.tolist(), (question.motions[n] for n in record), strict=True))
-        plan = expand(sampled, asks=lambda point, name: (point[-1], name) in wanted)
+        wanted = set(zip(question.place.tolist(), (question.motions[n] for n in question.motion_set), strict=True))
+        plan = expand(sampled, asks=lambda point, _case, _analysis, name: (point[-1], name) in wanted)
     return dataclasses.replace(plan, workflow="sensitivity", harder=True)
 
 
@@ -160,12 +189,35 @@ def question_of(study: Study) -> Question:
     if study.model.keep is not None:
         what = "histories cannot be kept of samples"
         problems.at(root, ("keep",), what, "remove `keep:`; `pound run` keeps those of chosen points", key=True)
-    outputs = expressions(study, "sensitivity", "outputs", spec.outputs, problems)
-    question = Question(spec, tuple(factors), outputs, motions)
+    claims = _claims(study, spec, problems)
+    outputs = (
+        expressions(study, "sensitivity", "outputs", spec.outputs, problems) if spec.outputs or not spec.claims else ()
+    )
+    question = Question(spec, tuple(factors), outputs, claims, motions)
     if factors:
         _check_samples(question, root, problems)
     problems.refuse()
     return question
+
+
+def _claims(study: Study, spec: SensitivitySpec, problems: Problems) -> tuple[str, ...]:
+    """The claims that are asked for, in the order of the report."""
+    root, about = study.resolver.root, claims_about(study.model.claims)
+    if not spec.claims:
+        return ()
+    at = ("sensitivity", "claims")
+    if study.model.claims is None:
+        hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
+        problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
+        return ()
+    node = root.get(*at)
+    for number, name in enumerate(spec.claims):
+        path = (*at, number) if node is not None and node.is_list else at
+        if name != ALL and name not in about:
+            problems.at(root, path, f"'{name}' is no claim about {study.model.claims}", nearest(name, about))
+        if spec.claims.index(name) < number:
+            problems.at(root, path, f"'{name}' stands twice", "remove one of the two")
+    return about if ALL in spec.claims else tuple(name for name in about if name in spec.claims)
 
 
 def _check_samples(question: Question, root: Any, problems: Problems) -> None:

@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from pounding_cli.study.base import Model, optional
+from pounding_cli.study.claim_names import CLAIMS
+from pounding_cli.study.problems import nearest
 from pounding_cli.study.shares import CONFIDENCE
 from pounding_cli.study.units import TextForm, refuse, whole_number
+
+ALL = "all"
+"""Every claim about the figure of the study."""
 
 SEED = Annotated[int, whole_number(1, 2**31 - 1)]
 
@@ -29,6 +34,22 @@ else:
     Outputs = Annotated[_Several | _Only, _EITHER]
 
 
+def _read_claim(value: Any) -> str:
+    if value not in (ALL, *CLAIMS):
+        shown = f"'{value[:60]}'" if isinstance(value, str) else "this"
+        raise refuse(f"{shown} is not a claim", nearest(str(value), (ALL, *CLAIMS)))
+    return str(value)
+
+
+_CLAIM = TextForm(_read_claim, "name of a claim, or `all`", ("all", "infill-response"))
+_Claims = Annotated[tuple[Annotated[str, _CLAIM], ...], Field(max_length=50), Tag("list")]
+_OneClaim = Annotated[Annotated[str, _CLAIM], AfterValidator(lambda text: (text,)), Tag("one")]
+if TYPE_CHECKING:
+    ClaimNames = tuple[str, ...]
+else:
+    ClaimNames = Annotated[_Claims | _OneClaim, _EITHER]
+
+
 class SensitivitySpec(Model):
     """What `pound sensitivity` is asked."""
 
@@ -36,6 +57,11 @@ class SensitivitySpec(Model):
         (),
         description="numbers that are looked at, one or a list: a column of the tables, `largest`, `smallest` or "
         "`mean` over its storeys (`largest` unless written), `in BUILDING`, `storey N`; arithmetic, `max`, `min`",
+    )
+    claims: ClaimNames = optional(
+        (),
+        description="statements of the paper whose probability is sought, one or a list, or `all` about the figure "
+        "that `claims:` of the study names",
     )
     method: Literal["sobol", "morris"] = optional(
         "sobol",
@@ -50,6 +76,6 @@ class SensitivitySpec(Model):
     confidence: Annotated[float, CONFIDENCE] = optional("95 %", description="confidence of all intervals")
     draws: Annotated[int, whole_number(100, 100_000)] = optional(1000, description="draws of the bootstrap")
     over_motions: Literal["mean", "largest"] = optional(
-        "mean", description="what is taken of the motions, storey by storey, unless the motion is a key that varies"
+        "mean", description="what is taken of the motions, storey by storey, unless each sample has one motion"
     )
     seed: SEED = optional(1, description="seed of samples and draws")

@@ -18,6 +18,7 @@ from pounding_cli.study.data import at_keys, tree_of
 from pounding_cli.study.facing import COLUMNS, facing
 from pounding_cli.study.link_laws import Group
 from pounding_cli.study.links import links_of
+from pounding_cli.study.motion_reader import MotionReader
 from pounding_cli.study.problems import Problems
 from pounding_cli.study.resolve import Resolver, places
 from pounding_cli.study.units import Quantity
@@ -86,7 +87,7 @@ def _resolver(data: Mapping[str, Any], inside: str) -> Iterator[Resolver]:
     root = tree_of(data, _FILE)
     try:
         with at_keys(root, _FILE):
-            yield Resolver(root, (), str(_FILE), Path())
+            yield Resolver(root, (), str(_FILE), MotionReader(Path()))
     except InputError as refused:
         raise InputError([_told_once(replace(p, file=p.file.removeprefix(inside))) for p in refused.problems]) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,10 +11,18 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.numbers import Unit
-from pounding_cli.study.distributions import EXAMPLES, NEEDED, DistributionReader, lacks_unit
+from pounding_cli.study.distributions import (
+    EXAMPLES,
+    NEEDED,
+    RANGE,
+    Distribution,
+    DistributionReader,
+    lacks_unit,
+    share_of,
+)
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.ranges import number_node
-from pounding_cli.study.rules import StiffnessRule
+from pounding_cli.study.rules import StiffnessRule, read_stiffness
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Mark, Node
 from pounding_cli.study.sweep import is_sweepable
@@ -21,7 +30,13 @@ from pounding_cli.study.units import Quantity
 from pounding_cli.study.written import quantity_of, unit_of
 
 MOTION = "motion"
-"""The key that stands for the choice among the motions of the study."""
+"""The key that stands for the choice of motions."""
+
+ANY, BOOTSTRAP = "any", "bootstrap"
+"""What it chooses: one of the motions, or as many as there are, drawn anew with replacement."""
+
+DRAWN_SETS = 64
+"""Different sets of motions of a bootstrap."""
 
 CHOICE = "choice"
 DISTRIBUTIONS = (*NEEDED, CHOICE)
@@ -38,6 +53,9 @@ class Factor:
     number : (u, shape (n,)) -> values in SI, the multiple of a storey's stiffness, or the number of the option
     node : u -> what stands in the study
     labels : of the options
+    spacing : of a range, linear or log
+    place : a node of the file -> its u; None where it lies outside a range or among no options, and of a distribution
+    together : further keys of the study that move with it, by the same u
     """
 
     key: str
@@ -47,6 +65,14 @@ class Factor:
     number: Callable[[np.ndarray], np.ndarray]
     node: Callable[[float], Node]
     labels: tuple[str, ...] = ()
+    place: Callable[[Node], float | None] = lambda node: None
+    spacing: str = ""
+    together: tuple[Factor, ...] = ()
+
+    @property
+    def members(self) -> tuple[Factor, ...]:
+        """Itself and those that move with it."""
+        return (self, *self.together)
 
 
 def choice_of(u: np.ndarray, options: int) -> np.ndarray:
@@ -55,30 +81,48 @@ def choice_of(u: np.ndarray, options: int) -> np.ndarray:
 
 
 def read_uncertain(node: Node, root: Node, problems: Problems) -> list[Factor]:
-    """The keys under `uncertain:`; what is wrong is noted in `problems`."""
-    found = []
-    for key, mark, value in _keys("uncertain", node, root, problems, EXAMPLES["uniform"]):
-        if key == MOTION:
-            if value.value == "any":
-                found.append(_motion(mark, value))
-            else:
-                problems.add(
-                    value.mark, f"motion: '{value.text}' is not known", "write `motion: any`: each is as likely"
-                )
-        elif is_sweepable(key, mark, root, problems, "the key"):
-            found += _factor(key, mark, value, problems)
+    """The keys under `uncertain:`; those of one entry of a list move together. What is wrong is noted in `problems`."""
+    entries = node.value if node.is_list else [node]
+    found, seen = list[Factor](), dict[str, int]()
+    for entry in entries:
+        mine = list[Factor]()
+        for key, mark, value in _keys("uncertain", entry, root, problems, EXAMPLES["uniform"]):
+            if key in seen:
+                problems.add(mark, f"'{key}' is also in line {seen[key]}", "remove one of the two")
+            elif key == MOTION:
+                mine += _motion(mark, value, problems)
+            elif is_sweepable(key, mark, root, problems, "the key"):
+                mine += _factor(key, mark, value, problems)
+            seen.setdefault(key, mark[0])
+        found += _together(mine, problems) if node.is_list else mine
     return found
+
+
+def _together(factors: list[Factor], problems: Problems) -> list[Factor]:
+    """One factor of several keys; none where they cannot move together."""
+    if len(factors) < 2:
+        return factors
+    first, others = factors[0], factors[1:]
+    for other in others:
+        if other.key == MOTION or first.key == MOTION:
+            problems.add(other.mark, "the motion moves by itself", "write `- motion: ...` as an entry of its own")
+            return []
+        if other.options != first.options:
+            what = f"keys that move together need as many options each: {first.key} has {first.options or 'a range'}"
+            problems.add(other.mark, f"{what}, {other.key} {other.options or 'a range'}", "give as many of each")
+            return []
+    return [dataclasses.replace(first, together=tuple(others))]
 
 
 def read_searched(section: str, node: Node, root: Node, problems: Problems) -> list[Factor]:
     """Keys that are searched over a range, or chosen: {from: 1, to: 5}, {choice: [1, 2]}; wrong ones are noted."""
     found = []
-    for key, mark, value in _keys(section, node, root, problems, "{from: 0.3, to: 0.6}"):
+    for key, mark, value in _keys(section, node, root, problems, RANGE):
         if not is_sweepable(key, mark, root, problems, "the key"):
             continue
-        if value.get(CHOICE) is None:  # a range is what a uniform distribution is drawn from
+        if not value.is_mapping or CHOICE not in value.value:  # a range is what a uniform distribution is drawn from
             value = Node({"uniform": value}, value.mark, value.text, {"uniform": value.mark})
-        found += _factor(key, mark, value, problems)
+        found += _factor(key, mark, value, problems, is_range=True)
     return found
 
 
@@ -104,16 +148,23 @@ def _swept(root: Node) -> dict[str, int]:
     return {key: mark[0] for holder in holders for key, mark in (holder.keys or {}).items()}
 
 
-def _motion(mark: Mark, node: Node) -> Factor:
-    """The choice of motion, which is no key of the file; how many there are to choose from is not known here."""
-    return Factor(MOTION, mark, 0, Unit(), lambda u: u, lambda u: node)
+def _motion(mark: Mark, node: Node, problems: Problems) -> list[Factor]:
+    """The choice of motions, which is no key of the file; how many there are to choose from is not known here."""
+    if node.value not in (ANY, BOOTSTRAP):
+        hint = "write `motion: any` (one of them) or `motion: bootstrap` (as many, drawn with replacement)"
+        problems.add(node.mark, f"motion: '{node.text}' is not known", hint)
+        return []
+    options = DRAWN_SETS if node.value == BOOTSTRAP else 0
+    return [Factor(MOTION, mark, options, Unit(), lambda u: u, lambda u: node)]
 
 
-def _factor(key: str, mark: Mark, node: Node, problems: Problems) -> list[Factor]:
+def _factor(key: str, mark: Mark, node: Node, problems: Problems, is_range: bool = False) -> list[Factor]:
     names = list(node.value) if node.is_mapping else []
     if len(names) != 1:
         what = "has more than one distribution" if names else "has no distribution"
         hint = f"write one of {', '.join(DISTRIBUTIONS)}, e.g. `{key}: {EXAMPLES['uniform']}`"
+        if is_range:
+            what, hint = "has more than its choice", f"write `{key}: {EXAMPLES[CHOICE]}` or `{key}: {RANGE}`"
         problems.add(node.mark, f"'{key}' {what}", hint)
         return []
     name, below = names[0], node.value[names[0]]
@@ -123,9 +174,15 @@ def _factor(key: str, mark: Mark, node: Node, problems: Problems) -> list[Factor
     quantity = quantity_of(StudyModel, key.split("."))
     if name == CHOICE:
         return _choice(key, mark, below, quantity, problems)
-    found = DistributionReader(key, quantity, problems).read(name, below)
+    found = DistributionReader(key, quantity, problems, is_range).read(name, below)
     if found is None:
         return []
+
+    spacing = ("log" if found.is_log else "linear") if is_range else ""
+
+    def place(written: Node) -> float | None:
+        return _place(found, quantity, written) if is_range else None
+
     if found.rule is not None:
         of, storey = found.rule.building, f"x {found.rule.which} storey"
         which = found.rule.which
@@ -134,9 +191,29 @@ def _factor(key: str, mark: Mark, node: Node, problems: Problems) -> list[Factor
             text = str(StiffnessRule(float(found(u)), which, of))
             return Node(text, mark, text)
 
-        return [Factor(key, mark, 0, Unit(f"{storey} of {of}" if of else storey), found, multiple)]
+        return [Factor(key, mark, 0, Unit(f"{storey} of {of}" if of else storey), found, multiple, (), place, spacing)]
     unit = unit_of(StudyModel, key.split("."), list(below.value.values()))
-    return [Factor(key, mark, 0, unit, found, lambda u: number_node(unit.number(float(found(u))), unit.name, mark))]
+
+    def number(u: float) -> Node:
+        return number_node(unit.number(float(found(u))), unit.name, mark)
+
+    return [Factor(key, mark, 0, unit, found, number, (), place, spacing)]
+
+
+def _place(found: Distribution, quantity: Quantity | None, written: Node) -> float | None:
+    """The u of what the file says, where that lies in the range."""
+    try:
+        if found.rule is None:
+            value = quantity.read(written.plain()) if quantity is not None else None
+        else:
+            rule = read_stiffness(written.value)
+            is_same = isinstance(rule, StiffnessRule) and (rule.which, rule.building) == (
+                found.rule.which, found.rule.building,
+            )  # fmt: skip
+            value = rule.factor if is_same else None  # type: ignore[union-attr]
+    except PydanticCustomError:
+        return None
+    return share_of(found, float(value)) if isinstance(value, int | float) else None
 
 
 def _choice(key: str, mark: Mark, node: Node, quantity: Quantity | None, problems: Problems) -> list[Factor]:
@@ -158,10 +235,16 @@ def _choice(key: str, mark: Mark, node: Node, quantity: Quantity | None, problem
         seen[same] = option.text
     unit = unit_of(StudyModel, key.split("."), options)
     count, labels = len(options), tuple(option.text or str(option.plain()) for option in options)
+    numbers = {same: number for number, same in enumerate(seen)}
+
+    def place(written: Node) -> float | None:
+        same = _same(written, quantity)
+        return (numbers[same] + 0.5) / count if same in numbers else None
+
     return [
         Factor(
             key, mark, count, unit, lambda u: choice_of(u, count).astype(float),
-            lambda u: options[int(choice_of(np.asarray(u), count))], labels,
+            lambda u: options[int(choice_of(np.asarray(u), count))], labels, place,
         )
     ]  # fmt: skip
 

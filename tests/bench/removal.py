@@ -19,7 +19,7 @@ PARTS = {
     "peaks": ("track",),
     "energy ledger and peaks": ("account", "track"),
 }
-"""What is left out, and the functions of `kernels.taylor` that do it."""
+"""What is left out, and the functions that do it in `kernels.plain_step`."""
 
 TURNS = 12
 """Turns that the process of every kernel has; the least of its times counts."""
@@ -59,7 +59,7 @@ def _serve(functions: list[str]) -> None:
     """Time the scene with these functions of the kernel empty whenever a line comes in."""
     from numba import njit
 
-    from pounding_cli.kernels import taylor
+    from pounding_cli.kernels import plain_step
     from pounding_cli.kernels.layout import PART
     from pounding_cli.solve import solve
 
@@ -71,8 +71,8 @@ def _serve(functions: list[str]) -> None:
         return None
 
     for name in functions:
-        getattr(taylor, name)  # an AttributeError here says that the kernel's parts have other names by now
-        setattr(taylor, name, nothing)
+        getattr(plain_step, name)  # an AttributeError here says that the kernel's parts have other names by now
+        setattr(plain_step, name, nothing)
     scene = scenes.touching("elastic")
     for _ in sys.stdin:
         (seconds,) = least((in_solver(lambda: solve(scene, 1e-6, "taylor")),), budget=0.3)

@@ -36,7 +36,7 @@ GROUPS = {
     "peaks": ("peaks.", "polynomial.highest", "polynomial._turn", "polynomial.slope", "polynomial.value"),
     "steps that were shortened": ("recurrence.rescale", "recurrence.shrink"),
     "links at a step's start": ("link_series.",),
-    "steps and segments": ("taylor.", "islands.", "cells."),
+    "steps and segments": ("taylor.", "plain_step.", "scratch.", "islands.", "cells."),
 }  # fmt: skip
 """Parts of a step by the functions that do them (`kernels/`); of several that fit, the longest name counts."""
 

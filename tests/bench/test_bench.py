@@ -7,7 +7,7 @@ import importlib
 import numpy as np
 import pytest
 
-from pounding_cli.kernels import taylor
+from pounding_cli.kernels import plain_step
 from pounding_cli.study import expand, load_study
 
 from . import batch, growth, modal, page, removal, sampling, scenes, sweep
@@ -82,7 +82,7 @@ def test_what_a_batch_costs_a_scene():
 def test_what_is_left_out_is_in_the_kernel():
     """Fails if a part of the kernel has another name by now: then the profile has to follow."""
     for functions in removal.PARTS.values():
-        assert all(hasattr(taylor, name) for name in functions), functions
+        assert all(hasattr(plain_step, name) for name in functions), functions
 
 
 def test_what_is_sampled_is_in_the_kernel():

@@ -147,8 +147,12 @@ def stand_in(folder: Path) -> None:
     for path in (folder / "configs").rglob("*.yaml"):
         study = yaml.safe_load(path.read_text(encoding="utf-8"))
         if "records" in study:
-            study["records"] |= {"use": study["records"]["use"][:1], "duration": "3 s"}
+            use = study["records"]["use"][: 2 if "uncertain" in study else 1]
+            study["records"] |= {"use": use, "duration": "3 s"}
             study |= {"accuracy": 1e-3, "estimate": "none"}
+        if "uncertain" in study:
+            study["uncertain"] = [entry for entry in study["uncertain"] if "records.duration" not in entry]
+            study["sensitivity"]["samples"] = 4
         if "mesh" in study or "wall" in study:
             study |= {"mesh": {"size": "1 m"}, "time": {"end": "20 ms"}}
             study["sweep"] = {"contact.over": ["patch"]}

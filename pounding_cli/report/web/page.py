@@ -12,13 +12,14 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from matplotlib.figure import Figure
 
 from pounding_cli import __version__
 from pounding_cli.numbers import counted
 from pounding_cli.report.answer_page import AnswerPage
 from pounding_cli.report.claim_tables import Column
-from pounding_cli.report.evidence import Evidence, Tables, motion_label, motion_sentence
+from pounding_cli.report.evidence import Evidence, Tables, axis_keys, motion_label, motion_sentence
 from pounding_cli.report.figures import drawn_part
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
@@ -30,6 +31,7 @@ from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, SPECTRUM, pictures
 from pounding_cli.report.web.sweep import sweep_data
 from pounding_cli.store import flag_groups_of
+from pounding_cli.workflows import WORKFLOWS
 
 PAGE = "report.html"
 """File name of the page."""
@@ -52,6 +54,7 @@ def write_page(
     shown: Evidence,
     columns: Sequence[Column],
     own: AnswerPage | None = None,
+    scene: pd.DataFrame | None = None,
 ) -> Path:
     """Write `report.html` of one study into an existing folder.
 
@@ -59,9 +62,11 @@ def write_page(
     evidences, shown : every point of the sweep, and the one the figures are of
     columns : the judgements at every point, headed by it
     own : what the workflow says in place of the ratios to the building alone
+    scene : the scenes of the whole study, where `results` holds one of many samples
     """
     judgements = next((judged for where, judged in columns if where == shown.label), columns[0][1])
-    scene = results.scene()
+    scene = results.scene() if scene is None else scene
+    is_sampled = WORKFLOWS[results.workflow].sampled
     everything = shown
     if (drawn := drawn_part(shown)) is not shown:
         evidences = [drawn if evidence is shown else evidence.only(drawn.cases) for evidence in evidences]
@@ -89,6 +94,7 @@ def write_page(
         "sentence": motion_sentence(shown.records),
         "motion_label": motion_label(shown.records),
         "swept": len(evidences) > 1 and not own,
+        "samples": _points(scene) if is_sampled else 0,
         "points": len(evidences),
         "points_carried": len(chosen),
         "answer": None if own else answer(shown),
@@ -108,7 +114,7 @@ def write_page(
         "failures": story.failures(scene, shown.units),
         "runs": len(scene),
         "scenes": results.attrs.get("scenes"),
-        "trust": story.trust(shown.scene),
+        "trust": story.trust(scene if is_sampled else shown.scene),
         "accuracy": accuracy_beside(
             getattr(results, "path", None), results.title, Path(str(results.attrs.get("study_file", ""))).name
         ),
@@ -121,6 +127,11 @@ def write_page(
         "command": f"pound {results.workflow} STUDY.yaml",
     }
     return render(folder / PAGE, "study.html.j2", content)
+
+
+def _points(scene: pd.DataFrame) -> int:
+    """The different points of the swept keys."""
+    return len(scene[axis_keys(scene)].drop_duplicates())
 
 
 def render(path: Path, template: str, content: Mapping[str, Any]) -> Path:

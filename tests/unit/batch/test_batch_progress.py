@@ -119,16 +119,15 @@ def test_the_choice_follows_where_it_is_shown(monkeypatch):
 
 
 def test_rounds_are_counted_together(clock):
-    """The second round finds the 20 scenes of the first solved, and 5 that a former run left."""
+    """The second round finds the 20 scenes of the first solved, and 5 that a former run left. Rounds may be many: they
+    are told together."""
     stream = io.StringIO()
     lines = Lines(stream)
     for total, found in ((20, 3), (40, 28)):
         lines.start(total, found)
         lines.step(total, 0)
-        lines.stop()
+    lines.stop()
     assert stream.getvalue().splitlines() == [
         "20 scenes to solve (3 already solved)",
-        "20 done, 0 failed, 3 reused, 0 left",
-        "40 more scenes to solve",
         "60 done, 0 failed, 8 reused, 0 left",
     ]

@@ -68,6 +68,10 @@ IMPACT = {"anagnostopoulos1992", *DASHPOT}
         ((("[stiff, soft]", "[unused, soft]"),), {*IMPACT, "ubc1994"}),
         ((("[stiff, soft]", "[soft, soft]"),), IMPACT),
         ((("soft: {", "soft: {storey_law: peak-oriented, "),), {*IMPACT, "ubc1991", "clough1966", "ibarra2005"}),
+        (
+            (("soft: {", "soft: {storey_law: imk-peak-oriented, capping_ductility: 4, post_capping_slope: 0.1, "),),
+            {*IMPACT, "ubc1991", "ibarra2005"},
+        ),
         ((("5 s}", "5 s, scale: {arias: taft}}"),), {*IMPACT, "ubc1991", "arias1970"}),
         ((("5 s}", "5 s, scale: table1}"),), {*IMPACT, "ubc1991", "arias1970"}),
     ],
@@ -137,6 +141,7 @@ def test_no_reference_is_idle():
     rest |= {"jeng1992", "derkiureghian1981", "asce2010", "gb50011-2010"}  # of the rules of `pound gap`
     rest |= {"vamvatsikos2004", "efron1993", "jalayer2015", "baker2015"}  # of `pound fragility`
     rest |= {"saltelli2010", "campolongo2007", "iwanaga2022"}  # of `pound sensitivity`
+    rest |= {"storn1997", "nelder1965"}  # of `pound optimise`
     assert set(REFERENCES) == rest | {"westermo1989", "arias1970", "lilhanand1988", "gustafsson2020", "wood1980"}
 
 

@@ -201,7 +201,7 @@ def test_stand_ins_built_from_table_1_do_not_test_it():
 )
 def test_verdict_follows_from_the_findings_that_count(passed, expected):
     findings = [Finding("", 1.0, passed=value) for value in passed]
-    assert Claim("", "", (), "", lambda evidence: findings).judge(points(make())[0]).verdict == expected
+    assert Claim("", "", "", lambda evidence: findings).judge(points(make())[0]).verdict == expected
 
 
 def test_a_number_that_is_missing_does_not_count():

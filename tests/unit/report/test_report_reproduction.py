@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
+from scipy.stats import binomtest
 
 from pounding_cli.api import run
+from pounding_cli.batch import run_plan
 from pounding_cli.report.claims import judge
 from pounding_cli.report.evidence import points
+from pounding_cli.store import open_results
+from pounding_cli.store.indices import independent_samples
+from pounding_cli.study import expand, load_study
+from pounding_cli.study.claim_names import claims_about
+from pounding_cli.study.sampled import at_points
+from pounding_cli.study.sensitivity import question_of
 
 ROOT = Path(__file__).parents[3]
 COLUMN = {"fig6": 0, "fig7": 2}
 """The columns of the page's tables that stand on stand-ins only."""
+SAMPLES = 6
+"""Samples of the studies of what the paper leaves open that are run again."""
 TOLERANCE = {"-": 0.02, "%": 2.0, "cm": 0.1}
 
 
@@ -63,3 +75,34 @@ def test_numbers_are_those_of_the_page(page, judged):
             assert float(said) == pytest.approx(finding.number, abs=TOLERANCE[finding.unit]), words
             compared += 1
     assert compared > 30
+
+
+@pytest.mark.parametrize("figure", ["fig6", "fig7"])
+def test_the_probabilities_are_those_of_the_shipped_study(page, figure, tmp_path, monkeypatch):
+    """The rows are the claims about the figure, and a few samples of the study do not contradict them. Fails if a row
+    is missing, or if a claim that holds by the page is found not to hold at most samples, or the other way round."""
+    monkeypatch.delenv("POUND_RECORDS", raising=False)
+    monkeypatch.setenv("POUND_HOME", str(tmp_path / "home"))
+    section = f"Fig. {figure[-1]}, over what the paper leaves open"
+    rows = {first: cells for (where, first), cells in page.items() if where == section}
+    rows.pop("claim")
+    rows.pop("---", None)
+    assert list(rows) == list(claims_about(figure))
+    study = load_study(ROOT / "configs" / "sensitivity" / f"open-{figure}.yaml")
+    question = question_of(study)
+    some = question.cube[independent_samples(question)][:SAMPLES]
+    keys = [number for number, factor in enumerate(question.factors) if factor.key != "motion"]
+    plan = expand(at_points(study, question.keys, some[:, keys]))
+    run_plan(plan, tmp_path / "some.h5", engine_name="serial")
+    found = Counter(
+        (judgement.claim.key, str(judgement.verdict))
+        for evidence in points(open_results(tmp_path / "some.h5"))
+        for judgement in judge(evidence)
+    )
+    for claim, cells in rows.items():
+        for verdict, cell in zip(("holds", "holds partly", "does not hold"), cells, strict=False):
+            share, low, high = map(float, re.fullmatch(r"(\S+) \((\S+) to (\S+)\)", cell).groups())
+            assert 0 <= low <= share <= high <= 1
+            count = found[claim, verdict]
+            likely = min(max(count / SAMPLES, low), high)  # the probability of the page that fits best
+            assert binomtest(count, SAMPLES, likely).pvalue > 1e-3, (claim, verdict, count, cell)

@@ -14,7 +14,7 @@ from sensitivity_studies import FIRST, STUDY, TOTAL, fails_in_a_corner, ishigami
 
 from pounding_cli.batch import run_plan, runner
 from pounding_cli.store import open_results
-from pounding_cli.store.sensitivity import CONSTANT, FOUND
+from pounding_cli.store.indices import CONSTANT, FOUND
 from pounding_cli.study import load_study
 from pounding_cli.study.sensitivity import expand_sensitivity
 

@@ -12,6 +12,7 @@ from pounding_cli.study import (
     fragility_keys,
     gap_keys,
     load_study,
+    optimise_keys,
     record_schema,
     schema,
     sensitivity_keys,
@@ -42,6 +43,7 @@ MODELS = {
     "`fragility`": fragility_keys.FragilitySpec,
     "`gap`": gap_keys.GapSpec,
     "`sensitivity`": sensitivity_keys.SensitivitySpec,
+    "`optimise`": optimise_keys.OptimiseSpec,
     "`gap.asce7`": gap_keys.Asce7Spec,
     "`gap.gb50011`": gap_keys.Gb50011Spec,
 }

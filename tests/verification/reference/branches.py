@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 from pounding_cli.model.scene import Scene
 from reference.assembly import Coordinates, coordinates, reduced_mass
+from reference.pens import pen_of
 
 ACTING = ("on", "beyond", "gaining", "parting", "yielding", "unloading", "returning", "up", "down")
 """Branches of a link whose force acts."""
@@ -84,6 +85,8 @@ class Laws:
         self.c: Coordinates = coordinates(scene)
         self.elastic = str(scene.analysis) == "elastic"
         self.reduced = [reduced_mass(scene, e) for e in range(len(scene.links))]
+        each = [law for b in scene.buildings for law in b.laws]
+        self.pens = [None if self.elastic else pen_of(law) for law in each]
         self.pushed: Any = None  # impulse of every link so far [N s]
         self.offset = np.array([e.gap if e.kind in ("pounding", "bilinear", *HERTZ) else 0.0 for e in scene.links])
 
@@ -106,7 +109,11 @@ class Laws:
             return k, np.zeros_like(k)
         reach = np.where(np.isfinite(self.c.yield_drift), self.c.yield_drift, 0.0)
         still = (1 - a) * k * np.where(b.storey == 0, -b.plastic, b.storey * reach)
-        return np.where(b.storey == 0, k, a * k), still
+        slope = np.where(b.storey == 0, k, a * k)
+        for j, pen in enumerate(self.pens):
+            if pen is not None:
+                slope[j], still[j] = pen.line
+        return slope, still
 
     def link_law(
         self, e: int, v: np.ndarray, rate: np.ndarray, branch: str, speed: dict[int, Any] | None = None
@@ -215,7 +222,9 @@ class Laws:
         drift, drift_rate = c.drift @ q, c.drift @ rate
         if not self.elastic:
             for j in np.flatnonzero(np.isfinite(c.yield_drift)):
-                if b.storey[j] == 0:
+                if (pen := self.pens[j]) is not None:
+                    out += [(("storey", j, end), value) for end, value in pen.ends(drift[j], drift_rate[j])]
+                elif b.storey[j] == 0:
                     reach = drift[j] - b.plastic[j]
                     out += [(("storey", j, 1), reach - c.yield_drift[j])]
                     out += [(("storey", j, -1), -reach - c.yield_drift[j])]
@@ -310,7 +319,9 @@ class Laws:
         if what == "link" and self.scene.links[i].kind == "friction" and to == "on":
             slips = self.scene.links[i].law.slip_force / self.scene.links[i].law.stiffness
             new.speed[i] = float(self.c.closing[i] @ q) - (slips if b.link[i] == "up" else -slips)
-        if what == "storey":
+        if what == "storey" and (pen := self.pens[i]) is not None:
+            pen.change(to, float(self.c.drift[i] @ q))
+        elif what == "storey":
             if to == 0:
                 new.plastic[i] = self.c.drift[i] @ q - b.storey[i] * self.c.yield_drift[i]
             new.storey[i] = to

@@ -1,0 +1,1 @@
+"""The search of `pound optimise`: which points to look at next, from the values of those before."""

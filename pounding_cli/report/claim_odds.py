@@ -1,0 +1,177 @@
+"""How likely each claim of the paper holds where its inputs are uncertain: sentences, tables and the figure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from pounding_cli.report.claim_samples import ODDS, OUTCOMES
+from pounding_cli.report.claims import CLAIMS
+from pounding_cli.report.evidence import Evidence, Tables, motion_sentence
+from pounding_cli.report.sensitivity_text import interval
+from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.verdicts import Finding
+from pounding_cli.report.web.story import Grid
+from pounding_cli.store.indices import FOUND
+
+HEADS = ("claim", "holds", "holds partly", "does not hold", "decided most by")
+"""Headings of `rows`."""
+
+_COLORS = {"holds": "#0072B2", "partly": "#9CCBE8", "fails": "#E69F00"}
+
+_NUMBER_HEADS = ("claim", "number", "meets its threshold", "median (5 % to 95 %)", "decided most by")
+
+
+def asks_claims(results: Tables) -> bool:
+    """Whether a results file has probabilities of claims."""
+    return ODDS in results.answers
+
+
+def rows(frame: pd.DataFrame) -> list[list[str]]:
+    """The claims with the probability of each verdict, its interval in brackets, and what decides it."""
+    return [
+        [str(row["claim"]), *(interval(row, name, ".2f") for name in OUTCOMES), _decided(row, _nothing(row))]
+        for row in frame.to_dict("records")
+    ]
+
+
+def _nothing(row: Mapping[Any, Any]) -> str:
+    """Why nothing decides a claim."""
+    if row["failed"]:
+        return f"no index: {row['failed']:.0f} samples failed"
+    if not row["samples"]:
+        return "not tested: the study lacks what it is about"
+    return "nothing: one verdict at all samples" if max(row[name] for name in OUTCOMES) == 1 else "not known"
+
+
+def _decided(row: Mapping[Any, Any], nothing: str) -> str:
+    return f"{row['decided_by']}, {interval(dict(row), 'share', '.2f')}" if row["decided_by"] else nothing
+
+
+def number_rows(frame: pd.DataFrame) -> list[list[str]]:
+    """The numbers of the claims that have a threshold: how likely each meets it, its spread, what decides it."""
+    found = []
+    for row in frame.to_dict("records"):
+        low, middle, high = (Finding("", row[f"percentile_{part}"], row["unit"]).text for part in (5, 50, 95))
+        spread = f"{middle} ({low} to {high})"
+        met = interval(row, "met", ".2f")
+        found.append([str(row["claim"]), str(row["number"]), met, spread, _decided(row, "–")])
+    return found
+
+
+def lead(odds: pd.DataFrame) -> list[str]:
+    """The claims by how likely they hold, in sentences."""
+    known = odds[odds["samples"] > 0]
+    held = known["holds"]
+    groups = (
+        ("Hold at every sample", held == 1),
+        ("More likely to hold than not", (held > 0.5) & (held < 1)),
+        ("As likely not to hold, or less likely to hold", (held <= 0.5) & (held > 0)),
+        ("Hold at no sample", held == 0),
+    )
+    said = []
+    for words, chosen in groups:
+        mine = known[chosen].sort_values("holds", ascending=False, kind="stable")
+        named = [
+            str(row["claim"]) if row["holds"] in (0, 1) else f"{row['claim']} {row['holds']:.2f}"
+            for row in mine.to_dict("records")
+        ]
+        if named:
+            said.append(f"{words}: {', '.join(named)}.")
+    return said + [f"{row['claim']}: {_nothing(row)}." for row in odds[odds["samples"] == 0].to_dict("records")]
+
+
+def grids(odds: pd.DataFrame, numbers: pd.DataFrame) -> list[tuple[str, Grid]]:
+    """The tables of the page, at one point."""
+    return [
+        ("How likely each claim holds", Grid(HEADS, rows(odds), range(1, 4))),
+        ("Their numbers", Grid(_NUMBER_HEADS, number_rows(numbers), range(2, 4))),
+    ]
+
+
+def notes(results: Tables, odds: pd.DataFrame) -> list[str]:
+    """What a reader should know of the probabilities."""
+    spec = results.resolved.get("sensitivity") or {}
+    confidence = f"{100 * float(spec.get('confidence', 0.95)):.4g} %"
+    said = [
+        f"Probabilities: shares of the {int(odds['samples'].max())} independent samples, in brackets the {confidence} "
+        "interval (Clopper-Pearson). A claim holds where every number meets its threshold, holds partly where some do.",
+        "What decides a claim: of its verdict as a number, which is 1 where it holds, 1/2 where it holds partly and 0 "
+        "where it does not.",
+    ]
+    by_key = {claim.key: claim for claim in CLAIMS}
+    return [*said, *(f"{name}: {by_key[name].rule}" for name in odds["claim"] if name in by_key)]
+
+
+@styled
+def draw_odds(odds: pd.DataFrame, indices: pd.DataFrame, shown: Evidence) -> Figure:
+    """The probability of every verdict, a bar for each claim; beside it the index of every key.
+
+    indices : the rows of the table of indices that are about claims
+    """
+    names = list(odds["claim"])[::-1]
+    measure = "total" if "total" in indices else "mu_star"
+    keys = list(dict.fromkeys(indices["key"]))
+    figure = new_figure(6.4 + 0.42 * len(keys), 1.9 + 0.36 * len(names))
+    bars, matrix = figure.subplots(1, 2, sharey=True, width_ratios=(4.2, 0.42 * len(keys) + 0.4))
+    _bars(bars, odds.set_index("claim").loc[names], names)
+    _matrix(matrix, indices, names, keys, measure)
+    bars.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=3, fontsize=8, frameon=False)
+    words = "total index (part of the variance)" if measure == "total" else "mean effect over the range of the key"
+    matrix.set_title(f"What decides its verdict: {words}", loc="left", fontsize=9)
+    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    caption(figure, f"Whiskers: interval of the probability that it holds. {motion_sentence(shown.records)}")
+    return figure
+
+
+def _bars(ax: Axes, odds: pd.DataFrame, names: Sequence[str]) -> None:
+    y, left = np.arange(len(names)), np.zeros(len(names))
+    for name, verdict in OUTCOMES.items():
+        width = odds[name].fillna(0.0).to_numpy(float)
+        ax.barh(y, width, left=left, height=0.6, color=_COLORS[name], label=str(verdict))
+        left += width
+    holds = odds["holds"].to_numpy(float)
+    ends = np.maximum([holds - odds["holds_low"], odds["holds_high"] - holds], 0)
+    ax.errorbar(holds, y, xerr=ends, ls="", color="0.15", lw=1.1, capsize=2.5)
+    for place in np.flatnonzero(odds["samples"].to_numpy() == 0).tolist():
+        ax.text(
+            0.02, place, "not tested" if not odds["failed"].iloc[place] else "scenes failed", va="center", fontsize=8
+        )
+    ax.set_yticks(y, names)
+    ax.set_xlim(0, 1)
+    ax.set_ylim(-0.6, len(names) - 0.4)
+    ax.grid(False, axis="y")
+    ax.set_xlabel("probability")
+
+
+def _matrix(ax: Axes, indices: pd.DataFrame, names: Sequence[str], keys: Sequence[str], measure: str) -> None:
+    found = indices[indices["outcome"] == FOUND]
+    values = found.set_index(["output", "key"])[measure].clip(lower=0)
+    top = max(1.0, float(values.max())) if len(values) else 1.0
+    for row, name in enumerate(names):
+        for column, key in enumerate(keys):
+            value = values.get((f"claim {name}", key), np.nan)
+            if value == value:
+                ax.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7, color=_ink(value / top))
+                ax.add_patch(_cell(column, row, value / top))
+        if (f"claim {name}", keys[0]) not in values.index:
+            ax.text(-0.35, row, "one verdict at all samples", va="center", fontsize=7, color="0.45")
+    ax.set_xticks(range(len(keys)), keys, rotation=40, ha="right", fontsize=7)
+    ax.set_xlim(-0.5, len(keys) - 0.5)
+    ax.tick_params(axis="y", length=0)
+    ax.grid(False)
+
+
+def _ink(share: float) -> str:
+    return "white" if share > 0.55 else "0.2"
+
+
+def _cell(column: int, row: int, share: float) -> Rectangle:
+    color = (1 - 0.9 * share, 1 - 0.55 * share, 1 - 0.3 * share)
+    return Rectangle((column - 0.47, row - 0.3), 0.94, 0.6, color=color, lw=0, zorder=0.5)

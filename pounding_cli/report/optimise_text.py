@@ -1,0 +1,160 @@
+"""The answer of `pound optimise` in sentences and rows that people read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pounding_cli.numbers import Unit, counted
+from pounding_cli.report.evidence import Tables
+from pounding_cli.store.answers import Answer
+from pounding_cli.store.optimise import NOTHING, OPTIMUM, POINTS, UNSETTLED
+
+_AT_END = 1e-6
+"""Of a range: nearer to its end than that, the optimum lies at it [-]."""
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The answer as it was read back.
+
+    keys : a row of the table for each
+    tried : every point
+    generations : of the search, at most
+    """
+
+    keys: list[dict[Any, Any]]
+    tried: Answer
+    generations: int
+
+    @property
+    def is_found(self) -> bool:
+        return self.first["outcome"] != NOTHING
+
+    @property
+    def first(self) -> dict[Any, Any]:
+        """What is the same for all keys."""
+        return self.keys[0]
+
+    @property
+    def points(self) -> int:
+        return int(self.first["points"])
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the number sought; "" of a pure number."""
+        unit = self.tried.meanings["value"][0]
+        return "" if unit == "1" else unit
+
+    @property
+    def sought(self) -> str:
+        """What is sought least or most."""
+        return str(self.first["sought"]).partition(" ")[2]
+
+    @property
+    def direction(self) -> str:
+        """least or most."""
+        return str(self.first["sought"]).partition(" ")[0]
+
+    def number(self, value: float) -> str:
+        """A value of the number sought."""
+        return f"{value:.5g}{f' {self.unit}' if self.unit else ''}"
+
+    def label(self, key: dict[Any, Any]) -> str:
+        """A key with its unit."""
+        return self._unit(key).label(str(key["key"]))
+
+    def text(self, key: dict[Any, Any], name: str, with_unit: bool = True) -> str:
+        """A value of a key in the unit of the study; "-" where there is none."""
+        option = {"value": "option", "written": "written_option"}.get(name)
+        if option and key[option]:
+            return str(key[option])
+        if key[name] != key[name]:
+            return "-"
+        unit = self._unit(key)
+        return (unit if with_unit else Unit("", unit.factor)).text(float(key[name]), digits=4)
+
+    def span(self, key: dict[Any, Any], name: str) -> str:
+        """A range of a key, without its unit."""
+        ends = [self.text(key, f"{name}_{end}", with_unit=False) for end in ("from", "to")]
+        return "-" if "-" in ends else " to ".join(ends)
+
+    def _unit(self, key: dict[Any, Any]) -> Unit:
+        return self.tried.units.get(key["key"], Unit())
+
+
+def optimum_of(results: Tables) -> Optimum:
+    """The answer of a results file."""
+    keys = results.answer(OPTIMUM).frame.to_dict("records")
+    generations = int((results.resolved.get("optimise") or {}).get("generations", 0))
+    return Optimum(keys, results.answer(POINTS), generations)
+
+
+def sentences(found: Optimum) -> list[str]:
+    """The answer."""
+    first = found.first
+    what = f"{found.direction.capitalize()} of {found.sought}"
+    if not found.is_found:
+        return [f"{what}: no point gave a number that means something, so there is no answer."]
+    error = first["error"]
+    worth = f" ± {error:.1g}" if error == error and error > 0 else ""
+    said = f"{what}: {first['optimum']:.5g}{worth}{f' {found.unit}' if found.unit else ''}"
+    if first["as_written"] == first["as_written"]:
+        said += f"; with the study as written: {found.number(first['as_written'])}"
+    return [f"{said}."]
+
+
+def heads(found: Optimum) -> list[str]:
+    """Headings of `cells`."""
+    written = ["as written"] if any(found.text(key, "written") != "-" for key in found.keys) else []
+    return ["key", "best", *written, "as good by itself", "as good with others", "searched"]
+
+
+def cells(found: Optimum) -> list[list[str]]:
+    """A row for each key."""
+    rows = []
+    for key in found.keys:
+        written = [found.text(key, "written", with_unit=False)] if "as written" in heads(found) else []
+        spans = [found.span(key, name) for name in ("flat", "together", "range")]
+        if key["option"]:
+            spans[-1] = ", ".join(dict.fromkeys(map(str, found.tried.frame[key["key"]])))
+        rows.append([found.label(key), found.text(key, "value", with_unit=False), *written, *spans])
+    return rows
+
+
+def notes(found: Optimum) -> list[str]:
+    """What a reader should know of the numbers."""
+    first, said = found.first, []
+    if found.is_found:
+        said.append(
+            f"As good: the number stays within {first['tolerance']:.2g}{f' {found.unit}' if found.unit else ''} of the "
+            "optimum (1 % of it, or its error); by itself: of the other keys at their best; with others: among all "
+            "points that were tried."
+        )
+        if first["error"] != first["error"]:
+            said.append("The numerical error is not known: no scene near the optimum was assessed (`estimate:`).")
+    for key in found.keys if found.is_found else ():
+        ends = np.array([key["range_from"], key["range_to"]], float)
+        near = np.abs(ends - key["value"]) <= _AT_END * abs(ends[1] - ends[0])
+        if near.any():
+            end = "range_from" if near[0] else "range_to"
+            said.append(f"{key['key']} is best at the end of its range, {found.text(key, end)}: beyond may be better.")
+    if first["outcome"] == UNSETTLED:
+        said.append(
+            f"The search ended after {counted(found.generations, 'generation')}, before the points of one were nearly "
+            "as good: write more `generations:`."
+        )
+    if first["failed"]:
+        said.append(
+            f"{counted(int(first['failed']), 'point')} of {found.points} gave no number and counted as no answer: a "
+            "scene failed there, also when it was solved once more, a hundred times as finely, or has no such number."
+        )
+    if first["meaningless"]:
+        said.append(
+            f"{counted(int(first['meaningless']), 'point')} of {found.points} counted as no answer: a link went where "
+            "its law has no meaning (floors that would have struck, an infill beyond its thickness): "
+            "`pound show FILE.h5 flagged`."
+        )
+    return said

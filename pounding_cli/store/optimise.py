@@ -1,0 +1,193 @@
+"""`pound optimise`: from the responses of a round to the points of the next one, and its tables."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pounding_cli.optimise.search import Point
+from pounding_cli.store.answers import Column, Read, Table
+from pounding_cli.store.blocks import blocks
+from pounding_cli.store.dense import empty, shape_of
+from pounding_cli.store.flagged import counts_of_flags
+from pounding_cli.store.layout import VARIABLES
+from pounding_cli.store.quantities import Get, error_of, needed, values_of
+from pounding_cli.study.optimise import Hunt, Question, Rounds, plan_of
+from pounding_cli.study.plan import Plan
+from pounding_cli.study.varied import Factor
+
+if TYPE_CHECKING:
+    from pounding_cli.store.parts import PartStore
+
+OPTIMUM, POINTS = "optimise", "optimise_points"
+"""Names of the tables."""
+
+FOUND = "found"
+UNSETTLED = "the generations were spent before the points of one were nearly as good"
+NOTHING = "no point gave a number"
+"""Outcomes."""
+
+
+def refine_optimise(plan: Plan, responses: PartStore) -> Plan | None:
+    """The plan of the next round; the last one has all points. None after that.
+
+    Raises
+    ------
+    InputError : the study is not sound at a point
+    """
+    hunt: Hunt = plan.state
+    if hunt.is_done:
+        return None
+    get = _gathered(hunt.question, plan, responses)
+    values, errors = _values(hunt.question, plan, get)
+    void = _void(hunt.question, plan, get)
+    hunt.void |= {point for point, is_void in zip(hunt.points, void, strict=True) if is_void}
+    hunt.search.tell(np.where(void, np.nan, values).tolist(), errors.tolist())
+    following = hunt.search.ask()
+    hunt.is_done = following is None
+    hunt.points = list(hunt.search.values) if following is None else following
+    latest = plan_of(hunt)
+    return latest if hunt.is_done else replace(latest, scenes=Rounds(latest.scenes, plan.scenes))
+
+
+def _gathered(question: Question, plan: Plan, responses: PartStore) -> Get:
+    """The variables that the expression needs, from the responses."""
+    shape = shape_of(plan, responses)
+    names = (*needed(question.expression), "flags")
+    found = {name: empty(VARIABLES[name], shape.of((*shape.axes, *VARIABLES[name].dims))) for name in names}
+    for block in blocks(plan, responses, shape):
+        for name, array in found.items():
+            array[block.at] = block.data[name]
+    return found.__getitem__
+
+
+def _values(question: Question, plan: Plan, get: Get) -> tuple[np.ndarray, np.ndarray]:
+    """What the search is told of every point of the last axis: the number, negative where the most is sought, and its
+    error."""
+    spec = question.spec
+    values = values_of(question.expression, get, spec.over_motions)
+    errors = error_of(question.expression, get, spec.over_motions)
+    points = len(plan.axes[-1].values)
+    values, errors = (each[..., question.case, question.analysis].reshape(-1, points) for each in (values, errors))
+    values = question.sign * values
+    if spec.over_sweep == "mean":
+        return values.mean(axis=0), errors.mean(axis=0)
+    worst = np.where(np.isnan(values), np.inf, values).argmax(axis=0)  # a point that failed makes the worst unknown
+    chosen = worst, np.arange(points)
+    return values[chosen], errors[chosen]
+
+
+def _void(question: Question, plan: Plan, get: Get) -> np.ndarray:
+    """Whether the number means nothing at a point, because a link of a scene went where its law has no meaning."""
+    found = counts_of_flags(get("flags"))["records_meaningless"][..., question.case, question.analysis] > 0
+    return np.asarray(found.reshape(-1, len(plan.axes[-1].values)).any(axis=0))
+
+
+def optimise_tables(plan: Plan, read: Read) -> list[Table]:
+    """The tables of a plan of `pound optimise`."""
+    hunt: Hunt = plan.state
+    return [Table(OPTIMUM, [_optimum(hunt)]), Table(POINTS, [_points(hunt)])]
+
+
+def _optimum(hunt: Hunt) -> list[Column]:
+    """A row for each key."""
+    question, search = hunt.question, hunt.search
+    best, sign, unit = search.best, question.sign, question.expression.unit or "1"
+    values = np.array(list(search.values.values()))
+    outcome = NOTHING if best is None else FOUND if search.is_settled else UNSETTLED
+    written = None if search.written is None else search.values[search.written]
+    keys, rows = len(question.factors), range(len(question.factors))
+
+    def same(value: float | str | None) -> np.ndarray:
+        if isinstance(value, str):
+            return np.array([value] * keys, dtype=object)
+        return np.full(keys, np.nan if value is None else value)
+
+    def over_keys(ends: list[tuple[float, float] | None]) -> tuple[np.ndarray, np.ndarray]:
+        both = [
+            (np.nan, np.nan) if end is None else tuple(question.factors[row].number(np.array(end)))
+            for row, end in enumerate(ends)
+        ]
+        low, high = np.array(both, float).reshape(-1, 2).T
+        return low, high
+
+    flat = over_keys([search.flat.get(row) for row in rows])
+    together = over_keys([_together(hunt, row) for row in rows])
+    ends = over_keys([None if factor.options else (0.0, 1.0) for factor in question.factors])
+    at_best = [_value(factor, best, row) for row, factor in enumerate(question.factors)]
+    at_written = [_value(factor, search.written, row) for row, factor in enumerate(question.factors)]
+    flat_text = "of a key by itself, the others at the optimum"
+    with_text = "among all points that were tried"
+    bottom = "range over which the number stays within its tolerance"
+    return [
+        Column("sought", same(f"{'least' if sign > 0 else 'most'} {question.expression}"), "number that is sought"),
+        Column("optimum", same(None if best is None else sign * search.values[best]), "its best value", unit),
+        Column("error", same(None if best is None else search.error), "numerical error of that, at most", unit),
+        Column("tolerance", same(None if best is None else search.tolerance), "its error, or 1 % of it", unit),
+        Column("as_written", same(None if written is None else sign * written), "value of the file as written", unit),
+        Column("outcome", same(outcome), "found, or what is the matter"),
+        Column("points", np.full(keys, values.size), "points that were tried", "1"),
+        Column("failed", np.full(keys, int(np.isnan(values).sum()) - len(hunt.void)), "points without a number", "1"),
+        Column("meaningless", np.full(keys, len(hunt.void)), "points whose number means nothing", "1"),
+        Column("key", _text([factor.key for factor in question.factors]), "key that varies"),
+        Column("unit", _text([factor.unit.si or factor.unit.name for factor in question.factors]), "its unit"),
+        Column("value", np.array([number for number, _ in at_best]), "of the key at the optimum; NaN of a choice"),
+        Column("option", _text([text for _, text in at_best]), "chosen at the optimum; empty of a number"),
+        Column("flat_from", flat[0], f"lower end: {bottom}, {flat_text}"),
+        Column("flat_to", flat[1], f"upper end: {bottom}, {flat_text}"),
+        Column("together_from", together[0], f"lower end: {bottom}, {with_text}"),
+        Column("together_to", together[1], f"upper end: {bottom}, {with_text}"),
+        Column("range_from", ends[0], "lower end of what was searched"),
+        Column("range_to", ends[1], "upper end of what was searched"),
+        Column("spacing", _text([factor.spacing for factor in question.factors]), "linear or log; empty of a choice"),
+        Column("written", np.array([number for number, _ in at_written]), "of the key as written"),
+        Column("written_option", _text([text for _, text in at_written]), "option as written"),
+        Column("mapped", np.array([row in (search.mapped or ()) for row in rows], int), "1 of a key of the map", "1"),
+    ]  # fmt: skip
+
+
+def _together(hunt: Hunt, number: int) -> tuple[float, float] | None:
+    """Between which ends a key may lie so that some point that was tried is within the tolerance."""
+    search = hunt.search
+    if search.best is None or hunt.question.factors[number].options:
+        return None
+    bound = search.values[search.best] + search.tolerance
+    inside = [point[number] for point, value in search.values.items() if value <= bound]
+    return min(inside), max(inside)
+
+
+def _value(factor: Factor, point: Point | None, number: int) -> tuple[float, str]:
+    """A key at a point: its number, or its option."""
+    if point is None:
+        return np.nan, ""
+    value = float(factor.number(np.array(point[number])))
+    return (np.nan, factor.labels[int(value)]) if factor.options else (value, "")
+
+
+def _points(hunt: Hunt) -> list[Column]:
+    """Every point that was tried, in the order in which the search asked for it."""
+    question, search = hunt.question, hunt.search
+    cube, unit = np.array(list(search.values)), question.expression.unit or "1"
+    columns = [
+        Column("point", np.arange(1, len(cube) + 1), "number of the point", "1"),
+        Column("stage", _text([search.stages[point] for point in search.values]), "what it was tried for"),
+    ]
+    for number, factor in enumerate(question.factors):
+        values = factor.number(cube[:, number])
+        if factor.options:
+            labels = _text([factor.labels[int(value)] for value in values])
+            columns.append(Column(factor.key, labels, f"varies: {factor.key}"))
+        else:
+            columns.append(Column(factor.key, values, f"varies: {factor.key}", factor.unit.si or "1", factor.unit))
+    found = question.sign * np.array(list(search.values.values()))
+    columns.append(Column("value", found, f"{question.expression}; NaN where it has none or means nothing", unit))
+    columns.append(Column("error", np.array(list(search.errors.values())), "numerical error of that, at most", unit))
+    void = [point in hunt.void for point in search.values]
+    columns.append(Column("meaningless", np.array(void, int), "1 where a link went where its law has no meaning", "1"))
+    return columns
+
+
+def _text(values: list[str]) -> np.ndarray:
+    return np.array(values, dtype=object)

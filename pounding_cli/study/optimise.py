@@ -1,0 +1,190 @@
+"""`pound optimise`: what a study asks, checked, and the scenes of the points that its search looks at."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice, product
+
+import numpy as np
+
+from pounding_cli.model.scene import Scene
+from pounding_cli.optimise.search import Point, Search, Settings
+from pounding_cli.study.expand import expand
+from pounding_cli.study.expression import Expression
+from pounding_cli.study.load import Study
+from pounding_cli.study.optimise_keys import OptimiseSpec
+from pounding_cli.study.plan import Plan
+from pounding_cli.study.problems import Problems, nearest
+from pounding_cli.study.sampled import at_points
+from pounding_cli.study.sensitivity import expressions
+from pounding_cli.study.source import Node
+from pounding_cli.study.varied import Factor, read_searched
+
+MOST_POINTS = 200_000
+
+MOST_CORNERS = 512
+"""Corners of the ranges that are checked before anything is solved."""
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What `pound optimise` is asked of a study.
+
+    spec : its section
+    expression : the number that is sought least, or most
+    factors : the keys that vary
+    case, analysis : that are looked at, by number from 0
+    written : the point that the file itself stands for; None where it lies outside the ranges or a key is not written
+    """
+
+    spec: OptimiseSpec
+    expression: Expression
+    factors: tuple[Factor, ...]
+    case: int
+    analysis: int
+    written: Point | None
+
+    @property
+    def sign(self) -> int:
+        """1 where the least is sought, -1 where the most is: the search knows the least alone."""
+        return 1 if self.spec.least is not None else -1
+
+    def search(self) -> Search:
+        """A search that knows nothing yet."""
+        spec = self.spec
+        settings = Settings(spec.seed, spec.population, spec.generations, spec.slice_points, spec.map_points)
+        return Search([factor.options for factor in self.factors], settings, self.written)
+
+
+@dataclass(eq=False)
+class Hunt:
+    """How far a search is.
+
+    study : without the points of the search
+    points : of the present round
+    first : the plan of the first round
+    void : points whose number means nothing
+    """
+
+    question: Question
+    study: Study
+    search: Search
+    points: list[Point]
+    first: Plan | None = None
+    is_done: bool = False
+    void: set[Point] = field(default_factory=set)
+
+
+class Rounds(Mapping[str, Scene]):
+    """The scenes of a round, and by digest alone those of the rounds before, which are solved."""
+
+    def __init__(self, latest: Mapping[str, Scene], former: Iterable[str]) -> None:
+        self._latest, self._all = latest, dict.fromkeys([*former, *latest])
+
+    def __getitem__(self, digest: str) -> Scene:
+        return self._latest[digest]
+
+    def __contains__(self, digest: object) -> bool:
+        return digest in self._all
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+
+def expand_optimise(study: Study) -> Plan:
+    """The scenes of the first points.
+
+    Raises
+    ------
+    InputError : nothing to optimise, no key that varies, an expression that is not understood, several cases or
+        analyses and none chosen; a corner of the ranges at which the study is not sound
+    """
+    question = question_of(study)
+    at_points(study, question.factors, np.array(list(islice(_corners(question), MOST_CORNERS))))
+    search = question.search()
+    points = search.ask()
+    assert points
+    hunt = Hunt(question, study, search, points)
+    plan = plan_of(hunt)
+    hunt.first = plan
+    return plan
+
+
+def plan_of(hunt: Hunt) -> Plan:
+    """The plan of the points of a round.  Raises `InputError`: the study is not sound at one of them."""
+    question, study = hunt.question, hunt.study
+    case, analysis = list(study.model.cases)[question.case], study.model.analyses[question.analysis]
+    plan = expand(
+        at_points(study, question.factors, np.array(hunt.points)),
+        asks=lambda _point, name, kind, _record: (name, kind) == (case, analysis),
+    )
+    return dataclasses.replace(plan, workflow="optimise", harder=True, state=hunt, first=hunt.first)
+
+
+def question_of(study: Study) -> Question:
+    """What a study asks.  Raises `InputError` as `expand_optimise`, but for corners that are not sound."""
+    spec: OptimiseSpec = study.model.optimise  # type: ignore[attr-defined]  # a section that the registry adds
+    problems, root = Problems(study.resolver.file), study.resolver.root
+    example = "largest V_ratio in stiff"
+    if spec.least is not None and spec.most is not None:
+        what = "'least' and 'most' both stand here: one number is sought"
+        problems.at(root, ("optimise", "most"), what, "remove one of the two", key=True)
+    key = "most" if spec.least is None and spec.most is not None else "least"
+    text = getattr(spec, key)
+    found = expressions(study, "optimise", key, () if text is None else (text,), problems, example)
+    node = root.get("optimise", "over")
+    factors = [] if node is None or node.value is None else read_searched("over", node, root, problems)
+    if not factors and not problems.found:
+        hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
+        problems.at(root, ("optimise",), "no key is given to vary", hint, key=True)
+    case = _one(spec.case, list(study.model.cases), "case", root, problems)
+    analysis = _one(spec.analysis, [str(each) for each in study.model.analyses], "analysis", root, problems)
+    if study.model.keep is not None:
+        what = "histories cannot be kept of the points of a search"
+        problems.at(root, ("keep",), what, "remove `keep:`; `pound run` keeps those of chosen points", key=True)
+    points = spec.generations * (spec.population or 0)
+    if points > MOST_POINTS:
+        hint = f"keep it to {MOST_POINTS}: write fewer"
+        problems.at(root, ("optimise", "generations"), f"generations and population make {points} points", hint)
+    problems.refuse()
+    (expression,) = found
+    return Question(spec, expression, tuple(factors), case, analysis, _written(factors, root))
+
+
+def _one(name: str | None, names: Sequence[str], what: str, root: Node, problems: Problems) -> int:
+    """The number of the case or analysis that is looked at."""
+    if name in names:
+        return names.index(name)
+    if name is not None:
+        problems.at(root, ("optimise", what), f"{what}: no {what} '{name}'", nearest(name, names))
+    elif len(names) > 1:
+        many = f"{len(names)} {'cases' if what == 'case' else 'analyses'}"
+        hint = f"say which one is looked at: `optimise: {{{what}: {names[0]}}}`"
+        problems.at(root, ("optimise",), f"the study has {many}", hint, key=True)
+    return 0
+
+
+def _written(factors: Sequence[Factor], root: Node) -> Point | None:
+    point = []
+    for factor in factors:
+        node = root.get(*(int(step) if step.isdigit() else step for step in factor.key.split(".")))
+        u = None if node is None else factor.place(node)
+        if u is None:
+            return None
+        point.append(u)
+    return tuple(point)
+
+
+def _corners(question: Question) -> Iterator[tuple[float, ...]]:
+    """Both ends of every range with every option of every choice."""
+    yield from product(
+        *(
+            [(place + 0.5) / factor.options for place in range(factor.options)] if factor.options else [0.0, 1.0]
+            for factor in question.factors
+        )
+    )
