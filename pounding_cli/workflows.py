@@ -28,6 +28,7 @@ class Workflow:
     marks : top-level keys that only its studies have; none where its studies are those of `pound run`
     shows : tables that it adds to a results file
     schema : pydantic model of its section of a study file
+    question : (Study) -> what its section asks; raises `InputError` where it asks what the study cannot answer
     load : (path) -> study with `title`, `warnings`, `resolved`
     expand : (Study) -> Plan, the scenes of the first round
     refine : (Plan, responses by digest) -> Plan of the next round, which holds the scenes of all rounds before;
@@ -47,6 +48,7 @@ class Workflow:
     marks: tuple[str, ...] = ()
     shows: tuple[str, ...] = ()
     schema: str = ""
+    question: str = ""
     load: str = "pounding_cli.study.load:load_study"
     expand: str = ""
     refine: str = ""
@@ -93,6 +95,7 @@ _LIST = (
         "How likely is a limit passed?",
         shows=("fragility", "fragility_motions"),
         schema="pounding_cli.study.fragility_keys:FragilitySpec",
+        question="pounding_cli.study.fragility:question_of",
         expand="pounding_cli.study.fragility:expand_fragility",
         refine="pounding_cli.study.fragility_rounds:refine_fragility",
         tables="pounding_cli.store.fragility:fragility_tables",
@@ -111,6 +114,7 @@ _LIST = (
             "sensitivity_verdicts",
         ),
         schema="pounding_cli.study.sensitivity_keys:SensitivitySpec",
+        question="pounding_cli.study.sensitivity:question_of",
         expand="pounding_cli.study.sensitivity:expand_sensitivity",
         tables="pounding_cli.report.claim_samples:sensitivity_and_claims",
         page="pounding_cli.report.sensitivity:sensitivity_page",
@@ -122,6 +126,7 @@ _LIST = (
         "What is best?",
         shows=("optimise", "optimise_points"),
         schema="pounding_cli.study.optimise_keys:OptimiseSpec",
+        question="pounding_cli.study.optimise:question_of",
         expand="pounding_cli.study.optimise:expand_optimise",
         refine="pounding_cli.store.optimise:refine_optimise",
         tables="pounding_cli.store.optimise:optimise_tables",

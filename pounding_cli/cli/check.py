@@ -18,7 +18,8 @@ MOST_ROWS = 50_000
 def command(study: Path) -> None:
     """Validate STUDY: every problem in one go, as file:line:column, what is wrong, what to write instead.
 
-    Studies of `pound run`, `pound connector` and `pound wall` alike. Nothing is computed or written.
+    Studies of `pound run`, `pound connector` and `pound wall` alike, and what they ask of `pound fragility`,
+    `pound sensitivity` and `pound optimise`. Nothing is computed or written.
     Exit code 0: the study is valid; 2: it was refused.
 
     Example: pound check configs/fig6.yaml
@@ -37,6 +38,9 @@ def command(study: Path) -> None:
         click.echo(f"OK: {name}: a study of `pound {kind}`, {count} to compute")
         return
     read = load_study(study)
+    for each, workflow in WORKFLOWS.items():
+        if workflow.question and read.resolver.root.get(each) is not None:
+            workflow.part("question")(read)
     model = read.model
     points = math.prod(len(axis.values) for axis in read.axes)
     records = len(read.motions(read.resolver.base))

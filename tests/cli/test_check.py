@@ -125,3 +125,33 @@ def test_neither_needs_the_solver():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("section", "said"),
+    [
+        ("fragility: {limits: [mu > 4 in soft storey 9]}", "13:22: 'mu > 4 in soft storey 9': the highest is 5"),
+        ("sensitivity: {outputs: [mu in tall]}", "13:25: 'mu in tall': no building 'tall' in the group"),
+    ],
+)
+def test_what_a_section_asks_is_checked(tmp_path, section, said):
+    """As the command of that section would refuse it. Fails if `pound check` leaves the section aside."""
+    study = """\
+records: {use: [elcentro]}
+buildings:
+  stiff: {storeys: 5, period: 0.36 s}
+  soft: {like: stiff, period: 0.60 s}
+group: [stiff, soft]
+cases: {gap: {link: pounding, gap: 1 cm}}
+sweep:
+  records.scale.pga: [0.1 g, 0.2 g]
+uncertain:
+  impact.restitution: {uniform: {from: 0.4, to: 0.65}}
+  buildings.soft.hardening: {uniform: {from: 0.02, to: 0.1}}
+
+"""
+    path = tmp_path / "s.yaml"
+    path.write_text(study.replace("use: [elcentro]", "use: [elcentro], scale: {pga: 0.3 g}") + section + "\n")
+    with pytest.raises(InputError) as error:
+        CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
+    assert any(said in str(problem) for problem in error.value.problems)
