@@ -17,7 +17,6 @@ from pounding_cli.kernels.law_table import NO_BRANCH
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.storey_law import energy_held
-from pounding_cli.laws.program import MEMORIES
 
 # A slot: what it is, in the order of `layout.Slots`; its stencils (`recurrence`); its branch: stiffness and offset, the
 # drifts between which it stays on it, 1 or -1 where it leaves it as the drift turns down or up, else 0, and the part of
@@ -184,7 +183,7 @@ def take_slots(run, row, slots, state, peaks, ledger):
         c[of(i, GEOMETRIC)] = slots.geometric[slot]
         run.W[i - run.padded] = state.u[slot]
         run.W[i] = state.v[slot]
-        for m in range(MEMORIES):
+        for m in range(slots.memories):
             c[of(i, STOREY_MEMORY + 8 * m)] = state.storey_memory[m * slots.size + slot]
         run.storeys[of_storey(run, i, STOREY_BRANCH)] = state.storey_branch[slot]
         run.storeys[of_storey(run, i, STOREY_PINNED)] = state.pinned_storey[slot]
@@ -201,7 +200,7 @@ def take_slots(run, row, slots, state, peaks, ledger):
 
 
 @njit(**CALLED)
-def give_slots(run, row, size, state, peaks, ledger):
+def give_slots(run, row, slots, state, peaks, ledger):
     """Copy what has changed by slot back."""
     no_inline()
     c = run.slots
@@ -209,8 +208,8 @@ def give_slots(run, row, size, state, peaks, ledger):
         i = row.slot_places[slot]
         state.u[slot] = run.W[i - run.padded]
         state.v[slot] = run.W[i]
-        for m in range(MEMORIES):
-            state.storey_memory[m * size + slot] = c[of(i, STOREY_MEMORY + 8 * m)]
+        for m in range(slots.memories):
+            state.storey_memory[m * slots.size + slot] = c[of(i, STOREY_MEMORY + 8 * m)]
         state.storey_branch[slot] = run.storeys[of_storey(run, i, STOREY_BRANCH)]
         state.pinned_storey[slot] = run.storeys[of_storey(run, i, STOREY_PINNED)]
         peaks.drift[slot] = c[of(i, PEAK_DRIFT)]
@@ -226,7 +225,7 @@ def give_slots(run, row, size, state, peaks, ledger):
         if b == NO_BRANCH:
             ledger.stored[slot] = 0.5 * c[of(i, STIFFNESS)] * drift * drift
         else:
-            ledger.stored[slot] = energy_held(run, b, drift, c, MEMORIES, of(i, STOREY_MEMORY), 8)
+            ledger.stored[slot] = energy_held(run, b, drift, c, slots.memories, of(i, STOREY_MEMORY), 8)
 
 
 @njit(**PART)

@@ -31,7 +31,7 @@ def history_pointers(a):
 
 @njit(**CALLED)
 def enter(run, row, history, segment, slots, links):
-    """Enter the state at the end of this segment; `slots` and `links` are numbers with padding."""
+    """Enter the state at the end of this segment; `links` is their number with padding."""
     no_inline()
     output = history.outputs[segment]
     if output < 0:
@@ -40,12 +40,12 @@ def enter(run, row, history, segment, slots, links):
     work = output * 4
     for slot in range(row.slots):
         i = row.slot_places[slot]
-        at = output * slots + slot
+        at = output * slots.size + slot
         history.u[at] = run.W[i - run.padded]
         history.v[at] = run.W[i]
         history.storey_branch[at] = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
-        for m in range(MEMORIES):
-            history.storey_memory[(output * MEMORIES + m) * slots + slot] = records[of(i, c.STOREY_MEMORY + 8 * m)]
+        for m in range(slots.memories):
+            history.storey_memory[(output * MEMORIES + m) * slots.size + slot] = records[of(i, c.STOREY_MEMORY + 8 * m)]
         history.work[work] += records[of(i, c.INPUT_ENERGY)]
         history.work[work + 1] += records[of(i, c.DASHPOT_ENERGY)] + records[of(i, c.DRAG_ENERGY)]
         history.work[work + 2] += records[of(i, c.HYSTERESIS_ENERGY)]

@@ -253,10 +253,10 @@ def _integrate(
         if peaks.watched != 0:
             sample(run, row, slots.size, peaks.samples)
         if history.segments > 0:
-            enter(run, row, history, segment, slots.size, links.size)
+            enter(run, row, history, segment, slots, links.size)
             begun += run.clock[SEGMENT_LENGTH]
         segment += 1
-    give_slots(run, row, slots.size, state, peaks, ledger)
+    give_slots(run, row, slots, state, peaks, ledger)
     give_links(run, row, state, peaks, ledger)
     time = begun if history.segments > 0 else segment * length
     if segment < starts.size:
