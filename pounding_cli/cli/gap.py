@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,10 @@ from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.batch import Outcome
+
+
+HEAD = 20_000
+"""Rows of the table that are read for what is printed: many times those of the few points that are."""
 
 
 @answer_command("gap")
@@ -37,14 +42,17 @@ def command(path: Path, outcome: Outcome) -> None:
     from pounding_cli.store.gap import CONFIDENCE
 
     results = open_results(path)
-    answer = results.answer("gap")
+    answer = results.answer_head("gap", HEAD)  # of a long sweep the table takes more memory than the run
     click.echo(results.title)
     parts = governing(answer.frame, list(results.axes))
+    points = math.prod(len(values) for values in results.axes.values())
+    count = points * (len(results.resolved["places"]) - 1)
     for point, left, right, rows in parts[:FEW_POINTS]:
         click.echo(pair_heading(results, point, left, right, rows))
         print_table(headings(answer), numbers(answer, rows), words=2)
-    if len(parts) > FEW_POINTS:
-        click.echo(f"{len(parts) - FEW_POINTS} further pairs and points of the sweep: pound show {path} gap")
-    click.echo(f"In brackets: {CONFIDENCE:.0%} confidence. {error_sentence(answer, answer.frame)}")
+    if count > FEW_POINTS:
+        click.echo(f"{count - FEW_POINTS} further pairs and points of the sweep: pound show {path} gap")
+    error = results.largest_in_answer("gap", "error")
+    click.echo(f"In brackets: {CONFIDENCE:.0%} confidence. {error_sentence(answer, error)}")
     motions = results.records()["record"].nunique()
     print_outcome(outcome, f"{counted(motions, 'motion')}; buildings alone")

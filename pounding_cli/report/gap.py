@@ -91,8 +91,9 @@ def _sentence(answer: Answer, part: tuple[Any, ...]) -> str:
 
 def _notes(frame: pd.DataFrame, answer: Answer) -> list[str]:
     """What a reader should know of the numbers."""
+    said = error_sentence(answer, float(frame["error"].max()))
     notes = [
-        f"Exact: largest closing of two floors over time, each building alone. {error_sentence(answer, frame)} The "
+        f"Exact: largest closing of two floors over time, each building alone. {said} The "
         "90 % confidence interval says what so few motions leave open.",
         "ABS, SRSS and DDC combine the largest displacements of each building under the same motion; DDC takes the "
         "periods and damping ratios of the elastic first modes.",

@@ -70,9 +70,8 @@ def numbers(answer: Answer, rows: pd.DataFrame) -> list[list[str]]:
     return found
 
 
-def error_sentence(answer: Answer, frame: pd.DataFrame) -> str:
-    """How wrong the widths may be, in words."""
-    error = frame["error"].max()
+def error_sentence(answer: Answer, error: float) -> str:
+    """How wrong the widths may be, in words; `error`: the largest numerical error of one [m]."""
     if error != error:
         return "The numerical error was not estimated (estimate: none)."
     return f"No width has a numerical error above {width_unit(answer).text(error, 2)}."

@@ -25,6 +25,9 @@ GROUP = "answer"
 CHUNK = 4096
 """Rows of a compressed piece."""
 
+_AT_ONCE = 1 << 16
+"""Numbers of a column that are read together."""
+
 Read = Callable[[str], np.ndarray]
 """read(variable of `store.layout`) -> its values over the study, shape (swept axes, dimensions of the variable)."""
 
@@ -139,8 +142,18 @@ class Answer(NamedTuple):
     meanings: dict[str, tuple[str, str]]
 
 
-def read_table(file: h5py.File, name: str) -> Answer:
-    """A table of a results file.
+def largest(file: h5py.File, name: str, column: str) -> float:
+    """The largest number of a column, read some at a time; NaN where it has none."""
+    group = file[f"{GROUP}/{name}"]
+    dataset = group[str(json.loads(str(group.attrs["columns"])).index(column))]
+    found = np.nan
+    for begin in range(0, dataset.shape[0], _AT_ONCE):
+        found = np.fmax(found, np.fmax.reduce(dataset[begin : begin + _AT_ONCE]))
+    return float(found)
+
+
+def read_table(file: h5py.File, name: str, rows: int | None = None) -> Answer:
+    """A table of a results file; its first rows alone where `rows` says how many.
 
     Raises
     ------
@@ -162,7 +175,7 @@ def read_table(file: h5py.File, name: str) -> Answer:
         dataset = group[str(number)]
         if len(dataset.shape or (0, 0)) != 1 or dataset.shape != group["0"].shape:
             raise refused(f"{place}/{number}", "is no column of its table")
-        data[column] = dataset[()]
+        data[column] = dataset[:rows]
         if _texts(number) in texts:
             known, codes = strings(group[_texts(number)]), data[column]
             if known.ndim != 1 or codes.dtype.kind != "i" or not ((codes >= 0) & (codes < known.size)).all():

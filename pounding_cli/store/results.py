@@ -16,7 +16,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.solve.histories import History
 from pounding_cli.solve.response import COLLAPSED
-from pounding_cli.store.answers import Answer, read_table, table_names
+from pounding_cli.store.answers import Answer, largest, read_table, table_names
 from pounding_cli.store.columns import meaning
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
@@ -333,12 +333,21 @@ class Results:
         InputError : the file has no such table
         """
         if name not in self._answers:
-            with opened(self.path) as file:
-                if name not in table_names(file):
-                    hint = f"write it with: pound {name} STUDY -o FILE.h5"
-                    raise InputError(Problem(f"has no table {name}", hint, str(self.path)))
-                self._answers[name] = read_table(file, name)
+            self._answers[name] = self.answer_head(name)
         return self._answers[name]
+
+    def answer_head(self, name: str, rows: int | None = None) -> Answer:
+        """The first rows of one of the tables of `answers`, which may be long.  Raises as `answer`."""
+        with opened(self.path) as file:
+            if name not in table_names(file):
+                hint = f"write it with: pound {name} STUDY -o FILE.h5"
+                raise InputError(Problem(f"has no table {name}", hint, str(self.path)))
+            return read_table(file, name, rows)
+
+    def largest_in_answer(self, name: str, column: str) -> float:
+        """The largest number in a column of one of the tables of `answers`; NaN where it has none."""
+        with opened(self.path) as file:
+            return largest(file, name, column)
 
     def meaning(self, table: str, column: str) -> tuple[str, str]:
         """Unit (SI; "1" for a pure number, "" for text and swept keys) and meaning of a column of a table."""

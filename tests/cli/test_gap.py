@@ -241,3 +241,20 @@ def test_the_question_cannot_be_swept(pound):
     code, _, err = pound("gap", "two.yaml")
     assert code == 2
     assert "'gap.contact' cannot be an axis" in err
+
+
+def test_of_a_long_sweep_the_first_rows_are_read(pound, tmp_path, monkeypatch):
+    """The table of a long sweep takes more memory than the run: what is printed is the same from its first rows."""
+    text = STUDY.replace("[0.4 s, 0.5 s]", "{from: 0.4 s, to: 0.9 s, count: 11}")
+    (tmp_path / "two.yaml").write_text(text)
+    _, whole, _ = pound("gap", "two.yaml")
+    assert "7 further pairs and points of the sweep" in whole
+    found = open_results(tmp_path / "results" / "two-gap.h5")
+    table = found.table("gap")
+    rows = int(0.6 * len(table))
+    assert found.answer_head("gap", rows).frame.equals(table[:rows])
+    assert found.largest_in_answer("gap", "error") == table["error"].max()
+    monkeypatch.setattr("pounding_cli.cli.gap.HEAD", rows)
+    _, head, _ = pound("gap", "two.yaml")
+    parts = [text.split("buildings alone: ")[0] for text in (whole, head)]
+    assert parts[0] == parts[1]
