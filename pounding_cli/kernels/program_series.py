@@ -33,6 +33,10 @@ JUDGED = 6
 MARGIN = 0.9
 """Part of the longest step that the last orders allow which is taken [-]."""
 
+ROUNDED = 1e-14
+"""Part of a floor's displacement [-] below which a closing is rounding. Two links that close at one instant do not both
+get a step in q of their own; the other is left without force up to there, or its series would allow no step."""
+
 LARGEST_ROOT = 8
 """Largest b."""
 
@@ -162,7 +166,14 @@ def least_closing(run, p, e):
     v = 1e-3
     while v > 1e-60 and _is_resolved(run, p, e, v):
         v *= 0.125
-    return v
+    return max(v, _rounded(run, p, e))
+
+
+@njit(**PART)
+def _rounded(run, p, e):
+    """A closing [m] of link e that is rounding of its floors' displacements."""
+    left, right = _sides(run, e)
+    return ROUNDED * max(abs(p.U[left]), abs(p.U[right]))
 
 
 @njit(**CALLED)
@@ -203,7 +214,7 @@ def start(run, p):
         if not is_closed(run, e) or t.branch(run, branch_of(run, e), t.REGULAR) <= 1.0:
             continue
         v, rate = register(p, e, CLOSING)[0], register(p, e, RATE)[0]
-        if not (v > 0.0 and _is_resolved(run, p, e, v)):
+        if not (v > _rounded(run, p, e) and _is_resolved(run, p, e, v)):
             least = least_closing(run, p, e)
             p.resting[e] = 1 if v < least else 0
             # from rest q would stand still

@@ -370,11 +370,16 @@ def _sentence(scene: Scene, closings: dict[Link, float]) -> str:
 
 
 def _summed(ledgers: list[dict[str, float]]) -> dict[str, float]:
-    """The ledgers of groups as one; what is missing is summed before it is made relative."""
+    """The ledgers of groups as one; what is missing is summed, and so is what it is relative to in each."""
     book = {key: sum(ledger[key] for ledger in ledgers) for key in ledgers[0] if key != "residual"}
-    missing = book["input"] - sum(value for key, value in book.items() if key != "input")
-    scale = max(abs(value) for value in book.values())
-    return book | {"residual": missing / scale if scale > 0 else 0.0}
+    scale = sum(abs(_missing(ledger) / ledger["residual"]) for ledger in ledgers if ledger["residual"])
+    scale = max(scale, *map(abs, book.values()))
+    return book | {"residual": _missing(book) / scale if scale > 0 else 0.0}
+
+
+def _missing(book: dict[str, float]) -> float:
+    """What came in less what a ledger holds and has given away [J]."""
+    return 2 * book["input"] - sum(value for key, value in book.items() if key != "residual")
 
 
 def _furthest(building: BuildingResponse) -> float:

@@ -22,6 +22,13 @@ HARDENING = st.sampled_from([0, 1e-9, 0.02, 0.05, 0.5, 0.999])
 P_DELTA = st.sampled_from([True, True, 0, 1, 30])
 """The weight of the floors above, or so many times the weight."""
 
+HEIGHTS = [3, 3.003, 2.997, 3.5, 4.5, [4, 3], [3, 4], [2, 2.5], 6]
+"""Storey heights [m]; of a list the first is that of the lowest storey. Slabs of neighbours may be 0.1 % of a storey
+apart."""
+
+SLABS = st.sampled_from([0, 0, 0.002, 0.25, 0.9])
+COLUMNS = st.sampled_from([0.2, 0.25, 1, 0.01, 1e-6])
+
 GAP = decades(1e-6, 0.3, 0, "0 cm", 10, 1e-12, far=False)
 
 
@@ -76,12 +83,15 @@ def link(draw: Any, own: dict[str, Any]) -> dict[str, Any]:
 
 
 @st.composite
-def case(draw: Any, storeys: int, own: dict[str, Any]) -> dict[str, Any]:
-    """What stands between the buildings."""
+def case(draw: Any, storeys: int, own: dict[str, Any], uneven: bool) -> dict[str, Any]:
+    """What stands between the buildings; between slabs and columns too where floors may not line up (`uneven`)."""
     kind = draw(st.integers(1, 12))
     if kind == 1:
         return {"link": "none"}
     spec: dict[str, Any] = {"gap": draw(GAP)}
+    if uneven:
+        other = GAP.map(lambda gap: {"link": "pounding", "gap": gap})
+        spec["at_columns"] = draw(st.one_of(st.sampled_from(["pounding", "pounding", "none"]), other))
     if kind <= 4:
         spec["link"] = draw(st.lists(link(own), min_size=1, max_size=3))
     else:
@@ -96,8 +106,16 @@ def case(draw: Any, storeys: int, own: dict[str, Any]) -> dict[str, Any]:
 @st.composite
 def studies(draw: Any) -> str:
     """The text of a study file: a few scenes each."""
-    types = {name: draw(building()) for name in ("a", "b", "c")[: draw(st.integers(1, 3))]}
+    uneven = draw(st.integers(1, 4)) == 1
+    types = {name: draw(building()) for name in ("a", "b", "c")[: draw(st.integers(2 if uneven else 1, 3))]}
+    heights = draw(st.permutations(HEIGHTS)) if uneven else ()
+    for spec, height in zip(types.values(), heights, strict=False):
+        above = spec["storeys"] - 1
+        spec["height"] = [height[0], *[height[1]] * above] if isinstance(height, list) else height
+        spec |= {"slab": draw(SLABS), "columns": draw(COLUMNS)}
     group = draw(st.lists(st.sampled_from(list(types)), min_size=2, max_size=draw(st.sampled_from([2, 2, 2, 3, 5]))))
+    if uneven:
+        group[:2] = "a", "b"
     own = {f"law {i}": draw(own_law()) for i in range(draw(st.sampled_from([0, 0, 0, 1, 2])))}
     study: dict[str, Any] = {
         "records": {
@@ -106,7 +124,7 @@ def studies(draw: Any) -> str:
         },
         "buildings": {name: types[name] for name in dict.fromkeys(group)},
         "group": group,
-        "cases": {f"case {i}": draw(case(1, own)) for i in range(draw(st.integers(1, 4)))},
+        "cases": {f"case {i}": draw(case(1, own, uneven)) for i in range(draw(st.integers(1, 4)))},
         "accuracy": draw(st.sampled_from([1e-6, 1e-6, 1e-6, 1e-3, 1e-9, 1e-12, 0.1, 1e-14])),
     }
     scale = st.one_of(decades(0.01, 10, 1e-6, 1e6, far=False), st.sampled_from([{"pga": "5 g"}, {"pga": "0.3 g"}]))

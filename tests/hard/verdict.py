@@ -63,6 +63,8 @@ def fault_of(response: Response) -> str:
     for name in LINK_PEAKS:
         if not np.isfinite(getattr(response.links, name)).all():
             return f"{name} is not finite"
+    if not np.isfinite((response.columns.shear_below, response.columns.shear_above)).all():
+        return "shear of struck columns is not finite"
     residual = response.energy["residual"]
     if not abs(residual) <= closes_to(response.accuracy):
         return f"energy residual {residual:.1e}"

@@ -12,13 +12,13 @@ from reference.contacts import (
     K,
     agrees_with_reference,
     blow,
+    contact_pair,
     history_reaches_the_peak,
     keeps_its_accuracy,
 )
-from reference.scenes import ELASTIC, INELASTIC, shake, shear_building
+from reference.scenes import ELASTIC, INELASTIC, shake
 
 from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
-from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 
@@ -47,9 +47,7 @@ def struck(law: BilinearContact, depth: float):
 
 
 def bilinear_pair(gap, e, motion, analysis=ELASTIC, storeys=3, k=K, depth=0.002) -> Scene:
-    two = shear_building(0.36, storeys), shear_building(0.60, storeys)
-    law = BilinearContact(gap, k, depth, e)
-    return Scene(two, tuple(Link(0, j, j, law) for j in range(1, storeys + 1)), motion, analysis)
+    return contact_pair(BilinearContact(gap, k, depth, e), motion, analysis, storeys)
 
 
 @pytest.mark.parametrize("e", [0.3, 0.5, 0.8, 1.0])

@@ -9,6 +9,7 @@ import pytest
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
+from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
 from pounding_cli.solve.histories import history
 from pounding_cli.solve.response import Response
@@ -33,6 +34,12 @@ def blow(law: LinkLaw, accuracy: float, duration: float = 0.2, speed: float = V0
     assert abs(found.energy["residual"]) < 1e-10
     (_, (left,)), (_, (right,)) = found.final
     return found, float(right - left)
+
+
+def contact_pair(law: LinkLaw, motion: Motion, analysis=ELASTIC, storeys: int = 3, foundation=None) -> Scene:
+    """Buildings of 0.36 s and 0.60 s with a law between all their floors."""
+    two = shear_building(0.36, storeys, foundation), shear_building(0.60, storeys, foundation)
+    return Scene(two, tuple(Link(0, floor, floor, law) for floor in range(1, storeys + 1)), motion, analysis)
 
 
 def agrees_with_reference(scene: Scene, rel: float = 1e-7) -> events.Run:
