@@ -44,7 +44,8 @@ def refine_optimise(plan: Plan, responses: PartStore) -> Plan | None:
     values, errors = _values(hunt.question, plan, get)
     void = _void(hunt.question, plan, get)
     hunt.void |= {point for point, is_void in zip(hunt.points, void, strict=True) if is_void}
-    hunt.search.tell(np.where(void, np.nan, values).tolist(), errors.tolist())
+    values = np.where(void, np.nan, values)
+    hunt.search.tell(values.tolist(), errors.tolist())
     following = hunt.search.ask()
     hunt.is_done = following is None
     hunt.points = list(hunt.search.values) if following is None else following
@@ -74,7 +75,8 @@ def _values(question: Question, plan: Plan, get: Get) -> tuple[np.ndarray, np.nd
     values = question.sign * values
     if spec.over_sweep == "mean":
         return values.mean(axis=0), errors.mean(axis=0)
-    worst = np.where(np.isnan(values), np.inf, values).argmax(axis=0)  # a point that failed makes the worst unknown
+    known = np.where(np.isnan(values), np.inf, values)  # a point that failed makes the worst unknown
+    worst = known.argmax(axis=0)  # fault: worst-of-the-sweep
     chosen = worst, np.arange(points)
     return values[chosen], errors[chosen]
 

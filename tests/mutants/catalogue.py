@@ -33,6 +33,7 @@ SCALING = f"{UNIT}/records/test_scaling.py::test_arias_factor_reaches_the_target
 CODE = f"{UNIT}/model/test_code_design.py"
 STIFFNESS = f"{UNIT}/model/test_stiffness.py"
 SENSITIVITY = f"{UNIT}/sensitivity/test_sensitivity_runs.py"
+OPTIMISE = f"{UNIT}/optimise/test_optimise_runs.py"
 
 LINKS = [
     Mutant("dashpot-mass", "eq. (7) with m' upside-down, as printed", ("is DashpotLaw", "is not DashpotLaw"), IMPACT),
@@ -706,6 +707,18 @@ ANSWERS = [
         "a level of Morris stands for the low end of its share of the probability",
         ("+ 0.5", "+ 0.0"),
         f"{SENSITIVITY}::test_morris_ranks_the_keys",
+    ),
+    Mutant(
+        "worst-of-the-sweep",
+        "the best point of a sweep beside counts as the worst",
+        ("argmax", "argmin"),
+        f"{OPTIMISE}::test_of_a_sweep_beside_the_worst_or_the_mean",
+    ),
+    Mutant(
+        "flat-bottom",
+        "the flat region of an optimum is taken ten times as deep",
+        ("FLAT * abs", "10 * FLAT * abs"),
+        f"{UNIT}/optimise/test_optimise_search.py::test_the_flat_bottom",
     ),
 ]
 
