@@ -23,10 +23,10 @@ analyses: [inelastic]
 QUESTIONS = {
     "gap": "sweep: {buildings.B.period: {from: 0.4 s, to: 0.9 s, count: 6}}\ngap: {contact: 10 %}\n",
     "fragility": "sweep: {records.scale.pga: {from: 0.05 g, to: 1 g, step: 0.05 g}}\n"
-    "fragility: {limits: [mu > 2, contact], draws: 50}\n",
+    "fragility: {limits: [mu > 2, contact], draws: 100}\n",
     "sensitivity": "uncertain:\n  buildings.A.mass: {uniform: {from: 100 t, to: 200 t}}\n"
     "  cases.near.gap: {uniform: {from: 1 mm, to: 5 mm}}\n"
-    "sensitivity: {outputs: [largest V_ratio], samples: 4, draws: 50}\n",
+    "sensitivity: {outputs: [largest V_ratio], samples: 4, draws: 100}\n",
     "optimise": "optimise:\n  least: largest V_ratio\n  over: {cases.near.gap: {from: 1 mm, to: 9 mm}}\n"
     "  population: 6\n  generations: 2\n  slice_points: 5\n",
 }
