@@ -6,7 +6,7 @@ import argparse
 import os
 import time
 
-from . import batch, growth, operations, page, picture, program, removal, sampling, sweep, versus
+from . import batch, growth, laws, operations, page, picture, program, removal, sampling, sweep, versus
 from .clock import machine
 
 SWEEPS, HUGE = (100, 1000, 10_000), 100_000
@@ -26,6 +26,7 @@ def main() -> None:
         "peers": lambda: [*versus.heyoka(), *versus.opensees(), *versus.baseline()],
         "figures": lambda: list(versus.figures()),
         "program": lambda: list(program.measure()),
+        "laws": laws.measure,
         "operations": operations.of_a_scene,
         "profile": removal.measure,
         "sampled": sampling.measure,

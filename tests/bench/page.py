@@ -32,8 +32,8 @@ def _rounded(what):
 def tables(parts: dict) -> dict[str, str]:
     """Markdown by mark, of every part that was measured."""
     makers = {
-        "peers": _peers, "figures": _figures, "program": _program, "operations": _operations, "profile": _profile,
-        "sampled": _sampled, "growth": _growth, "batch": _batch, "sweeps": _sweeps,
+        "peers": _peers, "figures": _figures, "program": _program, "laws": _laws, "operations": _operations,
+        "profile": _profile, "sampled": _sampled, "growth": _growth, "batch": _batch, "sweeps": _sweeps,
     }  # fmt: skip
     made = {name: make(parts[name]["found"]) for name, make in makers.items() if name in parts}
     return {**made, "machine": _machine(parts)}
@@ -125,6 +125,21 @@ def _program(found: list[dict]) -> str:
             one["work"], time_of(one["wall"]), time_of(one["core"]), time_of(one["most"]), met(one["met"]) + said,
         ])  # fmt: skip
     return _table("what | by the clock | time on all cores | target | verdict", rows)
+
+
+def _laws(found: list[dict]) -> str:
+    rows = [
+        [
+            one["kind"],
+            f"`{one['law']}`",
+            time_of(one["seconds"]),
+            _digits(one["over"]),
+            f"{one['steps']}",
+            f"{one['events']}",
+        ]
+        for one in found
+    ]
+    return _table("what | law | time a scene | over the first of its kind | steps | events", rows)
 
 
 def _operations(found: dict) -> str:

@@ -38,7 +38,7 @@ def kernel(scene: Scene, everything: bool) -> list[np.ndarray]:
     run = taylor.prepare(scene, arrays, state, ACCURACY, (10**6, 10**6), everything)
     status, *counts, _ = run(state, peaks, empty_ledger(arrays), *segments(scene))
     assert status == layout.DONE
-    buildings, found = unpack(scene, arrays, state, peaks)
+    buildings, found, _ = unpack(scene, arrays, state, peaks)
     numbers = [np.atleast_1d(value) for b in buildings for value in dataclasses.astuple(b)]
     return [*numbers, *dataclasses.astuple(found), np.array(counts)]
 
