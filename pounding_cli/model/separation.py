@@ -32,7 +32,7 @@ def double_difference(left: ArrayLike, right: ArrayLike, correlation: ArrayLike)
     avoid pounding. Earthquake Spectra 8(2), 201-223.
     """
     a, b = np.abs(left), np.abs(right)
-    return np.sqrt(np.maximum(a**2 + b**2 - 2 * np.asarray(correlation) * a * b, 0.0))
+    return np.sqrt(np.maximum(a**2 + b**2 - 2 * np.asarray(correlation) * a * b, 0.0))  # fault: double-difference
 
 
 def cross_correlation(

@@ -127,12 +127,16 @@ def notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
         if returns:
             which = counted(returns, "motion holds", "motions hold")
             said.append(f"{which} again above the first intensity that passes; the first one counts.")
-    failed = sum(int(rows[f"failed{name}"].fillna(0).sum()) for name in both)
-    if failed:
-        said.append(
-            f"{counted(failed, 'scene')} behind these rows failed, or ended as another building collapsed: counted "
-            "neither as holding nor as passing. The table `scene` names them."
-        )
+    undecided = "ended with a collapse before the limit was decided"
+    if asked.method == "cloud":
+        undecided += ", or gave a demand that has no logarithm"
+    for column, what, more in (("failed", "failed", " The table `scene` names them."), ("undecided", undecided, "")):
+        number = sum(int(rows[f"{column}{name}"].fillna(0).sum()) for name in both if f"{column}{name}" in rows)
+        if number:
+            said.append(
+                f"{counted(number, 'scene')} {what} (a scene that several rows need counts in each): counted neither "
+                f"as holding nor as passing.{more}"
+            )
     outcomes = dict.fromkeys(value for name in both for value in rows["outcome" + name] if value not in ("", "fitted"))
     said += [f"{outcome}: {Outcome(outcome).meaning}." for outcome in outcomes]
     return said

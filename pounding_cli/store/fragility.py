@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -49,22 +49,29 @@ class Sample:
 
     method : ida, stripes or cloud
     intensity : [SI]
-    demand : over limit [-], above 1 where the limit is passed; NaN where the scene failed or was not asked for
+    demand : over limit [-], above 1 where the limit is passed; NaN where the scene failed, was not asked for or ended
+        with a collapse that leaves it unknown
     asked : whether the scene was
+    ended : whether a collapse ended the scene
     """
 
     method: str
     intensity: np.ndarray
     demand: np.ndarray
     asked: np.ndarray
+    ended: np.ndarray
 
     @property
     def failed(self) -> int:
-        """Scenes that gave no demand; of a cloud, also those whose demand has no logarithm."""
-        known = ~np.isnan(self.demand)
-        if self.method == "cloud":
-            known &= self._drawable
-        return int((self.asked & ~known).sum())
+        """Scenes that failed."""
+        return int((self.asked & np.isnan(self.demand) & ~self.ended).sum())  # fault: failed-scenes-counted
+
+    @property
+    def undecided(self) -> int:
+        """Scenes that did not fail and tell nothing of the limit: a collapse ended them first or, of a cloud, their
+        demand has no logarithm."""
+        known = self._drawable if self.method == "cloud" else ~np.isnan(self.demand)
+        return int((self.asked & ~known).sum()) - self.failed
 
     @property
     def _drawable(self) -> np.ndarray:
@@ -90,7 +97,7 @@ class Sample:
         if self.method == "ida":
             held, passed, _ = self.held_and_passed()
             return Brackets.of(np.arange(motions), held, passed, motions)
-        known = ~np.isnan(self.demand)
+        known = ~np.isnan(self.demand)  # fault: failed-scene-of-stripes
         above = self.demand[known] > 1
         x = self.intensity[known]
         return Brackets.of(
@@ -148,12 +155,21 @@ def _samples(
     asked, asked_alone = is_asked(layout.linked).astype(bool), is_asked(layout.alone).astype(bool)
     for point, case, analysis in np.ndindex(*asked.shape[:3]):
         for number, target in enumerate(question.targets):
-            demand, free = demands.of(target, point, case, analysis)
+            with_pounding, free = demands.of(target, point, case, analysis)
             alone = None
             if free is not None:
-                alone = Sample(method, x[point], free, asked_alone[point, analysis, :, :, target.building])
-            one = Sample(method, x[point], demand, asked[point, case, analysis])
+                mine = asked_alone[point, analysis, :, :, target.building]
+                alone = Sample(method, x[point], free.demand, mine, free.ended)
+            here = asked[point, case, analysis]
+            one = Sample(method, x[point], with_pounding.demand, here, with_pounding.ended)
             yield Place(point, case, analysis, number), one, alone
+
+
+class _Demand(NamedTuple):
+    """Demand over limit, and whether a collapse ended the scene; shapes (motions, levels)."""
+
+    demand: np.ndarray
+    ended: np.ndarray
 
 
 class _Demands:
@@ -163,25 +179,26 @@ class _Demands:
         self.plan, self.read, self.question, self.layout = plan, read, question, layout
         self._read: dict[str, np.ndarray] = {}
 
-    def of(self, target: Target, point: int, case: int, analysis: int) -> tuple[np.ndarray, np.ndarray | None]:
-        """With pounding and alone, shape (motions, levels)."""
+    def of(self, target: Target, point: int, case: int, analysis: int) -> tuple[_Demand, _Demand | None]:
+        """With pounding and alone; None alone: contact, which takes two."""
         limit, building = target.limit, target.building
+        storeys = [self._levels(name)[point, case, analysis] for name in ("collapsed", "collapsed0")]
+        fell = (storeys[0] > 0).any(axis=-1)
         if limit.quantity == CONTACT:
             links = self.layout.links[point, case]
             mine = [self._link(link.place) for link in links if link.left == building]
             gaps = np.array([link.gap for link in links if link.left == building])
             closing = self._levels("max_closing")[point, case, analysis] if mine else np.zeros((*self._shape(), 0))
-            return over_gap(closing[..., mine], gaps), None
+            return _Demand(over_gap(closing[..., mine], gaps), fell), None
         height = self.plan.study.building(self.layout.points[point], building).height
-        both = []
+        both: list[_Demand] = []
         quantity = "drift" if limit.quantity == COLLAPSE else limit.quantity
-        for name, collapsed in ((quantity, "collapsed"), (_ALONE[quantity], "collapsed0")):
+        for name, storey in zip((quantity, _ALONE[quantity]), storeys, strict=True):
             peaks = self._levels(name)[point, case, analysis, ..., building, : len(height)]
             demand = 0.0 * peaks[..., 0] if limit.quantity == COLLAPSE else over_limit(limit, peaks, height)
-            storey = self._levels(collapsed)[point, case, analysis]
             own = storey[..., building] > 0
-            ended = own if collapsed == "collapsed0" else (storey > 0).any(axis=-1)
-            both.append(np.where(ended, demand_of_collapse(limit, own), demand))
+            ended = own if both else fell
+            both.append(_Demand(np.where(ended, demand_of_collapse(limit, own), demand), ended))
         return both[0], both[1]
 
     def _levels(self, name: str) -> np.ndarray:
@@ -227,6 +244,7 @@ def _curves(plan: Plan, question: Question, with_pounding: list[Sample], alone: 
     rows: list[dict[str, Any]] = []
     for sample, free in zip(with_pounding, alone, strict=True):
         row, draws = _fitted(sample, times, spec.confidence)
+        # fault: paired-by-motion
         row_alone, draws_alone = ({}, None) if free is None else _fitted(free, times, spec.confidence)
         row |= {name + ALONE: value for name, value in row_alone.items()}
         if draws_alone is not None and row["median"] == row["median"] and row_alone["median"] == row_alone["median"]:
@@ -246,6 +264,7 @@ def _fitted(sample: Sample, times: np.ndarray, confidence: float) -> tuple[dict[
         "motions": curve.motions,
         "scenes": int(sample.asked.sum()),
         "failed": sample.failed,
+        "undecided": sample.undecided,
     }
     if sample.method == "ida":
         row["returns"] = int(sample.held_and_passed()[2].sum())
@@ -265,8 +284,9 @@ _MEANINGS = {
     "high": "the median is not above; inf where no end is known",
     "motions": "motions that the curve rests on",
     "scenes": "scenes asked for",
-    "failed": "scenes that gave no number, because they failed or another building collapsed; they widen brackets and "
-    "are counted neither as holding nor as passing",
+    "failed": "scenes that failed; they widen brackets and are counted neither as holding nor as passing",
+    "undecided": "scenes that ended with a collapse before the limit was decided or, of a cloud, whose demand has no "
+    "logarithm; counted neither as holding nor as passing",
     "returns": "motions that hold at an intensity above their first pass",
     "unfitted": "draws of the bootstrap without a fit; they count with what a fit would tend to",
     "ratio": "median with pounding over median alone",

@@ -200,6 +200,7 @@ class _Facts:
 def _rules(plan: Plan, found: Mapping[str, np.ndarray], facts: _Facts, wanted: GapSpec) -> Iterator[Rule]:
     """The exact separations first, then the rules that say something here."""
     analyses = len(plan.analyses)
+    # fault: required-gap
     exact, peaks, relative = found["max_closing"], found["displacement"], found["error_estimate"][..., None]
     left, left_floor, right_floor, _ = (np.array(column) for column in zip(*facts.places, strict=True))
     a = _between(peaks[..., left, left_floor - 1], peaks[..., left, left_floor - 2], left_floor, facts.upper[0])
@@ -255,7 +256,7 @@ def _statistics(rule: Rule, wanted: GapSpec) -> dict:
     filled = np.where(known, values, 0.0)
     mean = _over(filled.sum(axis=2), count)
     away = np.where(known, values - mean[:, :, None], 0.0)
-    std = np.sqrt(_over((away**2).sum(axis=2), count - 1))
+    std = np.sqrt(_over((away**2).sum(axis=2), count - 1))  # fault: gap-deviation
     found |= {"mean": mean, "std": std, "mean_plus_std": mean + std}
     found["largest"] = np.where(none, np.nan, np.where(known, values, -np.inf).max(axis=2))
     ordered = np.sort(np.where(known, values, np.inf), axis=2)
@@ -310,9 +311,9 @@ def _quantiles(count: np.ndarray, probability: float) -> list[np.ndarray]:
 def _factors(number: int, probability: float) -> tuple[float, float, float]:
     from scipy import stats  # here, so that other commands do not load it
 
-    z = float(stats.norm.isf(probability))
+    z = float(stats.norm.isf(probability))  # fault: gap-of-a-probability
     root = np.sqrt(number)
-    low, high = (float(stats.nct.ppf(p, number - 1, z * root)) / root for p in _tails())
+    low, high = (float(stats.nct.ppf(p, number - 1, z * root)) / root for p in _tails())  # fault: gap-interval
     return z, low, high
 
 

@@ -94,7 +94,7 @@ def is_current(path: Path, plan: Plan) -> bool:
 
 def content_digest(plan: Plan) -> str:
     """SHA-256 of all that a results file says, solver included, cost and machine left out."""
-    plan = plan.first or plan
+    plan = plan.first or plan  # fault: first-round
     sha = hashlib.sha256()
     for part in (
         solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step),

@@ -94,7 +94,7 @@ def demand_of_collapse(limit: Limit, own: bool | np.ndarray) -> np.ndarray:
     """Demand over limit of a scene that ended with a collapse: beyond any limit of a peak, in every building, since the
     row is lost. Whether gaps would have closed is unknown, and whether another building than its `own` would fall."""
     known = own if limit.quantity == COLLAPSE else limit.quantity != CONTACT
-    return np.where(known, np.inf, np.nan)
+    return np.where(known, np.inf, np.nan)  # fault: demand-of-collapse
 
 
 def over_gap(closing: np.ndarray, gap: np.ndarray) -> np.ndarray:

@@ -34,6 +34,8 @@ CODE = f"{UNIT}/model/test_code_design.py"
 STIFFNESS = f"{UNIT}/model/test_stiffness.py"
 SENSITIVITY = f"{UNIT}/sensitivity/test_sensitivity_runs.py"
 OPTIMISE = f"{UNIT}/optimise/test_optimise_runs.py"
+REQUIRED, GAP = f"{VERIFICATION}/test_required_gap.py", "tests/cli/test_gap.py"
+FRAGILE = f"{UNIT}/fragility"
 
 LINKS = [
     Mutant("dashpot-mass", "eq. (7) with m' upside-down, as printed", ("is DashpotLaw", "is not DashpotLaw"), IMPACT),
@@ -697,6 +699,48 @@ HISTORIES = [
 
 ANSWERS = [
     Mutant(
+        "first-round",
+        "a finished search is compared with the plan of its last round",
+        "pass",
+        f"{OPTIMISE}::test_a_finished_search_is_not_made_again",
+    ),
+    Mutant(
+        "order-of-samples",
+        "the indices of the keys are those of the keys from the last to the first",
+        ("factor + 1", "keys - factor"),
+        f"{SENSITIVITY}::test_ishigami_within_the_confidence_given",
+    ),
+    Mutant(
+        "equal-samples",
+        "a sample equal to an earlier one takes the number of the latest",
+        ("first[values]", "len(kept) - 1"),
+        f"{SENSITIVITY}::test_morris_ranks_the_keys",
+    ),
+    Mutant(
+        "failed-sample",
+        "an index is given though samples failed",
+        ("np.isnan(y).sum()", "0"),
+        f"{SENSITIVITY}::test_a_failing_scene_is_solved_harder_and_then_refuses_the_index",
+    ),
+    Mutant(
+        "ends-of-an-index",
+        "the interval of an index leaves out ten times as many draws",
+        ("[tails, 100 - tails]", "[10 * tails, 100 - 10 * tails]"),
+        f"{SENSITIVITY}::test_the_interval_of_an_index_holds_the_truth_as_often_as_it_says",
+    ),
+    Mutant(
+        "ends-of-an-output",
+        "the interval of a mean leaves out ten times as many draws",
+        ("[tails, 100 - tails]", "[10 * tails, 100 - 10 * tails]"),
+        f"{SENSITIVITY}::test_ishigami_within_the_confidence_given",
+    ),
+    Mutant(
+        "order-of-bootstraps",
+        "outputs of samples whose motions are drawn come back in the order of the draws",
+        ('np.argsort(question.motion_set, kind="stable")', "question.motion_set"),
+        f"{UNIT}/sensitivity/test_claim_odds.py::test_outputs_rest_on_the_motions_that_a_bootstrap_drew",
+    ),
+    Mutant(
         "harder-try",
         "a scene that failed is not solved more finely",
         ("task._caught(scene, task.respond, scene, False)", "response"),
@@ -722,6 +766,97 @@ ANSWERS = [
     ),
 ]
 
+GAPS = [
+    Mutant(
+        "required-gap",
+        "every motion requires the mean of all",
+        ('found["max_closing"]', 'found["max_closing"].mean(axis=2, keepdims=True) + 0 * found["max_closing"]'),
+        f"{GAP}::test_statistics_are_those_of_the_closings",
+    ),
+    Mutant(
+        "gap-beside-columns",
+        "nothing is required where a slab faces columns",
+        ("in strikes", "in ()"),
+        f"{REQUIRED}::test_slabs_beside_columns",
+    ),
+    Mutant(
+        "gap-deviation",
+        "required gaps: deviation over n motions instead of n - 1",
+        ("count - 1", "count"),
+        f"{GAP}::test_statistics_are_those_of_the_closings",
+    ),
+    Mutant(
+        "gap-of-a-probability",
+        "the gap for a probability of contact is that of staying apart so often",
+        ("isf", "ppf"),
+        f"{GAP}::test_statistics_are_those_of_the_closings",
+    ),
+    Mutant(
+        "gap-interval",
+        "the confidence interval of a gap for a probability of contact is that of the median",
+        ("z * root", "0.0"),
+        f"{GAP}::test_confidence_interval_holds_as_often_as_it_says",
+    ),
+    Mutant(
+        "double-difference",
+        "DDC adds what buildings that sway alike have in common",
+        ("- 2", "+ 2"),
+        f"{UNIT}/model/test_separation.py::test_rules_of_peaks",
+    ),
+]
+
+FRAGILITY = [
+    Mutant(
+        "failed-scene-of-ida",
+        "a scene that failed counts as holding in a bracket",
+        ("demand <= 1", "not demand > 1"),
+        f"{FRAGILE}/test_hunt.py::test_failed_scenes_widen_the_bracket_and_end_nothing",
+    ),
+    Mutant(
+        "failed-scene-of-stripes",
+        "a scene that failed counts as holding in a stripe",
+        ("~np.isnan(self.demand)", "self.asked"),
+        f"{FRAGILE}/test_fragility_runs.py::test_failed_scenes_of_stripes_count_neither_as_holding_nor_as_passing",
+    ),
+    Mutant(
+        "failed-scenes-counted",
+        "a scene that a collapse left undecided counts as failed",
+        (" & ~self.ended", ""),
+        f"{FRAGILE}/test_fragility_collapse.py::test_a_collapse_leaves_contact_undecided",
+    ),
+    Mutant(
+        "demand-of-collapse",
+        "a scene that ended with a collapse counts as holding",
+        ("np.inf", "0.0"),
+        f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
+    ),
+    Mutant(
+        "never-passed",
+        "motions that never pass are left out of the likelihood",
+        ("(low > 0) | ", ""),
+        f"{FRAGILE}/test_likelihood.py::test_motions_that_never_passed_are_counted",
+    ),
+    Mutant(
+        "counts-of-stripes",
+        "motions that pass count as holding too",
+        ("n - k", "n"),
+        f"{FRAGILE}/test_likelihood.py::test_the_published_example_of_stripes",
+    ),
+    Mutant(
+        "ends-of-a-band",
+        "a band whose lower end leaves out twice as many draws",
+        ("0.5 - confidence / 2", "0.5 - confidence / 4"),
+        f"{FRAGILE}/test_bands.py::test_the_band_of_the_median_has_the_width_of_theory",
+    ),
+    Mutant(
+        "paired-by-motion",
+        "curves alone and with pounding rest on different draws of the motions",
+        ("free, times,", "free, times[::-1],"),
+        f"{FRAGILE}/test_fragility_runs.py::test_curves_alone_and_with_pounding_are_paired_by_motion",
+    ),
+]
+
 MUTANTS: list[Mutant] = [
-    *LINKS, *STOREYS, *MOTION, *ENERGY, *METHODS, *DESIGN, *GROUND, *OTHERS, *PRUNING, *HISTORIES, *ANSWERS,
+    *LINKS, *STOREYS, *MOTION, *ENERGY, *METHODS, *DESIGN, *GROUND, *OTHERS, *PRUNING, *HISTORIES, *GAPS, *FRAGILITY,
+    *ANSWERS,
 ]  # fmt: skip

@@ -14,6 +14,7 @@ from fragility_studies import MOTIONS, STUDY, ductility, known
 from test_fragility_runs import G, solved
 
 from pounding_cli.errors import InputError
+from pounding_cli.report.fragility_text import asked_of, notes
 
 FALLS = STUDY.replace(
     "A: {storeys: 3, period: 0.3 s}", "A: {storeys: 3, period: 0.3 s, p_delta: true, hardening: 0}"
@@ -27,6 +28,17 @@ def collapses(scene, **settings):
     if place < 0 or ductility(scene, place) <= 8:
         return response
     return replace(response, status="collapsed", collapse_time=0.05, collapse_building=place, collapse_storey=1)
+
+
+def test_a_collapse_leaves_contact_undecided(tmp_path):
+    """Fails if a collapse counts as a failed scene, as a contact, or as none."""
+    text = FALLS.replace("fragility:\n", "fragility:\n  method: stripes\n").replace("[collapse, ", "[contact, ")
+    _, results = solved(tmp_path, text, collapses)
+    curve = results.table("fragility").set_index("limit").loc["contact"]
+    fell = results.scene()["status"] == "collapsed"
+    assert (curve["failed"], curve["undecided"]) == (0, fell.sum())
+    motions = results.table("fragility_motions")
+    assert motions[motions["limit"] == "contact"]["demand"].isna().sum() == fell.sum() > 0
 
 
 @pytest.mark.parametrize("method", ["ida", "stripes"])
@@ -50,7 +62,12 @@ def test_a_building_that_falls(tmp_path, method):
     assert other["median"] / G == pytest.approx(0.9 * 1.5 * np.exp(np.log(strength).mean()), rel=0.03)
     assert (other["failed"], other["failed0"]) == (0, 0)
     assert curves.loc["collapse", "B"]["outcome"] == curves.loc["collapse", "B"]["outcome0"] == "never passed"
-    assert curves.loc["collapse", "B"]["failed"] > 0  # where A falls first nobody knows whether B would
+    beside = curves.loc["collapse", "B"]  # where A falls first nobody knows whether B would
+    assert (beside["failed"], beside["failed0"], beside["undecided0"]) == (0, 0, 0)
+    assert beside["undecided"] == (results.scene()["status"] == "collapsed").sum() > 0
+    said = " ".join(notes(asked_of(results), results.table("fragility")))
+    assert f"{beside['undecided']:.0f} scenes ended with a collapse before the limit was decided" in said
+    assert "scenes failed" not in said
 
 
 def test_tables_leave_collapsed_scenes_out(tmp_path):

@@ -13,6 +13,7 @@ from fragility_studies import MOTIONS, STUDY, fails_between, known, write_study
 
 from pounding_cli.batch import run_plan, runner
 from pounding_cli.fragility import fit, of_counts
+from pounding_cli.report.fragility_text import asked_of, notes
 from pounding_cli.store import open_results
 from pounding_cli.study import load_study
 from pounding_cli.study.fragility import expand_fragility
@@ -83,6 +84,8 @@ def test_failed_scenes_widen_a_bracket_and_are_counted(tmp_path):
     assert (first["held"] / G, first["passed"] / G) == pytest.approx((0.14, 0.26))
     curve = results.table("fragility").set_index(["limit", "building"]).loc["mu > 4", "A"]
     assert (curve["failed"], curve["failed0"], curve["motions"]) == (outcome.failed, 0, MOTIONS)
+    assert (curve["undecided"], curve["undecided0"]) == (0, 0)
+    assert "15 scenes failed (a scene" in " ".join(notes(asked_of(results), results.table("fragility")))
     assert outcome.failed == 5  # 0.16 to 0.24 g: each was tried before the bracket was left open
     assert {failure.status for failure in outcome.failures} == {"event bound reached"}
 
@@ -136,6 +139,19 @@ def test_stripes_solve_every_level_and_fit_counts(tmp_path):
     curve = results.table("fragility").iloc[0]
     wanted = fit(of_counts(counts.index.to_numpy(), np.full(4, MOTIONS), counts.to_numpy()))
     assert (curve["median0"], curve["spread0"]) == pytest.approx((wanted.median, wanted.spread))
+
+
+def test_failed_scenes_of_stripes_count_neither_as_holding_nor_as_passing(tmp_path):
+    text = STUDY.replace("limits: [mu > 4, contact]", "limits: mu > 4 in A\n  method: stripes")
+    text = text.replace("{from: 0.02 g, to: 1 g, step: 0.02 g}", "[0.2 g, 0.3 g, 0.4 g, 0.5 g]")
+    _, results = solved(tmp_path, text, fails_between)
+    demand = results.table("fragility_motions").groupby("intensity")["demand"]
+    counts, passed = demand.count(), demand.agg(lambda each: (each > 1).sum())
+    assert counts.tolist() == [MOTIONS - 1, MOTIONS, MOTIONS, MOTIONS]
+    wanted = fit(of_counts(counts.index.to_numpy(), counts.to_numpy(), passed.to_numpy()))
+    curve = results.table("fragility").iloc[0]
+    assert (curve["median"], curve["spread"]) == pytest.approx((wanted.median, wanted.spread))
+    assert (curve["failed"], curve["undecided"]) == (1, 0)
 
 
 def test_a_cloud_takes_motions_as_they_are(tmp_path):

@@ -160,8 +160,22 @@ def test_stopped_and_resumed_gives_the_same_bits(tmp_path):
     assert outcome.done + outcome.reused == first.done
     for one, other in zip(tables(once), tables(twice), strict=True):
         assert one.equals(other)
+    assert once.attrs["content"] == twice.attrs["content"]
     again, _ = solved(tmp_path / "twice", solve=stops)
     assert (again.done, again.reused, again.engine) == (0, outcome.done + outcome.reused, "none")
+
+
+def test_a_finished_search_is_not_made_again(tmp_path):
+    """Fails if the file is compared with the plan of another round than the first: then the same command searches again
+    and writes the same file once more."""
+    solved(tmp_path)
+    before = (tmp_path / "r.h5").stat()
+    again, _ = solved(tmp_path)
+    after = (tmp_path / "r.h5").stat()
+    assert again.done == 0
+    assert (after.st_ino, after.st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
+    changed, _ = solved(tmp_path, STUDY + "  seed: 2\n")
+    assert changed.done > 0
 
 
 @pytest.mark.parametrize("engine", ["threads", "processes"])

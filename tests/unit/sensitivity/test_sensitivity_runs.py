@@ -16,9 +16,9 @@ from sensitivity_studies import FIRST, STUDY, TOTAL, fails_in_a_corner, ishigami
 from pounding_cli.batch import run_plan, runner
 from pounding_cli.store import indices as store_indices
 from pounding_cli.store import open_results
-from pounding_cli.store.indices import CONSTANT, FOUND, draws
+from pounding_cli.store.indices import CONSTANT, FOUND, draws, indices
 from pounding_cli.study import load_study
-from pounding_cli.study.sensitivity import expand_sensitivity
+from pounding_cli.study.sensitivity import expand_sensitivity, question_of
 
 KEYS = ["buildings.A.mass", "cases.near.gap", "buildings.A.hardening"]
 
@@ -50,7 +50,23 @@ def test_ishigami_within_the_confidence_given(tmp_path):
     variance = 49 / 8 + 0.1 * np.pi**4 / 5 + 0.01 * np.pi**8 / 18 + 0.5
     assert output["deviation"] == pytest.approx(np.sqrt(variance), rel=0.05)
     assert output["mean_low"] < 3.5 < output["mean_high"]
+    width = 2 * 1.96 * np.sqrt(variance / 512)  # of a mean of 512 independent samples, 95 % confidence
+    assert output["mean_high"] - output["mean_low"] == pytest.approx(width, rel=0.15)
     assert outcome.failed == 0
+
+
+def test_the_interval_of_an_index_holds_the_truth_as_often_as_it_says(tmp_path):
+    """95 % asked, Ishigami's function itself with forty seeds. Fails if the interval is too narrow or too wide."""
+    question, held = question_of(load_study(write_study(tmp_path))), []
+    for seed in range(1, 41):
+        spec = question.spec.model_copy(update={"seed": seed, "draws": 200})
+        each = dataclasses.replace(question, spec=spec)
+        _, rows = indices(each, np.array([ishigami(np.pi * (2 * u - 1)) for u in each.cube]))
+        for name, wanted in (("first", FIRST), ("total", TOTAL)):
+            held += [
+                row[f"{name}_low"] <= index <= row[f"{name}_high"] for row, index in zip(rows, wanted, strict=True)
+            ]
+    assert 0.92 < np.mean(held) < 0.99
 
 
 def test_the_samples_are_those_that_were_solved(tmp_path):
