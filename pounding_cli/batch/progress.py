@@ -205,9 +205,10 @@ class JsonLines:
     def _progress(self, event: str) -> None:
         self._last = time.monotonic()
         facts: dict[str, Any] = {name: getattr(self.counts, name) for name in ("done", "failed", "reused", "left")}
-        times = ("seconds_left",)
+        times = ["seconds_left"]
         if self.counts.ahead:
-            facts["ahead"], times = self.counts.ahead, ("seconds_left", "seconds_ahead")
+            facts["ahead"] = self.counts.ahead
+            times.append("seconds_ahead")
         for name in times:
             seconds = getattr(self.counts, name)
             facts[name] = None if seconds is None else round(seconds, 1)

@@ -86,7 +86,9 @@ def judge_samples(plan: Plan, read: Read, question: Question) -> Iterator[Judged
         mine = [_Gathered(claim, pairs.shape[1]) for claim in asked]
         for row, (place, motions) in enumerate(pairs.T.tolist()):
             evidence = source.evidence((*point, place), motions)
-            for each in mine if evidence is not None else ():
+            if evidence is None:
+                continue
+            for each in mine:
                 each.judge(row, evidence)
         for each in mine:
             yield each.judged(point, back)

@@ -85,7 +85,7 @@ class Rounds(Mapping[str, Scene]):
 
     def __init__(self, latest: Mapping[str, Scene], former: Mapping[str, Scene]) -> None:
         self._latest = latest
-        self._all = former._all if isinstance(former, Rounds) else dict.fromkeys(former)
+        self._all: dict[str, None] = former._all if isinstance(former, Rounds) else dict.fromkeys(former)
         for digest in latest:
             self._all.setdefault(digest)
 
