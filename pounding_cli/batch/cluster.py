@@ -234,7 +234,7 @@ def _received(
     except RuntimeError as error:  # Dask's word for scenes that its scheduler could not unpack
         said = str(error.__cause__ or error).partition("\n")[0]
         raise InputError(Problem(f"the scheduler cannot pass on this study: {said}", _SAME)) from None
-    chunk = Chunk.from_bytes(content, key)
+    chunk = Chunk.from_bytes(content, key, bundle)
     assert chunk is not None
     queue.give_back(bundle[len(chunk) :])
     queue.learn(len(chunk), seconds)

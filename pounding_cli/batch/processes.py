@@ -58,7 +58,7 @@ class Processes:
                     answer = worker.answer()
                     if answer is not None:
                         content, seconds = answer
-                        chunk = Chunk.from_bytes(content, key)
+                        chunk = Chunk.from_bytes(content, key, bundle)
                         assert chunk is not None
                         staff.idle.append(worker)
                         queue.give_back(bundle[len(chunk) :])

@@ -17,8 +17,10 @@ from pounding_cli.numbers import counted
 class Progress(Protocol):
     """What a run tells while it goes on."""
 
-    def start(self, total: int, reused: int) -> None:
-        """`total` scenes are to be solved; `reused` were found solved. In a later round: so many more."""
+    def start(self, total: int, reused: int, ahead: int = 0) -> None:
+        """`total` scenes are to be solved; `reused` were found solved. In a later round: so many more.
+
+        ahead : scenes that rounds to come ask for at most, as far as that is known"""
         ...
 
     def compiled(self) -> None:
@@ -40,18 +42,20 @@ class Progress(Protocol):
 
 @dataclass
 class Counts:
-    """Scenes done, failed, reused and left, and the time they take."""
+    """Scenes done, failed, reused and left, those that rounds to come may ask for, and the time they take."""
 
     total: int = 0
     reused: int = 0
     done: int = 0
     failed: int = 0
+    ahead: int = 0
     begun: float = math.inf
     come_before: int = 0
 
-    def start(self, total: int, reused: int) -> None:
+    def start(self, total: int, reused: int, ahead: int = 0) -> None:
         self.reused = reused - self.come  # in later rounds those of this run are found solved too
         self.total = self.come + total
+        self.ahead = ahead
 
     @property
     def come(self) -> int:
@@ -72,15 +76,29 @@ class Counts:
     @property
     def seconds_left(self) -> float | None:
         """Time the rest will take if it is like what came since kernels were compiled [s]; None before anything did."""
+        return self._seconds(self.left)
+
+    @property
+    def seconds_ahead(self) -> float | None:
+        """Time that rounds to come will take at most, likewise [s]."""
+        return self._seconds(self.ahead)
+
+    def _seconds(self, scenes: int) -> float | None:
         come = self.come - self.come_before if self.begun < math.inf else 0
-        return (time.monotonic() - self.begun) / come * self.left if come else None
+        return (time.monotonic() - self.begun) / come * scenes if come else None
 
     @property
     def words(self) -> str:
         """The counts in a line."""
         parts = [f"{self.done} done", f"{self.failed} failed", f"{self.reused} reused", f"{self.left} left"]
-        seconds = self.seconds_left
-        return ", ".join(parts) + (f", about {span(seconds)} to go" if seconds is not None and self.left else "")
+        words, seconds = ", ".join(parts), self.seconds_left
+        if seconds is not None and self.left:
+            words += f", about {span(seconds)} to go"
+        if self.ahead:
+            words += f"; rounds to come: at most {self.ahead} more"
+            seconds = self.seconds_ahead
+            words += "" if seconds is None else f", {span(seconds)}"
+        return words
 
 
 def span(seconds: float) -> str:
@@ -94,7 +112,7 @@ def span(seconds: float) -> str:
 class Quiet:
     """Says nothing."""
 
-    def start(self, total: int, reused: int) -> None: ...
+    def start(self, total: int, reused: int, ahead: int = 0) -> None: ...
 
     def compiled(self) -> None: ...
 
@@ -125,9 +143,9 @@ class Lines:
         self.counts = Counts()
         self._last = time.monotonic()
 
-    def start(self, total: int, reused: int) -> None:
+    def start(self, total: int, reused: int, ahead: int = 0) -> None:
         later = self.counts.come > 0
-        self.counts.start(total, reused)
+        self.counts.start(total, reused, ahead)
         if later:  # rounds may be many, and each a moment
             self.step(0, 0)
             return
@@ -147,6 +165,7 @@ class Lines:
         _write(sentence, self.stream)
 
     def stop(self) -> None:
+        self.counts.ahead = 0
         self.say(self.counts.words)
 
 
@@ -159,8 +178,8 @@ class JsonLines:
         self.counts = Counts()
         self._last = 0.0
 
-    def start(self, total: int, reused: int) -> None:
-        self.counts.start(total, reused)
+    def start(self, total: int, reused: int, ahead: int = 0) -> None:
+        self.counts.start(total, reused, ahead)
         self._progress("start")
 
     def compiled(self) -> None:
@@ -175,6 +194,7 @@ class JsonLines:
         self.tell("note", text=sentence)
 
     def stop(self) -> None:
+        self.counts.ahead = 0
         self._progress("stop")
 
     def tell(self, event: str, **facts: Any) -> None:
@@ -184,9 +204,15 @@ class JsonLines:
 
     def _progress(self, event: str) -> None:
         self._last = time.monotonic()
-        counts, seconds = self.counts, self.counts.seconds_left
-        facts = {name: getattr(counts, name) for name in ("done", "failed", "reused", "left")}
-        self.tell(event, **facts, seconds_left=None if seconds is None else round(seconds, 1))
+        facts: dict[str, Any] = {name: getattr(self.counts, name) for name in ("done", "failed", "reused", "left")}
+        times = ["seconds_left"]
+        if self.counts.ahead:
+            facts["ahead"] = self.counts.ahead
+            times.append("seconds_ahead")
+        for name in times:
+            seconds = getattr(self.counts, name)
+            facts[name] = None if seconds is None else round(seconds, 1)
+        self.tell(event, **facts)
 
 
 class Bar:
@@ -203,8 +229,8 @@ class Bar:
         self._task = self._rich.add_task("", total=None)
         self.counts = Counts()
 
-    def start(self, total: int, reused: int) -> None:
-        self.counts.start(total, reused)
+    def start(self, total: int, reused: int, ahead: int = 0) -> None:
+        self.counts.start(total, reused, ahead)
         self._rich.update(self._task, total=self.counts.total, description=self.counts.words)
         self._rich.start()
         self._rich.refresh()

@@ -160,7 +160,7 @@ def _solve_rounds(
             plan = following
             order = order_of(plan, parts)
             if order.digests:
-                progress.start(len(order.digests), len(plan.scenes) - len(order.digests))
+                progress.start(len(order.digests), len(plan.scenes) - len(order.digests), plan.ahead)
                 solved.scenes += len(order.digests)
                 by, spent = _solve_missing(plan, order, parts, chosen, progress, solve)
                 solved.engine = by if solved.engine in ("none", "serial") else solved.engine

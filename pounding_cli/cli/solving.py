@@ -118,6 +118,7 @@ def solve_study(
         plan, path, progress=log or chosen(how.quiet), workers=how.workers, engine_name=how.engine_name,
         scheduler=how.scheduler, replace=how.replace,
     )  # fmt: skip
+    del loaded, plan  # what is printed is read from the file, and of many scenes both need their memory
     if log:
         _log(log, outcome)
     elif not how.quiet:

@@ -88,6 +88,7 @@ class Search:
     flat : of continuous coordinates, between which ends the function stays on its bottom, the others at the best point
     mapped : the two coordinates of the map; None where there is none
     is_settled : whether the population came together before its generations were spent
+    ahead : points that the generations to come ask for at most
     """
 
     def __init__(self, options: Sequence[int], settings: Settings | None = None, written: Point | None = None) -> None:
@@ -99,6 +100,7 @@ class Search:
         self.flat: dict[int, tuple[float, float]] = {}
         self.mapped: tuple[int, int] | None = None
         self.is_settled = True
+        self.ahead = 0
         self._centre: Point | None = None
         self._asked: list[Point] = []
         self._steps = self._run()
@@ -228,10 +230,13 @@ class Search:
         number = self.settings.population or max(20, 12 * size)
         random = np.random.default_rng(self.settings.seed)
         population = qmc.LatinHypercube(size, rng=random).random(number)
+        self.ahead = number * self.settings.generations
         values = yield from self._look(population, SEARCH)
         for generation in range(self.settings.generations):
             if not np.isfinite(values).any() or _is_close(values):
+                self.ahead = 0
                 return
+            self.ahead -= number
 
             def once(function: Callable, population: np.ndarray = population, generation: int = generation) -> Any:
                 return differential_evolution(

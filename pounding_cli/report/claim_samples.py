@@ -13,7 +13,7 @@ from scipy.stats import binomtest
 
 from pounding_cli.report.claims import CLAIMS
 from pounding_cli.report.evidence import Evidence
-from pounding_cli.report.verdicts import Claim, Finding, Verdict
+from pounding_cli.report.verdicts import Claim, Verdict
 from pounding_cli.solve.response import DONE
 from pounding_cli.store.answers import Column, Read, Table, place_columns
 from pounding_cli.store.indices import FOUND, independent_samples, indices
@@ -83,26 +83,45 @@ def judge_samples(plan: Plan, read: Read, question: Question) -> Iterator[Judged
     asked = [claim for claim in CLAIMS if claim.key in question.claims]
     pairs, back = np.unique(np.stack([question.place, question.motion_set]), axis=1, return_inverse=True)
     for point in np.ndindex(*(len(axis.values) for axis in plan.axes[:-1])):
-        rows = []
-        for place, motions in pairs.T.tolist():
+        mine = [_Gathered(claim, pairs.shape[1]) for claim in asked]
+        for row, (place, motions) in enumerate(pairs.T.tolist()):
             evidence = source.evidence((*point, place), motions)
-            rows.append(None if evidence is None else [claim.judge(evidence) for claim in asked])
-        for number, claim in enumerate(asked):
-            mine = [None if row is None else row[number] for row in rows]
-            verdicts = np.array(["" if each is None else str(each.verdict) for each in mine], dtype=object)
-            found = [{} if each is None else {f.words: f for f in each.findings} for each in mine]
-            counted = {words: f for row in found for words, f in row.items() if f.passed is not None}
-            numbers = {w: np.array([row[w].number if w in row else np.nan for row in found]) for w in counted}
-            passed = {w: np.array([_passed(row.get(w)) for row in found]) for w in counted}
-            yield Judged(
-                point, claim, verdicts[back], {w: y[back] for w, y in numbers.items()},
-                {w: y[back] for w, y in passed.items()}, {w: f.unit for w, f in counted.items()},
-            )  # fmt: skip
+            if evidence is None:
+                continue
+            for each in mine:
+                each.judge(row, evidence)
+        for each in mine:
+            yield each.judged(point, back)
 
 
-def _passed(finding: Finding | None) -> float:
-    passed = None if finding is None else finding.passed
-    return np.nan if passed is None else float(passed)
+class _Gathered:
+    """What a claim says of sample after sample, as numbers: the judgements of all samples would take much memory."""
+
+    def __init__(self, claim: Claim, samples: int) -> None:
+        self._claim, self._samples = claim, samples
+        self._verdicts = np.full(samples, "", dtype=object)
+        self._numbers: dict[str, np.ndarray] = {}
+        self._passed: dict[str, np.ndarray] = {}
+        self._units: dict[str, str] = {}  # of the numbers that counted for a verdict
+
+    def judge(self, sample: int, evidence: Evidence) -> None:
+        judgement = self._claim.judge(evidence)
+        self._verdicts[sample] = str(judgement.verdict)
+        for finding in judgement.findings:
+            if finding.words not in self._numbers:
+                for columns in (self._numbers, self._passed):
+                    columns[finding.words] = np.full(self._samples, np.nan)
+            self._numbers[finding.words][sample] = finding.number
+            if finding.passed is not None:
+                self._passed[finding.words][sample] = finding.passed
+                self._units[finding.words] = finding.unit
+
+    def judged(self, point: tuple[int, ...], back: np.ndarray) -> Judged:
+        """`back` : of every sample its row here."""
+        numbers, passed = (
+            {words: columns[words][back] for words in self._units} for columns in (self._numbers, self._passed)
+        )
+        return Judged(point, self._claim, self._verdicts[back], numbers, passed, self._units)
 
 
 class _Samples:

@@ -91,8 +91,10 @@ class Chunk:
         return _MAGIC + hashlib.sha256(body).hexdigest().encode() + b"\n" + body
 
     @classmethod
-    def from_bytes(cls, content: bytes, key: str) -> Chunk | None:
+    def from_bytes(cls, content: bytes, key: str, asked: Sequence[str] = ()) -> Chunk | None:
         """The chunk, or None where it was made under another key.
+
+        asked : the digests that it was made for; where it has these, they are not held twice
 
         Raises
         ------
@@ -110,7 +112,8 @@ class Chunk:
         if not all(isinstance(digest, str) and len(digest) <= _SHA and digest.isascii() for digest in head["digests"]):
             raise ValueError("damaged part")
         numbers = np.frombuffer(content, "<f8", offset=end + 1)
-        chunk = cls(head["digests"], [lines[place] for place in head["words"]], numbers)
+        digests, mine = head["digests"], asked[: len(head["digests"])]
+        chunk = cls(mine if mine == digests else digests, [lines[place] for place in head["words"]], numbers)
         if len(chunk.digests) != len(chunk.words) or chunk.starts[-1] != numbers.size:
             raise ValueError("damaged part")
         return chunk

@@ -69,9 +69,10 @@ def empty(variable: Variable, shape: tuple[int, ...]) -> np.ndarray:
     return np.zeros(shape, np.int64) if variable.kind == "i" else np.full(shape, np.nan)
 
 
-def facts(plan: Plan, shape: Shape) -> Data:
-    """The variables of links, buildings and motions; the latter two without the axes that leave them alone."""
-    return _links(plan, shape) | _buildings(plan, shape) | _records(plan, shape)
+def facts(plan: Plan, shape: Shape) -> Iterator[Data]:
+    """The variables of links, of buildings and of motions; the latter two without the axes that leave them alone."""
+    for group in (_links, _buildings, _records):
+        yield group(plan, shape)
 
 
 def _links(plan: Plan, shape: Shape) -> Data:

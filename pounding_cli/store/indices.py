@@ -18,8 +18,11 @@ CONSTANT = "the output does not change"
 SHARE = 0.2
 """Lowest and highest part of a key's distribution that a tornado compares [-]."""
 
-_AT_ONCE = 2_000_000
-"""Numbers of a bootstrap that are looked at together."""
+_DRAWN = 2_000_000
+"""Numbers of a bootstrap that are drawn together; another number makes other draws."""
+
+_AT_ONCE = 200_000
+"""Numbers of a bootstrap that are looked at together, about: estimators hold several times as many."""
 
 
 def independent_samples(question: Question) -> np.ndarray:
@@ -76,12 +79,14 @@ def _estimates(estimate: Any, a: np.ndarray, ab: np.ndarray, b: np.ndarray, draw
 
 def draws(question: Question, count: int) -> Callable[[], Iterator[np.ndarray]]:
     """Yields the numbers of the base samples of all draws, shape (count, some draws); the same ones each time."""
-    step = max(1, _AT_ONCE // count)
+    step = max(1, _DRAWN // count)
 
     def blocks() -> Iterator[np.ndarray]:
         random = np.random.default_rng(question.spec.seed)
         for begin in range(0, question.spec.draws, step):
-            yield random.integers(count, size=(count, min(step, question.spec.draws - begin)))
+            drawn = random.integers(count, size=(count, min(step, question.spec.draws - begin)))
+            parts = max(1, min(drawn.shape[1] // 2, drawn.size // _AT_ONCE))  # numpy adds a single column up otherwise
+            yield from map(np.ascontiguousarray, np.array_split(drawn, parts, axis=1))
 
     return blocks
 

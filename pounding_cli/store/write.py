@@ -115,9 +115,10 @@ def content_digest(plan: Plan) -> str:
 def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: Callable[[], None], path: Path) -> None:
     shape = shape_of(plan, responses)
     scales = _write_coordinates(file, plan, shape)
-    for name, (dims, array) in facts(plan, shape).items():
-        if array.size:  # no case has a link
-            _dataset(file, name, dims, array, VARIABLES[name].unit, VARIABLES[name].text, scales)
+    for group in facts(plan, shape):
+        for name, (dims, array) in group.items():
+            if array.size:  # no case has a link
+                _dataset(file, name, dims, array, VARIABLES[name].unit, VARIABLES[name].text, scales)
     check()
     _write_tables(file, plan, responses, shape, scales, check)
     tables = WORKFLOWS[plan.workflow].part("tables")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import product
+from sys import intern
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
@@ -147,8 +148,8 @@ class _Builder:
         assert motions is not None
         tail = self._resolver.section(point, "tail")
         free = [Digests((building,), ()) for building in group.buildings]
-        alone = {
-            (analysis, record): tuple(each.of(motions[record].motion, analysis, tail) for each in free)
+        alone = {  # many points share a building: its digest is held once
+            (analysis, record): tuple(intern(each.of(motions[record].motion, analysis, tail)) for each in free)
             for analysis in self._analyses
             for record in self._records
         }

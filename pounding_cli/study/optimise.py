@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product
 
@@ -78,10 +78,16 @@ class Hunt:
 
 
 class Rounds(Mapping[str, Scene]):
-    """The scenes of a round, and by digest alone those of the rounds before, which are solved."""
+    """The scenes of a round, and by digest alone those of the rounds before, which are solved.
 
-    def __init__(self, latest: Mapping[str, Scene], former: Iterable[str]) -> None:
-        self._latest, self._all = latest, dict.fromkeys([*former, *latest])
+    former : the scenes of the round before, which must not be used any more: both share one list of digests
+    """
+
+    def __init__(self, latest: Mapping[str, Scene], former: Mapping[str, Scene]) -> None:
+        self._latest = latest
+        self._all: dict[str, None] = former._all if isinstance(former, Rounds) else dict.fromkeys(former)
+        for digest in latest:
+            self._all.setdefault(digest)
 
     def __getitem__(self, digest: str) -> Scene:
         return self._latest[digest]
@@ -123,7 +129,8 @@ def plan_of(hunt: Hunt) -> Plan:
         at_points(study, question.factors, np.array(hunt.points)),
         asks=lambda _point, name, kind, _record: (name, kind) == (case, analysis),
     )
-    return dataclasses.replace(plan, workflow="optimise", harder=True, state=hunt, first=hunt.first)
+    ahead = hunt.search.ahead * len(plan.scenes) // len(hunt.points)
+    return dataclasses.replace(plan, workflow="optimise", harder=True, state=hunt, ahead=ahead, first=hunt.first)
 
 
 def question_of(study: Study) -> Question:

@@ -96,6 +96,7 @@ class Plan:
     workflow : what is asked of the scenes, a key of WORKFLOWS
     harder : whether a scene that fails is solved once more, more finely
     state : what a workflow in rounds keeps from one to the next
+    ahead : scenes that rounds to come ask for at most, about, as far as the workflow knows
     first : the plan of the first round, where it decides what all rounds ask for; None in that round itself, and where
         rows say it
     """
@@ -119,6 +120,7 @@ class Plan:
     workflow: str = "run"
     harder: bool = False
     state: Any = None
+    ahead: int = 0
     first: Plan | None = None
 
     def shown(self, row: Row) -> dict[str, str]:

@@ -159,4 +159,5 @@ def number_node(number: float, unit: str, mark: Mark) -> Node:
     plain: int | float = int(number) if whole else number
     if not unit:
         return Node(plain, mark, str(plain))
-    return Node(f"{plain} {unit}", mark, f"{plain} {unit}")
+    text = f"{plain} {unit}"
+    return Node(text, mark, text)

@@ -10,7 +10,7 @@ Mark = tuple[int, int]
 """Line and column, both from 1."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)  # slots: a study of many samples has a node for each value
 class Node:
     """One value of the file.
 

@@ -1,9 +1,10 @@
-"""A sweep of many scenes by `pound run`: time and memory of all its processes together.
+"""Many scenes by one command: time and memory of all its processes together.
 
-`python -m tests.bench.sweep gap 100000` does the same with required gaps, every scene another pair of buildings."""
+`python -m tests.bench.sweep COMMAND SCENES [ENGINE]` measures run, gap, fragility, sensitivity or optimise."""
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -11,6 +12,9 @@ import tempfile
 import threading
 import time
 from pathlib import Path
+from string import Template
+
+import h5py
 
 from .clock import ROOT
 from .program import pound
@@ -46,22 +50,80 @@ sweep:
 """
 
 
-def run(count: int, command: str = "run") -> dict:
-    """Sweep `count` scenes; memory is the largest sum over the processes, shared pages counted once [bytes].
+_PAIR = """\
+records: {use: [$motions], duration: 2 s}
+buildings:
+  stiff: {storeys: 1, period: 0.36 s}
+  soft:  {storeys: 1, period: 0.60 s}
+group: [stiff, soft]
+cases: {gap: {link: pounding, gap: 2 cm}}
+analyses: [elastic]
+estimate: none
+"""
 
-    command : "run" or "gap"
-    """
+FRAGILITY = """\
+fragility: {limits: [drift > 1 %, contact], draws: 100}
+sweep:
+  buildings.soft.period: [$many]
+  records.scale.pga: {from: 0.05 g, to: 1 g, step: 0.05 g}
+"""
+
+SENSITIVITY = """\
+sensitivity: {outputs: [largest V_ratio], samples: $many}
+uncertain:
+  buildings.soft.period: {uniform: {from: 0.5 s, to: 1 s}}
+  cases.gap.gap: {uniform: {from: 0 cm, to: 5 cm}}
+  impact.restitution: {uniform: {from: 0.4, to: 0.65}}
+"""
+
+OPTIMISE = """\
+optimise:
+  least: largest V_ratio
+  generations: 50
+  population: $many
+  over:
+    buildings.soft.period: {from: 0.5 s, to: 1 s}
+    cases.gap.gap: {from: 0 cm, to: 5 cm}
+    impact.restitution: {from: 0.4, to: 0.65}
+"""
+
+COMMANDS = ("run", "gap", "fragility", "sensitivity", "optimise")
+
+
+def study_of(command: str, count: int) -> str:
+    """A study of about so many scenes; of `fragility` and `optimise` the answers decide how many."""
+    motions = "elcentro"
+    if command == "fragility":  # about 40 scenes a period
+        text, many = FRAGILITY, numbers(0.5, 1.0, max(1, count // 40))
+        motions = "elcentro, taft, eureka, olympia, parkfield"
+    elif command == "sensitivity":  # Sobol: five points and two periods for each base sample
+        text, many = SENSITIVITY, str(2 ** max(1, round(math.log2(count / 7))))
+    elif command == "optimise":  # two scenes a point
+        text, many = OPTIMISE, str(max(5, count // 100))
+    else:
+        return _grid(command, count)
+    return Template(_PAIR + text).substitute(motions=motions, many=many)
+
+
+def _grid(command: str, count: int) -> str:
     first = round(count**0.5)
     while count % first:
         first -= 1
+    text, ranges = (STUDY, ((0.3, 0.7), (0.0, 0.04))) if command == "run" else (GAP, ((0.2, 1.0), (0.3, 2.0)))
+    return text.format(first=numbers(*ranges[0], first), second=numbers(*ranges[1], count // first))
+
+
+def run(count: int, command: str = "run", engine: str = "processes") -> dict:
+    """Solve about `count` scenes; memory is the largest sum over the processes, shared pages counted once, and the
+    largest of the main process alone [bytes]."""
     with tempfile.TemporaryDirectory() as folder:
-        study = Path(folder) / "sweep.yaml"
-        text, ranges = (STUDY, ((0.3, 0.7), (0.0, 0.04))) if command == "run" else (GAP, ((0.2, 1.0), (0.3, 2.0)))
-        study.write_text(text.format(first=numbers(*ranges[0], first), second=numbers(*ranges[1], count // first)))
+        study, results = Path(folder) / "sweep.yaml", Path(folder) / "sweep.h5"
+        study.write_text(study_of(command, count))
         load, begin = f"{os.getloadavg()[0]:.1f}", time.perf_counter()
         process = subprocess.Popen(
-            [*pound(), command, str(study), "-o", f"{folder}/sweep.h5", "-q"], cwd=ROOT, stdout=subprocess.DEVNULL
-        )
+            [*pound(), command, str(study), "-o", str(results), "--engine", engine],
+            cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
         watcher = Watcher(process.pid)
         watcher.start()
         code = process.wait()
@@ -69,8 +131,15 @@ def run(count: int, command: str = "run") -> dict:
         watcher.join()
         if code:
             raise RuntimeError(f"pound {command} ended with {code}")
-        size = (Path(folder) / "sweep.h5").stat().st_size
-    return {"scenes": count, "wall": wall, "memory": watcher.largest, "file": size, "load": load}
+        scenes, size = count if command == "run" else scenes_of(results), results.stat().st_size
+    found = {"scenes": scenes, "wall": wall, "memory": watcher.largest}
+    return found | {"main": watcher.main, "file": size, "load": load}
+
+
+def scenes_of(results: Path) -> int:
+    """Scenes in a results file."""
+    with h5py.File(results) as file:
+        return int(file.attrs["scenes"])
 
 
 def numbers(low: float, high: float, count: int) -> str:
@@ -83,11 +152,12 @@ class Watcher(threading.Thread):
 
     def __init__(self, pid: int) -> None:
         super().__init__(daemon=True)
-        self.pid, self.largest = pid, 0
+        self.pid, self.largest, self.main = pid, 0, 0
 
     def run(self) -> None:
         while (now := family_memory(self.pid)) > 0:
             self.largest = max(self.largest, now)
+            self.main = max(self.main, resident(self.pid))
             time.sleep(0.5)
 
 
@@ -106,5 +176,14 @@ def family_memory(pid: int) -> int:
     return total
 
 
+def resident(pid: int) -> int:
+    """Largest resident set of a process so far [bytes]; 0 when it is gone (Linux)."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return 0
+    return sum(1024 * int(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM:"))
+
+
 if __name__ == "__main__":
-    print(run(int(sys.argv[2]), sys.argv[1]))
+    print(run(int(sys.argv[2]), *sys.argv[1:2], *sys.argv[3:]))

@@ -114,7 +114,7 @@ class AfterSome:
     def __init__(self, action) -> None:
         self.action, self.steps, self.at = action, 0, 0
 
-    def start(self, total, reused): ...
+    def start(self, total, reused, ahead=0): ...
 
     def step(self, done, failed):
         self.steps += done

@@ -42,6 +42,35 @@ def test_counts_say_what_is_left_and_for_how_long(clock):
     assert counts.words == "98 done, 2 failed, 7 reused, 0 left"
 
 
+def test_rounds_to_come_are_told_with_the_time_they_take_at_most(clock):
+    """Fails if the scenes of rounds to come count among those of this one, or are told after the last."""
+    stream = io.StringIO()
+    lines = Lines(stream, every=5.0)
+    lines.start(10, 0, ahead=90)
+    lines.compiled()
+    clock.now += 10
+    lines.step(5, 0)
+    assert lines.counts.words == (
+        "5 done, 0 failed, 0 reused, 5 left, about 10 s to go; rounds to come: at most 90 more, 3 min"
+    )
+    lines.step(5, 0)
+    lines.start(10, 10)
+    lines.step(10, 0)
+    lines.stop()
+    assert stream.getvalue().splitlines()[-1] == "20 done, 0 failed, 0 reused, 0 left"
+
+
+def test_json_tells_rounds_to_come(clock):
+    stream = io.StringIO()
+    log = JsonLines(stream)
+    log.start(10, 0, ahead=20)
+    log.compiled()
+    clock.now += 10
+    log.step(5, 0)
+    found = json.loads(stream.getvalue().splitlines()[-1])
+    assert (found["left"], found["seconds_left"], found["ahead"], found["seconds_ahead"]) == (5, 10.0, 20, 40.0)
+
+
 def test_compiling_says_nothing_about_the_rest(clock):
     """Two scenes that came in half a minute, most of it compiling, and eight in four seconds. Fails if the half minute
     counts: a first run said 22 minutes of half a second."""

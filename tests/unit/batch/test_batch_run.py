@@ -64,7 +64,7 @@ class Interrupting:
         self.after = after
         self.said: list[str] = []
 
-    def start(self, total, reused): ...
+    def start(self, total, reused, ahead=0): ...
 
     def step(self, done, failed):
         self.after -= done

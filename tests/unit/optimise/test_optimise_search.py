@@ -116,3 +116,21 @@ def test_the_same_points_again():
 
 def test_generations_that_are_spent_are_told():
     assert not searched(waves, (0, 0), generations=2).is_settled
+
+
+def test_the_points_of_the_generations_to_come_are_known():
+    """A bound that falls by a generation each time, 0 from the last one on. Fails if spent generations count."""
+    search, seen = Search((0, 0), Settings(population=20, generations=4)), []
+    while (points := search.ask()) is not None:
+        seen.append((search.stages[points[0]], search.ahead))
+        search.tell([waves(point) for point in points], [0.0] * len(points))
+    assert [ahead for stage, ahead in seen if stage == SEARCH] == [80, 60, 40, 20, 0]
+    assert {ahead for stage, ahead in seen if stage != SEARCH} == {0}
+
+
+def test_a_valley_that_is_found_early_leaves_nothing_ahead():
+    search = Search((0,), Settings(population=20))
+    while (points := search.ask()) is not None:
+        ahead = search.ahead
+        search.tell([1.0] * len(points), [0.0] * len(points))
+    assert ahead == 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,8 +14,9 @@ sys.path.insert(0, str(Path(__file__).parent))
 from sensitivity_studies import FIRST, STUDY, TOTAL, fails_in_a_corner, ishigami, known, write_study
 
 from pounding_cli.batch import run_plan, runner
+from pounding_cli.store import indices as store_indices
 from pounding_cli.store import open_results
-from pounding_cli.store.indices import CONSTANT, FOUND, indices
+from pounding_cli.store.indices import CONSTANT, FOUND, draws, indices
 from pounding_cli.study import load_study
 from pounding_cli.study.sensitivity import expand_sensitivity, question_of
 
@@ -218,3 +220,13 @@ def test_points_with_equal_values_are_solved_once(tmp_path):
     assert len(plan.axes[-1].values) < 5 * 64 * 0.95
     assert len(set(plan.axes[-1].values)) == len(plan.axes[-1].values)
     assert dataclasses.asdict(plan.axes[-1])["names"] == tuple(KEYS)
+
+
+def test_draws_looked_at_in_parts_are_the_same_draws(monkeypatch):
+    """Fails if parts are drawn one by one, or a part is a single column, which numpy adds up in another order."""
+    question = SimpleNamespace(spec=SimpleNamespace(seed=3, draws=50))
+    whole = np.concatenate(list(draws(question, 999)()), axis=1)
+    monkeypatch.setattr(store_indices, "_AT_ONCE", 999)
+    parts = list(draws(question, 999)())
+    assert min(part.shape[1] for part in parts) == 2
+    assert np.array_equal(np.concatenate(parts, axis=1), whole)

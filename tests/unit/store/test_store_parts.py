@@ -152,6 +152,15 @@ def test_only_what_is_wanted_and_done_and_of_this_key_is_found(tmp_path, respons
     assert len(another) == 0
 
 
+def test_digests_that_were_asked_for_are_not_held_twice(responses):
+    """Fails if a chunk that came back from a worker brings texts of its own, 113 bytes a scene; or takes others'."""
+    asked = list(responses)
+    content = Chunk.of({name: responses[name] for name in asked[:3]}).to_bytes("key")
+    found = Chunk.from_bytes(content, "key", asked)
+    assert [found.digests[place] is asked[place] for place in range(3)] == [True] * 3
+    assert list(Chunk.from_bytes(content, "key", asked[1:]).digests) == asked[:3]
+
+
 @pytest.mark.parametrize("place", [0, 20, 90, -3])  # magic, digest, words, numbers
 def test_damaged_and_foreign_parts_are_passed_over(tmp_path, responses, place):
     store = PartStore(tmp_path / "r.h5", "key")

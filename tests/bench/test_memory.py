@@ -1,0 +1,55 @@
+"""What a run holds of every scene: 100,000 scenes must fit into 500 MB, of which the libraries take up to 300."""
+
+from __future__ import annotations
+
+import dataclasses
+import gc
+import sys
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+
+from pounding_cli.batch import run_plan
+from pounding_cli.study import load_study
+from pounding_cli.workflows import expansion
+
+from . import sweep
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "store"))
+from study_plans import known
+
+MOST = 1500.0
+"""Held at the same time for each scene, at most [bytes]."""
+
+
+def noisy(scene, **settings):
+    """Shears and closings that differ from scene to scene."""
+    found = known(scene, **settings)
+    share = 1 + int(scene.digest[:4], 16) / 2**16
+    buildings = tuple(dataclasses.replace(each, shear=share * each.shear) for each in found.buildings)
+    links = dataclasses.replace(found.links, max_closing=np.full(len(scene.links), 0.01 * share))
+    return dataclasses.replace(found, buildings=buildings, links=links)
+
+
+def held(command: str, count: int, folder: Path) -> tuple[int, int]:
+    """Scenes of a run, and what it held at most [bytes]."""
+    path = folder / f"{count}.yaml"
+    path.write_text(sweep.study_of(command, count))
+    gc.collect()
+    tracemalloc.start()
+    plan = expansion(command)(load_study(path))
+    run_plan(plan, path.with_suffix(".h5"), solve=noisy, engine_name="serial")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return sweep.scenes_of(path.with_suffix(".h5")), peak
+
+
+def test_little_is_held_of_every_scene(tmp_path, monkeypatch):
+    """Fails if scenes or responses stay in memory: a response of two buildings of five storeys takes 10 kB."""
+    monkeypatch.setattr("pounding_cli.study.resolve.MOST_KEPT", 200)  # what is kept for scenes to come has a bound
+    monkeypatch.setattr("pounding_cli.store.blocks.BLOCK_BYTES", 1 << 16)
+    held("gap", 20, tmp_path)  # what is made once
+    (few, low), (many, high) = (held("gap", count, tmp_path) for count in (200, 800))
+    assert many > 3 * few
+    assert (high - low) / (many - few) < MOST
