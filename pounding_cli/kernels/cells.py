@@ -166,6 +166,14 @@ def record_parts(padded, links, orders):
 
 
 @njit(**CALLED)
+def copy_memories(count, given, first, step, taken, start, stride):
+    """Copy what the law of a storey remembers, `step` apart from `first` on, to `stride` apart from `start` on."""
+    no_inline()
+    for m in range(count):
+        taken[start + m * stride] = given[first + m * step]
+
+
+@njit(**CALLED)
 def take_slots(run, row, slots, state, peaks, ledger):
     """Copy what is given by slot into the records; places without a slot stay zero."""
     no_inline()
@@ -183,8 +191,7 @@ def take_slots(run, row, slots, state, peaks, ledger):
         c[of(i, GEOMETRIC)] = slots.geometric[slot]
         run.W[i - run.padded] = state.u[slot]
         run.W[i] = state.v[slot]
-        for m in range(slots.memories):
-            c[of(i, STOREY_MEMORY + 8 * m)] = state.storey_memory[m * slots.size + slot]
+        copy_memories(slots.memories, state.storey_memory, slot, slots.size, c, of(i, STOREY_MEMORY), np.int64(8))
         run.storeys[of_storey(run, i, STOREY_BRANCH)] = state.storey_branch[slot]
         run.storeys[of_storey(run, i, STOREY_PINNED)] = state.pinned_storey[slot]
         c[of(i, SCALE)] = 0.0
@@ -208,8 +215,7 @@ def give_slots(run, row, slots, state, peaks, ledger):
         i = row.slot_places[slot]
         state.u[slot] = run.W[i - run.padded]
         state.v[slot] = run.W[i]
-        for m in range(slots.memories):
-            state.storey_memory[m * slots.size + slot] = c[of(i, STOREY_MEMORY + 8 * m)]
+        copy_memories(slots.memories, c, of(i, STOREY_MEMORY), np.int64(8), state.storey_memory, slot, slots.size)
         state.storey_branch[slot] = run.storeys[of_storey(run, i, STOREY_BRANCH)]
         state.pinned_storey[slot] = run.storeys[of_storey(run, i, STOREY_PINNED)]
         peaks.drift[slot] = c[of(i, PEAK_DRIFT)]

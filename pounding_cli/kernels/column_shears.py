@@ -32,6 +32,11 @@ def _raise(run, terms, n, order):
     run.slots[peak] = largest(run, order, run.slots[peak], ABSOLUTE)
 
 
+@njit(**PART)
+def no_shears(run, terms):
+    """Nothing to track: the kernel of scenes without struck columns holds no code of it."""
+
+
 @njit(**CALLED)
 def track(run, terms):
     """Raise the peaks of a step by time series, up to s = END."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
+import numpy as np
 from numba import njit
 
 from pounding_cli.kernels import cells as c
@@ -44,8 +45,10 @@ def enter(run, row, history, segment, slots, links):
         history.u[at] = run.W[i - run.padded]
         history.v[at] = run.W[i]
         history.storey_branch[at] = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
-        for m in range(slots.memories):
-            history.storey_memory[(output * MEMORIES + m) * slots.size + slot] = records[of(i, c.STOREY_MEMORY + 8 * m)]
+        kept = output * MEMORIES * slots.size + slot
+        c.copy_memories(
+            slots.memories, records, of(i, c.STOREY_MEMORY), np.int64(8), history.storey_memory, kept, slots.size
+        )
         history.work[work] += records[of(i, c.INPUT_ENERGY)]
         history.work[work + 1] += records[of(i, c.DASHPOT_ENERGY)] + records[of(i, c.DRAG_ENERGY)]
         history.work[work + 2] += records[of(i, c.HYSTERESIS_ENERGY)]

@@ -21,7 +21,6 @@ from pounding_cli.kernels.clock import (
     H,
 )
 from pounding_cli.kernels.collapse import first_collapse
-from pounding_cli.kernels.column_shears import track as track_column_shears
 from pounding_cli.kernels.crossings import first_link_event, first_storey_event
 from pounding_cli.kernels.layout import NOT_FINITE, PART, STEP_BOUND
 from pounding_cli.kernels.ledger import account
@@ -125,8 +124,6 @@ def plain_step(run, terms, settings, pinned_at_event):
         clock[END] = 1.0
     account(run, terms, settings.nodes, settings.weights, order, any_closed, curved, inelastic, has_terms)
     track(run, order, any_closed, inelastic)
-    if terms.shears > 0:
-        track_column_shears(run, terms)
     if settings.use_islands > 0:
         widen_ranges(run)
     return -1, storeys, link, whole and not shortened and clock[END] == 1.0

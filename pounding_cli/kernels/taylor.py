@@ -38,6 +38,7 @@ from pounding_cli.kernels.clock import (
     H,
 )
 from pounding_cli.kernels.collapse import take_limits
+from pounding_cli.kernels.column_shears import no_shears, track
 from pounding_cli.kernels.from_rest import start_in_touch
 from pounding_cli.kernels.history import enter, history_pointers
 from pounding_cli.kernels.islands import (
@@ -110,10 +111,11 @@ def _count_step(run, finished, happened, settings):
 
 
 @njit(**PART)
-def _march(other_step, run, terms, programs, settings, pinned_at_event):
+def _march(other_step, track_shears, run, terms, programs, settings, pinned_at_event):
     """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
 
-    `other_step`: what takes the steps that plain ones cannot. `pinned_at_event`: something may be exactly zero:
+    `other_step`: what takes the steps that plain ones cannot. `track_shears`: what a plain step adds to the shears of
+    struck columns. `pinned_at_event`: something may be exactly zero:
     touching floors at the start, or what an event just met."""
     clock = run.clock
     clock[ELAPSED] = 0.0
@@ -123,6 +125,8 @@ def _march(other_step, run, terms, programs, settings, pinned_at_event):
         status, storeys, link, finished = other_step(run, terms, programs, settings)
         if status == PLAIN_STEP:
             status, storeys, link, finished = plain_step(run, terms, settings, pinned_at_event)
+            if status < 0:
+                track_shears(run, terms)
         if status >= 0:
             break
         renew_scale(run)
@@ -153,14 +157,14 @@ def _solve_island(run, terms, programs, settings, pinned_at_event):
     """`_march` by plain steps alone. A function that is passed to one that is called, not copied, could not be kept
     on disk, so there are two of these."""
     no_inline()
-    return _march(no_program_step, run, terms, programs, settings, pinned_at_event)
+    return _march(no_program_step, no_shears, run, terms, programs, settings, pinned_at_event)
 
 
 @njit(**CALLED)
 def _solve_island_with_programs(run, terms, programs, settings, pinned_at_event):
-    """`_march` with program steps."""
+    """`_march` with program steps and the shears of struck columns."""
     no_inline()
-    return _march(program_step, run, terms, programs, settings, pinned_at_event)
+    return _march(program_step, track, run, terms, programs, settings, pinned_at_event)
 
 
 @njit(**PART)
@@ -283,7 +287,7 @@ def _start(run, row):
 def build(programs: bool):
     """The integrator, compiled on first use; what a scene does not need costs it a few untaken branches.
 
-    programs : with the steps that forces written as operations need
+    programs : with the steps that forces written as operations need, and the shears of struck columns
     """
 
     source = source_digest()

@@ -255,7 +255,7 @@ def _what_runs(
 
 def _compile(code: Integrator, scene: Scene, setting: float) -> None:
     """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
-    sort = (code.integrate, effects_of(scene).yielding, any([link.law.general for link in scene.links]))
+    sort = (code.integrate, effects_of(scene).yielding, taylor.takes_programs(scene))
     if sort in _compiled:
         return
     still = Motion("still", scene.motion.dt, np.zeros(2))

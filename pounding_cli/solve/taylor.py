@@ -149,6 +149,11 @@ def _padded(count):
     return -(-count // LANES) * LANES
 
 
+def takes_programs(scene: Scene) -> bool:
+    """Whether the scene needs the larger of the two kernels (`kernels.taylor.build`)."""
+    return any([link.law.general or link.columns > 0.0 for link in scene.links])
+
+
 def prepare(
     scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], all_effects: bool = False
 ) -> Callable[..., tuple[int, int, int, int, float]]:
@@ -159,13 +164,12 @@ def prepare(
 
     tolerance = local_tolerance(accuracy)
     row, points, springs = places_of(scene, arrays)
-    programs = any(link.law.general for link in scene.links)
-    registers = arrays.links.registers if programs else 0
+    registers = arrays.links.registers if any(link.law.general for link in scene.links) else 0
     doubles, whole = scratch.memory_needed(
         row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size
     )
     memory, integers = aligned(doubles), np.zeros(whole, np.int64)
-    kernel, rules = taylor.build(programs), gauss_rules(MAX_POINTS)
+    kernel, rules = taylor.build(takes_programs(scene)), gauss_rules(MAX_POINTS)
     inelastic = all_effects or effects_of(scene).yielding
     watched = effects_of(scene).collapse
     # A collapse ends the run of all buildings at one time, so they are solved together.
