@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import pounding_cli
-from pounding_cli.cli.main import main
 from pounding_cli.store import open_results
 
 STUDY = """\
@@ -22,20 +21,6 @@ estimate: none
 sweep: {records.scale.pga: {from: 0.05 g, to: 1 g, step: 0.05 g}}
 fragility: {limits: [mu > 4, contact]}
 """
-
-
-@pytest.fixture
-def pound(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "two.yaml").write_text(STUDY)
-
-    def run(*words: str) -> tuple[int, str, str]:
-        monkeypatch.setattr("sys.argv", ["pound", *words])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        return ended.value.code, *capsys.readouterr()
-
-    return run
 
 
 def test_prints_curves_and_reports_them(pound, tmp_path):

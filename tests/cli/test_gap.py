@@ -10,7 +10,6 @@ import pytest
 from scipy import stats
 
 import pounding_cli
-from pounding_cli.cli.main import main
 from pounding_cli.store import open_results
 
 STUDY = """\
@@ -31,20 +30,6 @@ sweep:
   buildings.B.period: [0.4 s, 0.5 s]
   cases.near.gap: [1 mm, 2 mm]
 """
-
-
-@pytest.fixture
-def pound(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "two.yaml").write_text(STUDY)
-
-    def run(*words: str) -> tuple[int, str, str]:
-        monkeypatch.setattr("sys.argv", ["pound", *words])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        return ended.value.code, *capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture(scope="module")

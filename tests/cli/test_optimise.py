@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
-from pounding_cli.cli.main import main
 from pounding_cli.store import open_results
 
 STUDY = """\
@@ -30,20 +27,6 @@ optimise:
   slice_points: 5
   map_points: 5
 """
-
-
-@pytest.fixture
-def pound(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "two.yaml").write_text(STUDY)
-
-    def run(*words: str) -> tuple[int, str, str]:
-        monkeypatch.setattr("sys.argv", ["pound", *words])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        return ended.value.code, *capsys.readouterr()
-
-    return run
 
 
 def test_prints_the_optimum_and_reports_it(pound, tmp_path):

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
-from pounding_cli.cli.main import main
 from pounding_cli.store import open_results
 
 STUDY = """\
@@ -23,20 +20,6 @@ uncertain:
   buildings.B.period: {lognormal: {median: 0.5 s, spread: 0.1}}
 sensitivity: {outputs: [largest mu in A, max_closing], samples: 8}
 """
-
-
-@pytest.fixture
-def pound(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "two.yaml").write_text(STUDY)
-
-    def run(*words: str) -> tuple[int, str, str]:
-        monkeypatch.setattr("sys.argv", ["pound", *words])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        return ended.value.code, *capsys.readouterr()
-
-    return run
 
 
 def test_prints_indices_and_reports_them(pound, tmp_path):
