@@ -59,7 +59,7 @@ def values_of(law: type[Law], name: str, declared: Parameter) -> st.SearchStrate
     if declared.unit != "-":
         return USUAL[declared.unit]
     if declared.high == math.inf:
-        return decades(max(declared.low, 1e-3), 1e3, declared.low)
+        return decades(max(declared.low, 1e-3), 1e3, *(() if declared.open_low else (declared.low,)))
     span = declared.high - declared.low
     ends = [declared.low + span * 1e-6 if declared.open_low else declared.low]
     ends.append(declared.high - span * 1e-6 if declared.open_high else declared.high)
