@@ -80,7 +80,7 @@ def pack(scene: Scene) -> Arrays:
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     columns = struck_columns(links)
     alone, places, storeys = _without_links(buildings, analysis, struck_between_floors(links), columns)
-    packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links))
+    packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links), law_tables.flow_of(alone.laws))
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)
