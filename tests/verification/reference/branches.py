@@ -102,7 +102,8 @@ class Laws:
         """Storey shears [N], a k D + (1 - a) k (D - Dp), D - Dp = +-Dy while yielding; (storeys, times)."""
         slope, still = self.storey_lines(b)
         shears = slope[:, None] * drift + still[:, None]
-        shears[self.smooth] += self.smooth_shears()
+        if self.smooth:
+            shears[self.smooth] += self.smooth_shears()
         return shears
 
     def tell(self, impulses: np.ndarray, z: np.ndarray) -> None:
