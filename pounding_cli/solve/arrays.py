@@ -88,7 +88,7 @@ def pack(scene: Scene) -> Arrays:
     return _packed(scene.buildings, scene.links, scene.analysis)
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=512)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     columns = struck_columns(links)
     alone, places, storeys = _without_links(buildings, analysis, struck_between_floors(links), columns)

@@ -33,7 +33,7 @@ ERRORS = 10.0
 """By so many accuracies of the closing, relative to the floors' own displacements, a gap must stay open to count as
 never closed."""
 
-MEMORY = 64 * 2**20
+MEMORY = 24 * 2**20
 """Responses kept for the scenes that follow [bytes]."""
 
 MOST_PAIRS = 1000

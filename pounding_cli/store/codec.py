@@ -75,7 +75,7 @@ def encode(response: Response) -> tuple[str, np.ndarray]:
     return line, np.concatenate(columns, dtype=float)
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1024)
 def _line(
     words: tuple[str, ...],
     sentences: tuple[tuple[str, ...], ...],
@@ -91,7 +91,7 @@ def _line(
     return json.dumps(said | ({"columns": struck} if struck else {}))
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1024)
 def parse(text: str) -> Words:
     """What a line of words says.
 
