@@ -50,15 +50,16 @@ class Tables:
 def memories_of(laws: Sequence[StoreyLaw | None]) -> int:
     """How many memories these laws use."""
     given = [law for law in laws if law is not None]
-    kept_by = {number for law in {*given} for branch in law.branches() for g in branch.guards for number, _ in g.sets}
-    flows = (int(law.flows) for law in given)
-    return max((*(number + 1 for number in kept_by), *flows, *(len(law.memories_at_rest) for law in given)), default=0)
+    branches = [branch for law in {*given} for branch in law.branches()]
+    kept_by = {number + 1 for branch in branches for guard in branch.guards for number, _ in guard.sets}
+    flows = (1 for branch in branches if branch.flow is not None)
+    return max((*kept_by, *flows, *(len(law.memories_at_rest) for law in given)), default=0)
 
 
 def flow_of(laws: Sequence[StoreyLaw | None]) -> int:
     """The most registers that the rate of a memory takes, given ones included; 0 where none flows."""
-    flowing = {law for law in laws if law is not None and law.flows}
-    return max((GIVEN + len(operations(b.flow)) for law in flowing for b in law.branches() if b.flow), default=0)
+    flows = {branch.flow for law in {*laws} if law is not None for branch in law.branches()}
+    return max((GIVEN + len(operations(flow)) for flow in flows if flow is not None), default=0)
 
 
 def storey_rows(laws: Sequence[StoreyLaw | None]) -> tuple[Rows | None, np.ndarray]:
@@ -105,7 +106,7 @@ AtRest = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Branch, what is known exactly, and the closing it then has [m], of every link before the motion."""
 
 
-@functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=512)
 def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...], flow: int) -> tuple[Links, AtRest]:
     """Links of these laws between these slots."""
     padded = -(-len(laws) // LANES) * LANES
@@ -126,7 +127,7 @@ def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...], flow: 
     return links, _at_rest(links)
 
 
-@functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=512)
 def _storey_rows(law: StoreyLaw) -> Rows:
     """As `_link_rows`, of a storey."""
     branches = law.branches()
@@ -144,7 +145,7 @@ def _storey_rows(law: StoreyLaw) -> Rows:
     return rows, guards, np.array(made, float).reshape(-1, t.OPERATION_ROW)
 
 
-@functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=512)
 def _link_rows(law: LinkLaw, left_mass: float, right_mass: float, written: bool) -> Rows:
     """A row for every branch, for every guard and, where forces are `written` as operations, for each of these; all
     count from the law's first."""
