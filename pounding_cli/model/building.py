@@ -145,7 +145,7 @@ class Building:
         """Floor elevations above the base [m], shape (n,)."""
         return np.cumsum(self.height)
 
-    @property
+    @cached_property
     def yield_drift(self) -> np.ndarray:
         """Storey drift at first yield [m], shape (n,)."""
         return self.yield_shear / self.stiffness

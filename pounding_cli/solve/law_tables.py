@@ -98,7 +98,7 @@ AtRest = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Branch, what is known exactly, and the closing it then has [m], of every link before the motion."""
 
 
-@functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=512)
 def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> tuple[Links, AtRest]:
     """Links of these laws between these slots."""
     padded = -(-len(laws) // LANES) * LANES
@@ -119,7 +119,7 @@ def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> tup
     return links, _at_rest(links)
 
 
-@functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=512)
 def _storey_rows(law: StoreyLaw) -> Rows:
     """As `_link_rows`, of a storey."""
     branches = law.branches()
@@ -132,7 +132,7 @@ def _storey_rows(law: StoreyLaw) -> Rows:
     return rows, guards, np.array(made, float).reshape(-1, t.OPERATION_ROW)
 
 
-@functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=512)
 def _link_rows(law: LinkLaw, left_mass: float, right_mass: float, written: bool) -> Rows:
     """A row for every branch, for every guard and, where forces are `written` as operations, for each of these; all
     count from the law's first."""

@@ -227,7 +227,7 @@ STOREYS = [
         "s = 1.0 if s <= 1.0 else s; {line}",
         THROW,
     ),
-    Mutant("storeys-can-yield", "inelastic runs stay elastic", ("and can_yield", "and not can_yield"), THROW),
+    Mutant("storeys-can-yield", "inelastic runs stay elastic", ("and buildings", "and not buildings"), THROW),
     Mutant(
         "stencil-own-rate",
         "Rayleigh's beta on the tangent stiffness",
@@ -312,7 +312,7 @@ MOTION = [
     Mutant(
         "ground-in-tail",
         "the motion's last slope goes on in the tail",
-        ("(slopes, still)", "(slopes, still + slopes[-1])"),
+        ("(slopes, tail)", "(slopes, tail + slopes[-1])"),
         f"{LINEAR}::test_a_tail_is_free_vibration",
     ),
     Mutant(
