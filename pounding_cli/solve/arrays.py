@@ -92,7 +92,9 @@ def pack(scene: Scene) -> Arrays:
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     columns = struck_columns(links)
     alone, places, storeys = _without_links(buildings, analysis, struck_between_floors(links), columns)
-    packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links))
+    flowing = analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings])
+    flow = law_tables.flow_of(alone.laws) if flowing else 0
+    packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links), flow)
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)

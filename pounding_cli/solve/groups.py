@@ -292,9 +292,10 @@ def _open(
     if response.status != "done":
         return None
     found = dict(zip((link.ends for link in row.links), map(float, response.links.max_closing), strict=True))
-    closings = {
-        link: found[dataclasses.replace(link, left=link.left - begin).ends] for link in _between(scene, left[-1])
-    }
+    closings = {}
+    for link in _between(scene, left[-1]):
+        (one, floor, at), (other, other_floor, other_at) = link.ends
+        closings[link] = found[(one - begin, floor, at), (other - begin, other_floor, other_at)]
     error *= sum(_furthest(response.buildings[place - begin]) for place in (left[-1], right[0]))
     for link in closings:
         if _rests(scene, left, right, link):
