@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit, types
 
 from pounding_cli.kernels import cells as c
@@ -41,14 +40,15 @@ from pounding_cli.kernels.simd import (
 from pounding_cli.kernels.terms import hand_on, spring_forces
 
 JUDGED = 4
-"""Orders at the end of a series by which it is judged. Two, as in a plain step, are too few beside a damper that sticks:
-a slip that is an error of the series would stay."""
+"""Orders at the end of a series by which it is judged. Two, as in a plain step, are too few beside a damper that
+sticks: a slip that is an error of the series would stay."""
 
 JUDGED_IN_ROOT = 6
 """The same of a step in q: orders of a force in q are empty now and then."""
 
 LEAST_ORDER = 10
-"""No series is shorter: where contact begins, the first order of a force of v^n is n b, and those before say nothing."""
+"""No series is shorter: where contact begins, the first order of a force of v^n is n b, and those before say
+nothing."""
 
 MARGIN = 0.9
 """Part of the longest step that the last orders allow which is taken [-]."""
