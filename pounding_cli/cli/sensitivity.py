@@ -64,6 +64,9 @@ def command(path: Path, outcome: Outcome) -> None:
     if OUTPUTS in results.answers:
         for row in results.answer(OUTPUTS).frame.to_dict("records")[:FEW_POINTS]:
             click.echo(spread_sentence(row))
+    if claim_odds.asks_claims(results):
+        for note in claim_odds.notes(results, results.answer(ODDS).frame)[: claim_odds.GENERAL_NOTES]:
+            click.echo(note)
     for note in notes(results):
         click.echo(note)
     samples = counted(int(answer.frame["samples"].iloc[0]), "sample")

@@ -23,6 +23,16 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, link_forces_on
 from pounding_cli.kernels.polynomial import value
 from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT, carry_out, product_term
+from pounding_cli.kernels.program_storeys import (
+    end_series,
+    expand_storeys,
+    flows_on,
+    largest_memory_term,
+    part_followed,
+    push_slots,
+    some_flow,
+    start_storeys,
+)
 from pounding_cli.kernels.recurrence import LARGEST, no_orders
 from pounding_cli.kernels.simd import (
     from_left,
@@ -44,7 +54,7 @@ JUDGED = 4
 sticks: a slip that is an error of the series would stay."""
 
 JUDGED_IN_ROOT = 6
-"""The same of a step in q: orders of a force in q are empty now and then."""
+"""The same of a step in q, or with storeys whose memory flows: some orders are empty then."""
 
 LEAST_ORDER = 10
 """No series is shorter: where contact begins, the first order of a force of v^n is n b, and those before say
@@ -60,23 +70,25 @@ get a step in q of their own; the other is left without force up to there, or it
 LARGEST_ROOT = 8
 """Largest b."""
 
-_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A")
+_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A", "storeys")
 PROGRAMS = Frame(
     "programs",
     dict.fromkeys(("rows", "each"), types.int64)
     | {"resting": INTEGERS, "closed": INTEGERS, "numbers": DOUBLES}
     | dict.fromkeys(_ROWS_OF, DOUBLES),
 )
-"""rows: room for orders; each: doubles of the registers of one link. resting: whether a closed link presses with less
-than is resolved (1 or 0). closed: how many links have a force to follow, then these. numbers: below. By order: T time
-[s] and B what dt / ds is [s]; powers: of q, one after another. registers: series of each link (`program`). sizes: of
-each link the largest closing and rate so far, what is rounding is judged by, and what may be left out of its force [N].
-By order and place: U displacements [m], A accelerations relative to the ground [m/s2]."""
+"""rows: room for orders; each: doubles of the registers of one link, or of one storey. resting: whether a closed link
+presses with less than is resolved (1 or 0). closed: how many links have a force to follow, then these. numbers: below.
+By order: T time [s] and B what dt / ds is [s]; powers: of q, one after another. registers: series of each link
+(`program`); storeys: likewise of each storey, where a memory flows. sizes: of each link the largest closing and rate so
+far, what is rounding is judged by, and what may be left out of its force [N]. By order and place: U displacements [m],
+A accelerations relative to the ground [m/s2]."""
 
 fill_programs = filler(PROGRAMS)
 
-SCALE, CHOSEN, B_ROOT = range(3)
-"""Places in `numbers`: h; the link whose q the step is taken in, -1 for none; b."""
+SCALE, CHOSEN, B_ROOT, FLOWING = range(4)
+"""Places in `numbers`: h; the link whose q the step is taken in, -1 for none; b; how many storeys have a memory that
+flows."""
 
 NUMBERS = 8
 
@@ -86,9 +98,9 @@ _CLOSINGS, _RATES, _ALLOWED = range(3)
 _SIZES = 3
 
 
-def room_for_programs(padded: int, linked: int, registers: int, rows: int) -> tuple[int, int]:
-    """Doubles and integers of scratch."""
-    by_order = 2 + LARGEST_ROOT + registers * linked + 2 * padded
+def room_for_programs(padded: int, linked: int, registers: int, rows: int, flowing: bool) -> tuple[int, int]:
+    """Doubles and integers of scratch. `flowing`: whether storeys have a memory that flows."""
+    by_order = 2 + LARGEST_ROOT + registers * (linked + (padded if flowing else 0)) + 2 * padded
     return NUMBERS + rows * by_order + _SIZES * linked, 2 * linked + 1
 
 
@@ -103,7 +115,7 @@ def programs_frame(place, run, registers, rows, memory, integers):
     accelerations = further(displacements, rows * run.padded)
     return fill_programs(place, (
         rows, registers * rows, integers, further(integers, run.padded_links), memory, time, further(time, rows),
-        powers, written, sizes, displacements, accelerations,
+        powers, written, sizes, displacements, accelerations, further(accelerations, rows * run.padded),
     ))  # fmt: skip
 
 
@@ -135,13 +147,13 @@ def force_register(run, p, e):
 
 
 @njit(**CALLED)
-def on_program(run):
-    """Whether some link of the island is on a branch that plain steps cannot follow."""
+def on_program(run, inelastic):
+    """Whether some link or storey of the island is on a branch that plain steps cannot follow."""
     no_inline()
     general = 0.0
     for e in range(run.link_start, run.link_stop):
         general = max(general, t.branch(run, branch_of(run, e), t.GENERAL))
-    return general > 0.0
+    return general > 0.0 or (inelastic and some_flow(run) > 0)
 
 
 @njit(**PART)
@@ -236,6 +248,9 @@ def start(run, p):
     no_inline()
     clock = run.clock
     clock[GROUND] = clock[SEGMENT_GROUND] + clock[GROUND_SLOPE] * clock[ELAPSED]
+    p.numbers[FLOWING] = some_flow(run)
+    if p.numbers[FLOWING] > 0.0:
+        start_storeys(run, p)
     for b in range(run.slot_start, run.slot_stop, 8):
         store(p.U, b, load(run.W, b - run.padded))
     nearest = math.inf
@@ -362,6 +377,8 @@ def _accelerations(run, terms, p, k, has_terms):
             total = fused(load(slots, at(b, c.INVERSE_MASS)), link_forces_on(run, b), total)
         store(p.A, row + b, total)
         u_left, w_left = u, w
+    if p.numbers[FLOWING] > 0.0 and k > 0:
+        push_slots(run, p, k)
     if has_terms:
         hand_on(run, terms, p.A, row)
 
@@ -394,7 +411,8 @@ def _exceeds(run, p, k, tolerance, total):
     exceeding = 0
     for b in range(run.slot_start, run.slot_stop, 8):
         exceeding |= greater(magnitude(load(p.A, k * run.padded + b)), load(run.slots, at(b, c.TERM_TOLERANCE)))
-    exceeds = exceeding != 0 or abs(p.T[k + 1]) > tolerance * abs(total)
+    # The terms of a memory that flows say nothing until `part_followed` has looked at them.
+    exceeds = exceeding != 0 or p.numbers[FLOWING] > 0.0 or abs(p.T[k + 1]) > tolerance * abs(total)
     for n in range(1, p.closed[0] + 1):
         e = p.closed[n]
         exceeds = exceeds or abs(force_register(run, p, e)[k]) > p.sizes[_SIZES * e + _ALLOWED]
@@ -404,7 +422,7 @@ def _exceeds(run, p, k, tolerance, total):
 @njit(**PART)
 def _judged(p):
     """Orders at the end of a series by which it is judged."""
-    return JUDGED if p.numbers[CHOSEN] < 0.0 else JUDGED_IN_ROOT
+    return JUDGED_IN_ROOT if p.numbers[CHOSEN] >= 0.0 or p.numbers[FLOWING] > 0.0 else JUDGED
 
 
 @njit(**CALLED)
@@ -421,6 +439,8 @@ def expand(run, terms, p, tolerance, most, has_terms):
     while k < most and (small < judged or k < LEAST_ORDER):
         _time(p, k)
         _links(run, p, k)
+        if p.numbers[FLOWING] > 0.0:
+            expand_storeys(run, p, k)
         _accelerations(run, terms, p, k, has_terms)
         _integrate(run, p, k)
         total += p.T[k + 1]
@@ -429,6 +449,8 @@ def expand(run, terms, p, tolerance, most, has_terms):
     for n in range(1, p.closed[0] + 1):
         if flows(run, p.closed[n]):
             _memory(run, p, p.closed[n], k)
+    if p.numbers[FLOWING] > 0.0:
+        end_series(run, p, k)
     last = splat(p.T[k])
     for b in range(run.slot_start, run.slot_stop, 8):
         last = last + magnitude(load(run.W, k * run.padded + b)) + magnitude(load(p.U, k * run.padded + b))
@@ -436,13 +458,13 @@ def expand(run, terms, p, tolerance, most, has_terms):
 
 
 @njit(**PART)
-def _term_over_allowed(run, p, k):
-    """The largest order k of an acceleration or a force over what may be left out of it [-]."""
+def _term_over_allowed(run, p, k, tolerance):
+    """The largest order k of an acceleration, a force or a memory over what may be left out of it [-]."""
     sizes = splat(0.0)
     for b in range(run.slot_start, run.slot_stop, 8):
         sizes = maximum(sizes, magnitude(load(p.A, k * run.padded + b)) / load(run.slots, at(b, c.TERM_TOLERANCE)))
     store(run.scratch, 0, sizes)
-    largest = 0.0
+    largest = largest_memory_term(run, p, k) / tolerance if p.numbers[FLOWING] > 0.0 else 0.0
     for lane in range(8):
         largest = max(largest, run.scratch[lane])
     for n in range(1, p.closed[0] + 1):
@@ -458,19 +480,17 @@ def part_allowed(run, p, order, tolerance):
     worst = 0.0
     judged = _judged(p)
     for k in range(order - judged, order):
-        term = _term_over_allowed(run, p, k)
+        term = _term_over_allowed(run, p, k, tolerance)
         worst = max(worst, term ** (1.0 / k)) if term > 0.0 else worst
     ratio = MARGIN / worst if worst > MARGIN else 1.0
-    if p.numbers[CHOSEN] < 0.0:  # the step is one in time
-        return ratio
-    for _ in range(3):  # the time, whose error shifts all, by itself
+    for _ in range(3 if p.numbers[CHOSEN] >= 0.0 else 0):  # the time, whose error shifts all, by itself
         allowed = tolerance * abs(value(p.T, order, ratio))
         worst = 1.0
         for k in range(order - judged + 1, order + 1):
             term = abs(p.T[k]) * ratio**k
             worst = max(worst, (term / allowed) ** (1.0 / k)) if term > allowed > 0.0 else worst
         ratio /= worst
-    return ratio
+    return part_followed(run, p, tolerance, ratio) if p.numbers[FLOWING] > 0.0 else ratio
 
 
 @njit(**PART)
@@ -503,3 +523,8 @@ def rescale(run, p, order, ratio):
         for which in (CLOSING, RATE, MEMORY, ROOT):
             _rescale_series(run, register(p, e, which), order)
         _rescale_series(run, force_register(run, p, e), order)
+    if p.numbers[FLOWING] > 0.0:
+        for i in range(run.slot_start, run.slot_stop):
+            if flows_on(run, i):
+                for place in range(0, p.each, p.rows):
+                    _rescale_series(run, further(p.storeys, i * p.each + place), order)

@@ -89,6 +89,10 @@ class Line:
     offset: Expression
 
 
+STEEPEST = 1e6
+"""Largest post-capping slope over initial stiffness [-]: a storey of that slope is brittle. A steeper one multiplies
+the rounding of its drift until the energy does not close."""
+
 LOADING = Line(memory(SLOPE), memory(OFFSET))
 UNLOADING = Line(memory(UNLOADING_STIFFNESS), memory(UNLOADING_OFFSET))
 
@@ -113,8 +117,9 @@ class PeakOrientedImk(StoreyLaw):
 
     capping_ductility: float = parameter("capping drift over yield drift", low=1.0)
     post_capping_slope: float = parameter(
-        "post-capping slope over initial stiffness, as a positive number", open_low=True
-    )
+        "post-capping slope over initial stiffness, as a positive number",
+        open_low=True, high=STEEPEST, open_high=False,
+    )  # fmt: skip
     residual_strength: float = parameter("residual strength over yield shear", high=1.0, default=0.0)
     strength_capacity: float = _capacity("the yield shear and the hardening stiffness")
     capping_capacity: float = _capacity("the post-capping line")

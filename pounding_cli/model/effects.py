@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.laws import link_laws
-from pounding_cli.model.links import APART
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import APART, Link
 from pounding_cli.model.scene import Analysis, Scene
 
 
@@ -27,9 +28,63 @@ class Effects:
     dropped: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class _Buildings:
+    """What matters here of the buildings of a scene."""
+
+    can_yield: bool
+    founded: bool
+    loaded: bool
+    can_collapse: bool
+    mass_damped: bool
+    stiffness_damped: bool
+
+
+@dataclass(frozen=True)
+class _Links:
+    """What matters here of the links of a scene. kinds : each once, sorted; cut_asked : for a tension cut-off."""
+
+    kinds: tuple[str, ...]
+    damped: bool
+    cut: bool
+    cut_asked: bool
+
+
+def memories_flow(scene: Scene) -> bool:
+    """Whether a storey remembers something that changes between events too (`StoreyLaw.flows`)."""
+    return scene.analysis == Analysis.INELASTIC and any([building.memory_flows for building in scene.buildings])
+
+
 @functools.lru_cache(maxsize=256)  # a run asks five times about one scene, and many scenes are laid out together
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""
+    return _effects(_of_buildings(scene.buildings), _of_links(scene.links), scene.analysis)
+
+
+@functools.lru_cache(maxsize=256)
+def _of_buildings(buildings: tuple[Building, ...]) -> _Buildings:
+    return _Buildings(
+        can_yield=any(np.isfinite(b.yield_shear).any() for b in buildings),
+        founded=any(b.foundation is not None for b in buildings),
+        loaded=any(b.gravity_load is not None and b.gravity_load.any() for b in buildings),
+        can_collapse=any(np.isfinite(b.collapse_drift).any() for b in buildings),
+        mass_damped=any(b.alpha > 0 for b in buildings),
+        stiffness_damped=any(b.beta > 0 for b in buildings),
+    )
+
+
+@functools.lru_cache(maxsize=256)
+def _of_links(links: tuple[Link, ...]) -> _Links:
+    return _Links(
+        kinds=tuple(sorted({link.kind for link in links})),
+        damped=any(link.law.damped for link in links),
+        cut=any(link.law.cut for link in links),
+        cut_asked=any(getattr(link.law, "tension_cut", False) for link in links),
+    )
+
+
+@functools.lru_cache(maxsize=256)  # most scenes of a study call for the same
+def _effects(buildings: _Buildings, links: _Links, analysis: Analysis) -> Effects:
     kept, dropped = [], []
 
     def decide(needed: bool, effect: str, reason: str) -> bool:
@@ -39,35 +94,28 @@ def effects_of(scene: Scene) -> Effects:
             dropped.append(f"{effect}: {reason}")
         return needed
 
-    buildings, links = scene.buildings, scene.links
-    kinds = {link.kind for link in links}
-    inelastic = scene.analysis == Analysis.INELASTIC
-    can_yield = any(np.isfinite(b.yield_shear).any() for b in buildings)
+    inelastic = analysis == Analysis.INELASTIC
     yielding = decide(
-        inelastic and can_yield,  # fault: storeys-can-yield
+        inelastic and buildings.can_yield,  # fault: storeys-can-yield
         "yielding storeys",
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )
-    decide(any(b.foundation is not None for b in buildings), "foundation motions", "every base is fixed")
-    loaded = any(b.gravity_load is not None and b.gravity_load.any() for b in buildings)
-    decide(loaded, "P-Delta", "no building has it")
+    decide(buildings.founded, "foundation motions", "every base is fixed")
+    decide(buildings.loaded, "P-Delta", "no building has it")
     collapse = decide(
-        inelastic and any(np.isfinite(b.collapse_drift).any() for b in buildings),
+        inelastic and buildings.can_collapse,
         "collapse",
         "no storey can lose its resistance, and none is asked for" if inelastic else "the analysis is elastic",
     )
-    decide(any(b.alpha > 0 for b in buildings), "mass-proportional damping", "alpha is 0")
-    decide(any(b.beta > 0 for b in buildings), "stiffness-proportional damping", "beta is 0")
-    for kind in (*link_laws(), *sorted(kinds - {*link_laws(), APART})):
-        decide(kind in kinds, f"{kind} links", "the case has none")
-    if links:
-        damped = any(link.law.damped for link in links)
-        decide(damped, "link dashpots", "restitution is 1")
-        cut = any(link.law.cut for link in links)
-        asked = any(getattr(link.law, "tension_cut", False) for link in links)
+    decide(buildings.mass_damped, "mass-proportional damping", "alpha is 0")
+    decide(buildings.stiffness_damped, "stiffness-proportional damping", "beta is 0")
+    for kind in (*link_laws(), *(kind for kind in links.kinds if kind not in link_laws() and kind != APART)):
+        decide(kind in links.kinds, f"{kind} links", "the case has none")
+    if links.kinds:
+        decide(links.damped, "link dashpots", "restitution is 1")
         decide(
-            cut,
+            links.cut,
             "tension cut-off",
-            "without a dashpot no link can pull" if asked else "links may pull, as printed",
+            "without a dashpot no link can pull" if links.cut_asked else "links may pull, as printed",
         )
     return Effects(yielding, collapse, tuple(kept), tuple(dropped))

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
@@ -68,6 +68,7 @@ class Link:
         return hash((self.left, self.left_floor, self.right_floor, self.law, self.left_at, self.right_at, self.columns))
 
     @classmethod
+    @lru_cache(maxsize=1024)  # asked for again at every gap of a sweep
     def apart(cls, left: int, left_floor: int, right_floor: int, left_at: float = 1.0, right_at: float = 1.0) -> Link:
         """Nothing between two floors: no force whatever they do; a run finds their largest closing all the same."""
         return cls(left, left_floor, right_floor, Pounding(math.inf, 1.0, 0.0), left_at, right_at)

@@ -14,16 +14,22 @@ from matplotlib.patches import Rectangle
 from pounding_cli.report.claim_samples import ODDS, OUTCOMES
 from pounding_cli.report.claims import CLAIMS
 from pounding_cli.report.evidence import Evidence, Tables, motion_sentence
-from pounding_cli.report.sensitivity_text import interval
+from pounding_cli.report.sensitivity_text import interval, method_of
 from pounding_cli.report.style import caption, new_figure, styled
 from pounding_cli.report.verdicts import Finding
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store.indices import FOUND
+from pounding_cli.store.sensitivity import INDICES
 
 HEADS = ("claim", "holds", "holds partly", "does not hold", "decided most by")
 """Headings of `rows`."""
 
 _COLORS = {"holds": "#0072B2", "partly": "#9CCBE8", "fails": "#E69F00"}
+
+_MEASURES = {
+    "sobol": "total index (part of the variance that the key explains, with all its interactions)",
+    "morris": "mean effect over its range",
+}
 
 _NUMBER_HEADS = ("claim", "number", "meets its threshold", "median (5 % to 95 %)", "decided most by")
 
@@ -95,6 +101,10 @@ def grids(odds: pd.DataFrame, numbers: pd.DataFrame) -> list[tuple[str, Grid]]:
     ]
 
 
+GENERAL_NOTES = 2
+"""How many of `notes` are about all claims; the others say when each claim holds."""
+
+
 def notes(results: Tables, odds: pd.DataFrame) -> list[str]:
     """What a reader should know of the probabilities."""
     spec = results.resolved.get("sensitivity") or {}
@@ -102,8 +112,9 @@ def notes(results: Tables, odds: pd.DataFrame) -> list[str]:
     said = [
         f"Probabilities: shares of the {int(odds['samples'].max())} independent samples, in brackets the {confidence} "
         "interval (Clopper-Pearson). A claim holds where every number meets its threshold, holds partly where some do.",
-        "What decides a claim: of its verdict as a number, which is 1 where it holds, 1/2 where it holds partly and 0 "
-        "where it does not.",
+        f"Decided most by: the key with the largest {_MEASURES[method_of(results.answer(INDICES))]} of the verdict as "
+        "a number, which is 1 where the claim holds, 1/2 where it holds partly and 0 where it does not; in brackets "
+        f"the {confidence} bootstrap interval.",
     ]
     by_key = {claim.key: claim for claim in CLAIMS}
     return [*said, *(f"{name}: {by_key[name].rule}" for name in odds["claim"] if name in by_key)]

@@ -16,7 +16,7 @@ from pounding_cli.numbers import counted
 from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.fragility_text import Asked, asked_of, intensity_unit, median_text, notes, table
+from pounding_cli.report.fragility_text import Asked, asked_of, intensity_unit, median_text, notes, subject, table
 from pounding_cli.report.style import Look, caption, looks, new_figure, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
@@ -26,7 +26,8 @@ from pounding_cli.store.fragility import ALONE, CURVES, MOTIONS, fits_of, motion
 MOST_CASES = 4
 """Cases in one panel; of more, the first are drawn."""
 
-_FREE = Look("#000000", "-", "o")
+_ALONE = Look("#777777", (0, (2, 1)), "x")
+"""As no case looks: one may be black, as `touching` is."""
 _WHERE = ("case", "analysis", "limit", "building")
 
 
@@ -60,12 +61,11 @@ def _at(frame: pd.DataFrame, shown: Evidence) -> pd.DataFrame:
 
 def _sentence(answer: Answer, row: Mapping[Any, Any]) -> str:
     """One curve in words."""
-    unit = intensity_unit(answer).name
-    what = f"{row['building']}, {row['limit']}, {row['case']}, {row['analysis']}"
-    with_pounding = f"{median_text(answer, row)} {unit}".strip()
+    what = f"{subject(row['building'], row['limit'])}, {row['case']}, {row['analysis']}"
+    with_pounding = median_text(answer, row, named=True)
     if not row.get("outcome" + ALONE):
         return f"{what}, median: {with_pounding}."
-    said = f"{what}, median: {f'{median_text(answer, row, ALONE)} {unit}'.strip()} alone, {with_pounding} with pounding"
+    said = f"{what}, median: {median_text(answer, row, ALONE, named=True)} alone, {with_pounding} with pounding"
     if row["ratio"] != row["ratio"]:
         return f"{said}."
     low, high = row["ratio_low"], row["ratio_high"]
@@ -93,7 +93,7 @@ def draw_curves(answer: Answer, asked: Asked, rows: pd.DataFrame, motions: pd.Da
             here = rows[(rows["limit"] == limit) & (rows["building"] == building)]
             mine = motions[(motions["limit"] == limit) & (motions["building"] == building)]
             _panel(ax, answer, asked, here, mine, drawn)
-            ax.set_title(f"{building}, {limit}", loc="left")
+            ax.set_title(subject(building, limit), loc="left")
             ax.set_ylim(0, 1)
             ax.set_xlabel(f"{asked.measure} [{unit.name}]" if unit.name else asked.measure)
         for ax in line:
@@ -115,8 +115,8 @@ def draw_curves(answer: Answer, asked: Asked, rows: pd.DataFrame, motions: pd.Da
 
 def _dots(method: str) -> str:
     return {
-        "ida": "Dots: the share of motions that have passed by that intensity.",
-        "stripes": "Dots: the share of motions that pass at each intensity.",
+        "ida": "Markers: the share of motions that have passed by that intensity.",
+        "stripes": "Markers: the share of motions that pass at each intensity.",
     }.get(method, "Curves from a line through the cloud of demands.")
 
 
@@ -126,7 +126,7 @@ def _panel(
     """The curves of one limit and building."""
     factor = intensity_unit(answer).factor
     everything = rows.to_dict("records")
-    curves = [("alone", everything[0], motions[motions["case"] == everything[0]["case"]], ALONE, _FREE)]
+    curves = [("alone", everything[0], motions[motions["case"] == everything[0]["case"]], ALONE, _ALONE)]
     for row in everything:
         if (case := str(row["case"])) in cases:
             curves.append((case, row, motions[motions["case"] == case], "", cases[case]))

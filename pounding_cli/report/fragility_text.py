@@ -49,28 +49,39 @@ def table(answer: Answer, rows: pd.DataFrame) -> tuple[list[str], list[list[str]
     return heads, found, len(words)
 
 
-def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "") -> str:
-    """A median with its interval; where there is none, what came of the fit and what is known."""
+def subject(building: str, limit: str) -> str:
+    """The limit and the building that it is asked of; a limit may name the building itself."""
+    return limit if f" in {building} " in f"{limit} " else f"{building}, {limit}"
+
+
+def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "", named: bool = False) -> str:
+    """A median with its interval; where there is none, what came of the fit and what is known.
+
+    named : with the unit
+    """
     unit = intensity_unit(answer)
+    name = f" {unit.name}" if named and unit.name else ""
     outcome = str(row.get("outcome" + alone, ""))
     if not outcome:
         return "-"
     if row["median" + alone] == row["median" + alone]:
-        return _between(row, "median", alone, unit)
+        return _between(row, "median", alone, unit, name)
     low, high = row["low" + alone], row["high" + alone]
     if low > 0 and high < np.inf:
-        return f"{outcome}: {_text(low, unit)} to {_text(high, unit)}"
+        return f"{outcome}: {_text(low, unit)} to {_text(high, unit)}{name}"
     if low > 0 or high < np.inf:
-        return f"{outcome}: above {_text(low, unit)}" if low > 0 else f"{outcome}: below {_text(high, unit)}"
+        return (
+            f"{outcome}: above {_text(low, unit)}{name}" if low > 0 else f"{outcome}: below {_text(high, unit)}{name}"
+        )
     return outcome
 
 
-def _between(row: Mapping[Any, Any], name: str, alone: str, unit: Unit) -> str:
+def _between(row: Mapping[Any, Any], name: str, alone: str, unit: Unit, unit_name: str = "") -> str:
     value = row.get(name + alone, np.nan)
     if value != value:
         return "-"
     low, high = (_text(row[f"{name}_{end}{alone}"], unit) for end in ("low", "high"))
-    return f"{_text(value, unit)} ({low} to {high})"
+    return f"{_text(value, unit)}{unit_name} ({low} to {high}{unit_name})"
 
 
 def _text(value: float, unit: Unit) -> str:

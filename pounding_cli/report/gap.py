@@ -79,14 +79,16 @@ def _sentence(answer: Answer, part: tuple[Any, ...]) -> str:
     unit, said = width_unit(answer), []
     contact = contact_columns(answer)[0]
     for row in rows[rows["rule"] == EXACT].to_dict("records"):
-        words = f"{row['analysis']}: mean {unit.text(row['mean'], 4)}, largest {unit.text(row['largest'], 4)}"
+        words = (
+            f"{row['analysis'].capitalize()}: mean {unit.text(row['mean'], 4)}, largest {unit.text(row['largest'], 4)}"
+        )
         if row[contact] == row[contact]:
             between = f"{unit.text(row[contact + '_low'], 3)} to {unit.text(row[contact + '_high'], 3)}"
             share = contact.removeprefix("contact_")
             words += f"; {unit.text(row[contact], 4)} for {share} % probability of contact (90 % confidence: {between})"
         said.append(words)
     motions = counted(int(rows["motions"].max()), "motion")
-    return f"{left} | {right}, required gap where it is widest, {motions}: {'. '.join(said)}."
+    return f"{left} | {right}: required gap at the floors that need most, {motions}. {'. '.join(said)}."
 
 
 def _notes(frame: pd.DataFrame, answer: Answer) -> list[str]:

@@ -78,7 +78,7 @@ def error_sentence(answer: Answer, error: float) -> str:
 
 
 def _text(value: float, unit: Unit, digits: int = 4) -> str:
-    return f"{unit.number(value):.{digits}g}" if value == value else "-"
+    return f"{unit.number(value):#.{digits}g}".rstrip(".") if value == value else "-"
 
 
 def pair_heading(results: Results, point: Mapping[str, Any], left: str, right: str, rows: pd.DataFrame) -> str:

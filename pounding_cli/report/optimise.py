@@ -54,7 +54,7 @@ def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
         _along(ax, found, key, window)
     for number, ax in enumerate(axes[: len(keys)]):
         if number % columns == 0:
-            ax.set_ylabel(f"{found.sought}{f' [{found.unit}]' if found.unit else ''}", fontsize=7.5)
+            ax.set_ylabel(found.label_of_value, fontsize=7.5)
     if mapped:
         _map(figure, axes[len(keys)], found, mapped)
     for ax in axes[panels:]:
@@ -154,7 +154,9 @@ def _map(figure: Figure, ax: Axes, found: Optimum, mapped: list[dict[Any, Any]])
     flat = [(v - v.min()) / np.ptp(v) for v in on_paper]
     corners = Triangulation(x, y, Triangulation(*flat).triangles)
     drawn = ax.tricontourf(corners, frame["value"].to_numpy(float), levels=14, cmap=COLOURS)
-    figure.colorbar(drawn, ax=ax, pad=0.02, aspect=22).ax.tick_params(labelsize=7.5)
+    bar = figure.colorbar(drawn, ax=ax, pad=0.02, aspect=22)
+    bar.ax.tick_params(labelsize=7.5)
+    bar.set_label(found.label_of_value, fontsize=7.5)
     ax.plot(x, y, ls="", marker=".", ms=1.5, color="0.85")
     ax.plot(
         *(_shown(found, key["key"], [key["value"]]) for key in mapped), ls="", marker="*", ms=11, color=_BEST, mec="k",

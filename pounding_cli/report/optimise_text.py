@@ -62,6 +62,11 @@ class Optimum:
         """A value of the number sought."""
         return f"{value:.5g}{f' {self.unit}' if self.unit else ''}"
 
+    @property
+    def label_of_value(self) -> str:
+        """The number sought with its unit."""
+        return f"{self.sought} [{self.unit}]" if self.unit else self.sought
+
     def label(self, key: dict[Any, Any]) -> str:
         """A key with its unit."""
         return self._unit(key).label(str(key["key"]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -106,7 +107,17 @@ def interval(row: dict[Any, Any], name: str, form: str = ".3g") -> str:
 def _error(row: dict[Any, Any], name: str) -> str:
     if row[name] != row[name]:
         return "-"
-    return f"{_number(row[name])} ± {_number(row[f'{name}_error'])}"
+    return with_error(row[name], row[f"{name}_error"])
+
+
+def with_error(value: float, error: float) -> str:
+    """A number with as many decimals as its standard error has at two digits: 26.8 ± 1.1."""
+    if not (math.isfinite(error) and error > 0):
+        return _number(value)
+    decimals = 1 - math.floor(math.log10(error))
+    if not 0 <= decimals <= 6:
+        return f"{_number(value)} ± {_number(error, '.2g')}"
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
 
 
 def _number(value: float, form: str = ".3g") -> str:
@@ -121,8 +132,11 @@ def sentence(part: Part) -> str:
     first = part.rows.iloc[0]
     if "total" in part.rows:
         share = f"{100 * first['total']:.0f} % ({100 * first['total_low']:.0f} to {100 * first['total_high']:.0f} %)"
-        return f"{part.title}: {first['key']} decides most; of the variance {share} goes when it is known."
-    return f"{part.title}: {first['key']} acts most, by {interval(dict(first), 'mu_star')} {part.unit}".rstrip() + "."
+        return (
+            f"{part.title}: decided most by {first['key']}; with its interactions it explains {share} of the variance."
+        )
+    change = f"{interval(dict(first), 'mu_star')} {part.unit}".rstrip()
+    return f"{part.title}: changed most by {first['key']}, on the average by {change}."
 
 
 def spread_sentence(row: dict[Any, Any]) -> str:
@@ -136,8 +150,21 @@ def spread_sentence(row: dict[Any, Any]) -> str:
 
 
 def notes(results: Tables) -> list[str]:
-    """What a reader should know of the numbers."""
+    """What a reader should know of the indices; of claims more is told by `claim_odds.notes`."""
     answer = results.answer(INDICES)
+    said = [] if split_claims(answer.frame)[1].empty else _legend(results, answer)
+    refused = answer.frame[answer.frame["failed"] > 0]
+    if len(refused):
+        most = counted(int(refused["failed"].max()), "sample")
+        said.append(
+            f"Where samples gave no number (up to {most}) there is no index: leaving them out would bend it. Their "
+            "scenes were solved a second time, a hundred times as finely, and failed again, or have no such number."
+        )
+    return said
+
+
+def _legend(results: Tables, answer: Answer) -> list[str]:
+    """What the columns of `cells` mean."""
     spec = results.resolved.get("sensitivity") or {}
     first = answer.frame.iloc[0]
     said = [
@@ -154,12 +181,5 @@ def notes(results: Tables) -> list[str]:
         said.append(
             "Mean effect: mean size of the change of the output over the whole range of the key; a deviation as large "
             "as the mean tells of interactions or of a bend."
-        )
-    refused = answer.frame[answer.frame["failed"] > 0]
-    if len(refused):
-        most = counted(int(refused["failed"].max()), "sample")
-        said.append(
-            f"Where samples gave no number (up to {most}) there is no index: leaving them out would bend it. Their "
-            "scenes were solved a second time, a hundred times as finely, and failed again, or have no such number."
         )
     return said

@@ -6,6 +6,8 @@ import dataclasses
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -62,6 +64,16 @@ class Arrays:
         """Number of slots, padding included."""
         return self.slots.size
 
+    @cached_property
+    def yields(self) -> bool:
+        """Whether some storey can yield."""
+        return bool(self.slots.branch.any())
+
+    @cached_property
+    def leans(self) -> bool:
+        """Whether some storey carries P-Delta of its own."""
+        return bool(self.slots.geometric.any())
+
 
 def rows(names: Iterable[str], count: int) -> dict[str, np.ndarray]:
     """Rows of zeros by name, each from a cache line on; `count` is a multiple of LANES. One piece of memory for all:
@@ -76,11 +88,13 @@ def pack(scene: Scene) -> Arrays:
     return _packed(scene.buildings, scene.links, scene.analysis)
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=512)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     columns = struck_columns(links)
     alone, places, storeys = _without_links(buildings, analysis, struck_between_floors(links), columns)
-    packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links))
+    flowing = analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings])
+    flow = law_tables.flow_of(alone.laws) if flowing else 0
+    packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links), flow)
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)
@@ -160,28 +174,29 @@ def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:
     return slots
 
 
-def at_rest(arrays: Arrays) -> State:
-    """The state before the motion: at rest, touching links exactly at v = 0."""
-    state = _blanks(arrays.padded, arrays.links.size)[0].copy()
+class Begun(NamedTuple):
+    """What a run fills, before its first step; `numbers` are those of its peaks, padding included."""
+
+    state: State
+    peaks: Peaks
+    ledger: Ledger
+    numbers: np.ndarray
+
+
+def at_rest(arrays: Arrays, watched: int = 0) -> Begun:
+    """Before the motion: at rest, touching links exactly at v = 0, no peaks, no energies; `watched` is the number of
+    segments at whose ends displacements are wanted."""
+    (state, _), (peaks, numbers), (ledger, _) = _blank(arrays.padded, arrays.links.size).copy()
     state.storey_branch[:], state.storey_memory[:] = arrays.slots.branch, arrays.memory_at_rest
     state.link_branch[:], state.pinned_link[:], state.pinned_closing[:] = arrays.links_at_rest
-    return state
-
-
-def no_peaks(arrays: Arrays, watched: int = 0) -> Peaks:
-    """Peaks before the first step; `watched` is the number of segments at whose ends displacements are wanted."""
-    peaks = _blanks(arrays.padded, arrays.links.size)[1].copy()
-    samples = aligned(watched * arrays.padded).reshape(watched, arrays.padded)
-    return peaks._replace(watched=int(watched > 0), samples=samples)
-
-
-def empty_ledger(arrays: Arrays) -> Ledger:
-    """Energies before the first step."""
-    return _blanks(arrays.padded, arrays.links.size)[2].copy()
+    if watched:
+        samples = aligned(watched * arrays.padded).reshape(watched, arrays.padded)
+        peaks = peaks._replace(watched=1, samples=samples)
+    return Begun(state, peaks, ledger, numbers)
 
 
 @functools.lru_cache(maxsize=64)
-def _blanks(padded: int, links: int) -> tuple[Blank, Blank, Blank]:
+def _blank(padded: int, links: int) -> Blank:
     """State, peaks and ledger of a scene of this size before its first step, but for branches and memories."""
     slot, link = np.zeros(padded), np.zeros(links)
     storey, which = np.zeros(padded, np.int64), np.zeros(links, np.int64)
@@ -191,11 +206,10 @@ def _blanks(padded: int, links: int) -> tuple[Blank, Blank, Blank]:
     )  # fmt: skip
     peaks = Peaks(
         watched=0, drift=slot, shear=slot, acceleration=slot, displacement_max=slot, displacement_min=slot,
-        closing=link - 1e300, force=link, impulse=link, contact_time=link, samples=slot[:0],
+        closing=link - 1e300, force=link, impulse=link, contact_time=link, samples=np.zeros((0, padded)),
         impacts=which,
     )  # fmt: skip
-    ledger = Ledger(**dict.fromkeys(Ledger._fields[:5], slot), links=link)
-    return Blank(state), Blank(peaks), Blank(ledger)
+    return Blank(state, peaks, Ledger(**dict.fromkeys(Ledger._fields[:5], slot), links=link))
 
 
 def _furthest(peaks: Peaks, slot: int) -> float:
@@ -208,7 +222,7 @@ def unpack(
 ) -> tuple[tuple[BuildingResponse, ...], LinkResponse, ColumnResponse]:
     """Peaks by slot and link as responses by building, link and columns that are struck, which share their memory."""
     buildings = []
-    drift_now = drift_of(arrays, state)
+    drift_now = drift_of(arrays, state.u)
     yielding = effects_of(scene).yielding  # elsewhere the kernels track drifts alone
     for b, building in enumerate(scene.buildings):
         span, base, rock = arrays.floors[b], arrays.bases[b], arrays.rocks[b]
@@ -251,19 +265,23 @@ def columns_of(scene: Scene, below: np.ndarray, above: np.ndarray) -> ColumnResp
 def with_points(arrays: Arrays, u: np.ndarray) -> np.ndarray:
     """Displacements [m] by slot with those of the points, from those of the degrees of freedom."""
     points = arrays.points
+    if not points.number:
+        return u
     whole = u.copy()
-    if points.number:
-        whole[points.slot[: points.number]] = np.sum(points.weight * u[points.freedom], axis=0)[: points.number]
+    whole[points.slot[: points.number]] = np.sum(points.weight * u[points.freedom], axis=0)[: points.number]
     return whole
 
 
-def drift_of(arrays: Arrays, state: State) -> np.ndarray:
-    """Storey drifts (and displacements of bases) of a state [m], by slot."""
-    u = with_points(arrays, state.u)
-    return u - arrays.slots.couple * np.concatenate(([0.0], u[:-1]))
+def drift_of(arrays: Arrays, u: np.ndarray) -> np.ndarray:
+    """Storey drifts (and displacements of bases) [m] by slot, from displacements by slot."""
+    drift = with_points(arrays, u).copy()
+    drift[1:] -= arrays.slots.couple[1:] * drift[:-1]
+    return drift
 
 
 def held_by_springs(arrays: Arrays, u: np.ndarray) -> float:
     """Energy in the springs between any degrees of freedom [J]."""
+    if not arrays.springs.number:
+        return 0.0
     v = np.sum(arrays.springs.weight * u[arrays.springs.freedom], axis=0)
     return 0.5 * float(arrays.springs.stiffness @ v**2)

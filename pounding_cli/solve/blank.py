@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -18,29 +19,43 @@ def aligned(count: int) -> np.ndarray:
 
 
 class Blank:
-    """A named tuple of vectors of doubles or of 64-bit integers, and of numbers, to be copied.
+    """Named tuples of vectors of doubles or of 64-bit integers, to be copied, and of other values, which are shared.
 
-    Making forty arrays takes as long as all else about a small scene; a copy makes one.
+    To make forty arrays takes as long as all else about a small scene; a copy makes one.
+
+    Parameters
+    ----------
+    filled : the tuples
     """
 
-    def __init__(self, filled: Any) -> None:
-        self._make = type(filled)._make
-        self._numbers = [None if isinstance(value, np.ndarray) else value for value in filled]
-        self._spans: list[tuple[bool, slice]] = []
-        vectors, end = [value for value in filled if isinstance(value, np.ndarray)], 0
-        for vector in vectors:
-            self._spans.append((vector.dtype == np.int64, slice(end, end + vector.size)))
-            end += -(-vector.size // LANES) * LANES
+    def __init__(self, *filled: Any) -> None:
+        self._parts: list[tuple[Callable[[Iterable[Any]], Any], list[tuple[bool, Any]], slice]] = []
+        vectors: list[tuple[slice, np.ndarray]] = []
+        end = 0
+        for each in filled:
+            begin, values = end, []
+            for value in each:
+                if isinstance(value, np.ndarray) and value.ndim == 1:
+                    span = slice(end, end + value.size)
+                    vectors.append((span, value))
+                    end += -(-value.size // LANES) * LANES
+                    values.append((value.dtype == np.int64, span))
+                else:
+                    values.append((False, value))
+            self._parts.append((type(each)._make, values, slice(begin, end)))
         self._memory = aligned(end)
-        for (whole, span), vector in zip(self._spans, vectors, strict=True):
-            (self._memory.view(np.int64) if whole else self._memory)[span] = vector
-        self._places = [place for place, value in enumerate(filled) if isinstance(value, np.ndarray)]
+        for span, vector in vectors:
+            self._memory[span] = vector.view(np.float64)
 
-    def copy(self) -> Any:
-        """The tuple with arrays of its own."""
+    def copy(self) -> list[tuple[Any, np.ndarray]]:
+        """Each tuple with arrays of its own, and the piece of memory in which these stand, padding included."""
         memory = aligned(self._memory.size)
         memory[:] = self._memory
-        integers, values = memory.view(np.int64), self._numbers.copy()
-        for place, (whole, span) in zip(self._places, self._spans, strict=True):
-            values[place] = integers[span] if whole else memory[span]
-        return self._make(values)
+        whole = memory.view(np.int64)
+        return [
+            (
+                make([v if type(v) is not slice else whole[v] if is_whole else memory[v] for is_whole, v in values]),
+                memory[span],
+            )
+            for make, values, span in self._parts
+        ]

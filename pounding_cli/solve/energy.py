@@ -18,25 +18,33 @@ def held(scene: Scene, arrays: Arrays, state: State, ledger: Ledger | None = Non
     """Energy in the scene now [J]: kinetic, stored in storeys and foundations less what their weights have lost by
     leaning (P-Delta), stored in links. What storeys hold is in the ledger of a run that has come to this state."""
     kinetic = 0.5 * float(arrays.slots.mass @ state.v**2)
-    if ledger is None or not arrays.slots.branch.any():
-        at_once = drift_of(arrays, state)[None], state.storey_branch[None], state.storey_memory[None]
-        stored = float(shear_and_stored(arrays, *at_once)[1][0])
+    if not arrays.yields:
+        drift = drift_of(arrays, state.u)
+        stored = float((0.5 * (arrays.slots.stiffness * drift) * drift).sum())
+    elif ledger is None:
+        drift = drift_of(arrays, state.u)
+        stored = float(
+            shear_and_stored(arrays, drift[None], state.storey_branch[None], state.storey_memory[None])[1][0]
+        )
     else:
         stored = float(ledger.stored.sum())
     stored += held_by_springs(arrays, state.u)
-    leans = state.u - arrays.slots.couple * np.concatenate(([0.0], state.u[:-1]))
-    stored -= 0.5 * float(arrays.slots.geometric @ leans**2)  # fault: p-delta-energy
+    if arrays.leans:
+        leans = state.u - arrays.slots.couple * np.concatenate(([0.0], state.u[:-1]))
+        stored -= 0.5 * float(arrays.slots.geometric @ leans**2)  # fault: p-delta-energy
     return {"kinetic": kinetic, "stored": stored, "links_stored": _in_links(scene, arrays, state)}
 
 
 def _in_links(scene: Scene, arrays: Arrays, state: State) -> float:
     """Energy in all links [J]."""
+    if not scene.links:
+        return 0.0
     links, count = arrays.links, arrays.links.number
     u = with_points(arrays, state.u)
     closings = u[links.left[:count]] - u[links.right[:count]]
     branches = state.link_branch[:count] - links.first[:count]
     each = zip(scene.links, branches.tolist(), closings.tolist(), state.link_memory[:count].tolist(), strict=True)
-    return float(sum(link.law.held(*of) for link, *of in each))
+    return float(sum([link.law.held(*of) for link, *of in each]))
 
 
 def balance(
@@ -61,7 +69,7 @@ def balance(
     }
     came, *went = book.values()
     missing, scale = came - sum(went), max(map(abs, (came, *went)))
-    if not arrays.slots.branch.any():
+    if not arrays.yields:
         scale = max(scale, 0.5 * float(arrays.slots.stiffness @ peaks.drift**2))
     book["residual"] = missing / scale if scale > 0 else 0.0
     return book

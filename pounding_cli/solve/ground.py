@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from pounding_cli.model.scene import Scene
+from pounding_cli.records.motion import Motion
 
 
 def segments_of(scene: Scene) -> int:
@@ -18,11 +21,13 @@ def _still(scene: Scene) -> int:
 
 def segments(scene: Scene) -> tuple[np.ndarray, np.ndarray, float]:
     """(acceleration at each segment's start [m/s2], its slope [m/s3], length of a segment [s]); a tail is still
-    ground."""
-    motion = scene.motion
-    starts = motion.acceleration[:-1].copy()
-    slopes = np.diff(motion.acceleration) / motion.dt
-    if scene.tail > 0:
-        still = np.zeros(_still(scene))
-        starts, slopes = np.concatenate((starts, still)), np.concatenate((slopes, still))  # fault: ground-in-tail
-    return starts, slopes, motion.dt
+    ground. Scenes of one motion share the arrays; nothing writes to them."""
+    return (*_segments(scene.motion, _still(scene)), scene.motion.dt)
+
+
+@functools.lru_cache(maxsize=16)
+def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
+    """(starts, slopes) of a motion and of so many segments of still ground."""
+    starts, slopes = motion.acceleration[:-1], np.diff(motion.acceleration) / motion.dt
+    tail = np.zeros(still)
+    return np.concatenate((starts, tail)), np.concatenate((slopes, tail))  # fault: ground-in-tail

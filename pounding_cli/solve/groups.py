@@ -33,7 +33,7 @@ ERRORS = 10.0
 """By so many accuracies of the closing, relative to the floors' own displacements, a gap must stay open to count as
 never closed."""
 
-MEMORY = 64 * 2**20
+MEMORY = 24 * 2**20
 """Responses kept for the scenes that follow [bytes]."""
 
 MOST_PAIRS = 1000
@@ -292,9 +292,10 @@ def _open(
     if response.status != "done":
         return None
     found = dict(zip((link.ends for link in row.links), map(float, response.links.max_closing), strict=True))
-    closings = {
-        link: found[dataclasses.replace(link, left=link.left - begin).ends] for link in _between(scene, left[-1])
-    }
+    closings = {}
+    for link in _between(scene, left[-1]):
+        (one, floor, at), (other, other_floor, other_at) = link.ends
+        closings[link] = found[(one - begin, floor, at), (other - begin, other_floor, other_at)]
     error *= sum(_furthest(response.buildings[place - begin]) for place in (left[-1], right[0]))
     for link in closings:
         if _rests(scene, left, right, link):

@@ -18,7 +18,7 @@ from pounding_cli.model.condense import condensed
 from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import law_tables, taylor
-from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack
+from pounding_cli.solve.arrays import Arrays, at_rest, pack
 from pounding_cli.solve.elements import elements_of, term_matrix
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.run import MAX_EVENTS, MAX_STEPS, OUTCOMES
@@ -97,7 +97,7 @@ def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> Histo
 
 def _march(scene: Scene, arrays: Arrays, times: np.ndarray, accuracy: float) -> Entered:
     """The states at `times`, each run from one output time or sample of the motion to the next."""
-    state, peaks, ledger = at_rest(arrays), no_peaks(arrays), empty_ledger(arrays)
+    state, peaks, ledger, _ = at_rest(arrays)
     outputs, begins, rates, lengths = _pieces(scene, times)
     wanted = ("u", "v", "storey_branch", "storey_memory", "link_branch", "link_memory")
     kept = (np.repeat(getattr(state, name)[None], times.size, axis=0) for name in wanted)

@@ -13,15 +13,13 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import kept, layout
-from pounding_cli.kernels.layout import Peaks, State
-from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.methods import AUTO, METHODS, Method
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import taylor
-from pounding_cli.solve.arrays import Arrays, at_rest, empty_ledger, no_peaks, pack, unpack
+from pounding_cli.solve.arrays import Arrays, Begun, at_rest, pack, unpack
 from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.energy import AT_REST, balance, held
 from pounding_cli.solve.flags import collapse_flag, flags_of
@@ -114,7 +112,7 @@ class Prepared:
     """A scene laid out for its run; `integrate` and then `response` once each.
 
     scene, arrays : without what cannot matter
-    state, peaks, ledger : what the run fills
+    begun : what the run fills
     before : energy held at the start [J]
     limit : the longest stable time step [s]
     condensing : what is left out, in words
@@ -130,9 +128,7 @@ class Prepared:
     accuracy: float
     bounds: tuple[int, int]
     watch: bool
-    state: State
-    peaks: Peaks
-    ledger: Ledger
+    begun: Begun
     before: dict[str, float]
     limit: float
     condensing: tuple[str, ...]
@@ -147,7 +143,7 @@ class Prepared:
         _compile(self.code, scene, scene.motion.dt if takes_step else self.setting)
         begin = time.perf_counter()
         status, steps, events, orders, self.reached = self.code.integrate(
-            scene, self.arrays, self.state, self.peaks, self.ledger, self.setting, self.bounds
+            scene, self.arrays, *self.begun[:3], self.setting, self.bounds
         )
         self.found = status, steps, events, orders, time.perf_counter() - begin
 
@@ -158,14 +154,15 @@ class Prepared:
 
     def response(self) -> Response:
         """What came of it."""
-        scene, arrays, state, peaks, chosen = self.scene, self.arrays, self.state, self.peaks, self.method
+        scene, arrays, chosen = self.scene, self.arrays, self.method
+        state, peaks, ledger, numbers = self.begun
         status, steps, events, orders, seconds = self.found
-        if status == layout.DONE and not np.isfinite(np.concatenate((*peaks[1:-2], peaks.samples.ravel()))).all():
+        if status == layout.DONE and not (np.isfinite(numbers).all() and np.isfinite(peaks.samples).all()):
             status = layout.NOT_FINITE
         energy = {}
         if chosen.keeps_ledger:
             with np.errstate(over="ignore", invalid="ignore"):  # a run that failed may have ended at any numbers
-                energy = balance(scene, arrays, self.before, state, peaks, self.ledger)
+                energy = balance(scene, arrays, self.before, state, peaks, ledger)
         outcome, advice = OUTCOMES[status]
         if outcome in ENDS and abs(energy.get("residual", 0.0)) > max(self.accuracy, LEDGER_BOUND):
             outcome, advice = OPEN_LEDGER
@@ -193,7 +190,7 @@ class Prepared:
 
     def _collapse(self) -> tuple[float, int, int]:
         """When the run ended [s], the building and the storey that has drifted furthest of what it stands."""
-        parts = [self.peaks.drift[span] / self.arrays.slots.collapse[span] for span in self.arrays.floors]
+        parts = [self.begun.peaks.drift[span] / self.arrays.slots.collapse[span] for span in self.arrays.floors]
         building = int(np.argmax([part.max() for part in parts]))
         return self.reached, building, int(np.argmax(parts[building])) + 1
 
@@ -212,16 +209,15 @@ def prepare(
     """A scene laid out for its run; parameters and errors as of `solve`."""
     chosen, setting = chosen_method(method, accuracy, time_step)
     scene, arrays, chosen, code, condensing = _what_runs(scene, chosen, accuracy, method == AUTO, all_effects)
-    state, peaks = at_rest(arrays), no_peaks(arrays, segments_of(scene) if watch else 0)
+    begun = at_rest(arrays, segments_of(scene) if watch else 0)
     if initial is not None:
+        state, peaks, *_ = begun
         for span, u, v in zip(arrays.floors, *initial, strict=True):
             state.u[span], state.v[span] = u, v
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
-    ledger, before = empty_ledger(arrays), AT_REST if initial is None else held(scene, arrays, state)
+    before = AT_REST if initial is None else held(scene, arrays, begun.state)
     limit = code.largest_step(arrays)
-    return Prepared(
-        scene, arrays, chosen, code, setting, accuracy, bounds, watch, state, peaks, ledger, before, limit, condensing
-    )
+    return Prepared(scene, arrays, chosen, code, setting, accuracy, bounds, watch, begun, before, limit, condensing)
 
 
 def _what_runs(
@@ -264,7 +260,7 @@ def _compile(code: Integrator, scene: Scene, setting: float) -> None:
     bounds = MAX_STEPS, MAX_EVENTS
 
     def once() -> None:
-        code.integrate(silent, arrays, at_rest(arrays), no_peaks(arrays), empty_ledger(arrays), setting, bounds)
+        code.integrate(silent, arrays, *at_rest(arrays)[:3], setting, bounds)
 
     collecting = gc.isenabled()
     gc.disable()  # a compiler makes a million objects that all stay: looking through them takes a sixth of its time

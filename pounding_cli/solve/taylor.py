@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import threading
 from collections.abc import Callable
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from pounding_cli.kernels.history import History
 from pounding_cli.kernels.layout import Points, Row, Springs
 from pounding_cli.kernels.ledger import MAX_POINTS
-from pounding_cli.model.effects import effects_of
+from pounding_cli.model.effects import effects_of, memories_flow
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
@@ -67,7 +68,7 @@ def least_acceleration_scale(scene: Scene, arrays: Arrays, state) -> float:
     """
     if scene.motion.pga > 0:
         return LEAST_SCALE * scene.motion.pga
-    pulls = arrays.slots.stiffness * np.abs(drift_of(arrays, state)) * arrays.slots.inverse_mass
+    pulls = arrays.slots.stiffness * np.abs(drift_of(arrays, state.u)) * arrays.slots.inverse_mass
     return max(float(pulls.max()), float(np.abs(state.v).max()))
 
 
@@ -151,7 +152,8 @@ def _padded(count):
 
 def takes_programs(scene: Scene) -> bool:
     """Whether the scene needs the larger of the two kernels (`kernels.taylor.build`)."""
-    return any([link.law.general or link.columns > 0.0 for link in scene.links])
+    linked = any([link.law.general or link.columns > 0.0 for link in scene.links])
+    return linked or memories_flow(scene)
 
 
 def prepare(
@@ -164,11 +166,12 @@ def prepare(
 
     tolerance = local_tolerance(accuracy)
     row, points, springs = places_of(scene, arrays)
-    registers = arrays.links.registers if any(link.law.general for link in scene.links) else 0
+    flowing = memories_flow(scene)
+    registers = arrays.links.registers if flowing or any(link.law.general for link in scene.links) else 0
     doubles, whole = scratch.memory_needed(
-        row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size
-    )
-    memory, integers = aligned(doubles), np.zeros(whole, np.int64)
+        row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size,
+        flowing,
+    )  # fmt: skip
     kernel, rules = taylor.build(takes_programs(scene)), gauss_rules(MAX_POINTS)
     inelastic = all_effects or effects_of(scene).yielding
     watched = effects_of(scene).collapse
@@ -180,14 +183,27 @@ def prepare(
     settings = inelastic, use_islands, watched, tolerance, least_scale, order, *bounds, events_at_instant
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float, history: History = NO_HISTORY):
-        memory.fill(0.0)
-        integers.fill(0)
+        memory, integers = _scratch(doubles, whole)
         return kernel(
             arrays.slots, points, springs, arrays.links, row, state, peaks, ledger, history, *rules, memory,
             integers, starts, slopes, dt, *settings,
         )  # fmt: skip
 
     return run
+
+
+_last = threading.local()
+"""The scratch of every thread's last run."""
+
+
+def _scratch(doubles: int, integers: int) -> tuple[np.ndarray, np.ndarray]:
+    """Zeros for a run: those of the last run in this thread where they are as many."""
+    kept: tuple[np.ndarray, np.ndarray] | None = getattr(_last, "scratch", None)
+    if kept is None or (kept[0].size, kept[1].size) != (doubles, integers):
+        kept = _last.scratch = aligned(doubles), np.zeros(integers, np.int64)
+    for numbers in kept:
+        numbers.fill(0)
+    return kept
 
 
 def integrate(

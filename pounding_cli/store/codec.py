@@ -8,6 +8,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ _COUNTS = tuple(f.name for f in fields(Response) if f.type == "int")
 _SCALARS = tuple(f.name for f in fields(Response) if f.type in ("int", "float"))
 _WORDS = tuple(f.name for f in fields(Response) if f.type == "str")
 _SENTENCES = tuple(f.name for f in fields(Response) if str(f.type).startswith("tuple[str"))
+_words_of, _sentences_of, _scalars_of = (attrgetter(*names) for names in (_WORDS, _SENTENCES, _SCALARS))
+_arrays_of_building, _arrays_of_links = attrgetter(*_BUILDING_ARRAYS), attrgetter(*_LINK_ARRAYS)
 
 
 @dataclass(frozen=True)
@@ -55,26 +58,24 @@ class Words:
 def encode(response: Response) -> tuple[str, np.ndarray]:
     """A line of words (JSON) and the numbers, shape (k,); the end state and the samples are not kept."""
     line = _line(
-        tuple([getattr(response, name) for name in _WORDS]),
-        tuple([getattr(response, name) for name in _SENTENCES]),
+        _words_of(response),
+        _sentences_of(response),
         tuple(response.energy),
         tuple([b.shear.size for b in response.buildings]),
         response.links.impacts.size,
         response.columns.link.size,
     )
-    columns: list[Sequence[float] | np.ndarray] = [
-        [getattr(response, name) for name in _SCALARS] + list(response.energy.values())
-    ]
+    columns: list[Sequence[float] | np.ndarray] = [(*_scalars_of(response), *response.energy.values())]
     for b in response.buildings:
-        columns += [getattr(b, name) for name in _BUILDING_ARRAYS]
-        columns.append([b.sway, b.rocking])
-    columns += [getattr(response.links, name) for name in _LINK_ARRAYS]
+        columns += _arrays_of_building(b)
+        columns.append((b.sway, b.rocking))
+    columns += _arrays_of_links(response.links)
     if response.columns.link.size:
         columns += [getattr(response.columns, name) for name in _COLUMN_ARRAYS]
     return line, np.concatenate(columns, dtype=float)
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1024)
 def _line(
     words: tuple[str, ...],
     sentences: tuple[tuple[str, ...], ...],
@@ -90,7 +91,7 @@ def _line(
     return json.dumps(said | ({"columns": struck} if struck else {}))
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1024)
 def parse(text: str) -> Words:
     """What a line of words says.
 

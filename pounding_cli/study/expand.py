@@ -16,7 +16,7 @@ from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
-from pounding_cli.study.resolve import MOST_KEPT, Point, Resolver, places
+from pounding_cli.study.resolve import Point, Resolver, places
 from pounding_cli.study.scenes import Frame, Rows, Scenes, seen
 from pounding_cli.study.schema import StudyModel
 
@@ -162,7 +162,7 @@ class _Builder:
         if found is None:
             found = self._links_of(point, case)
             assert found is not None
-            _keep(self._links, key, found, MOST_KEPT)
+            _keep(self._links, key, found, self._resolver.most_kept)
         return found
 
     def __call__(self, point: Point, case: int, analysis: int, record: int) -> Scene:

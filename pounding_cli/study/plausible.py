@@ -187,7 +187,7 @@ def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Problems) -> None
     asked = root.get("records", "scale", "pga")
     if asked is not None:
         pga = next((each.use.pga for each in used.values()), None)
-        if pga is not None:
+        if pga is not None and not _in_plausible_range(root.get("sweep", "records.scale.pga")):
             _note("peak ground acceleration asked for", pga, root, ("records", "scale", "pga"), notes)
         return
     for name, each in used.items():
@@ -196,6 +196,15 @@ def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Problems) -> None
             message = f"'{name}' peaks at {each.use.pga / GRAVITY:.3g} g as it is used: {fits.reason}"
             hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {_AS_MEANT}"
             notes.at(root, ("records", "scale") if each.use.scale != 1 else ("records", "use"), message, hint)
+
+
+def _in_plausible_range(swept: Node | None) -> bool:
+    """Whether an acceleration runs over a range one end of which is plausible: then its unit is right, and low
+    intensities are meant, as those that an incremental dynamic analysis begins with."""
+    fits = RANGES["peak ground acceleration asked for"]
+    ends = [end.text for key in ("from", "to") if swept and swept.is_mapping and (end := swept.get(key)) is not None]
+    read = [_PARTED.match(text) for text in ends]
+    return any(one and fits.holds(float(one[1]) * _ACCELERATIONS.get(one[2], np.nan)) for one in read)
 
 
 def few(problems: Iterable[Problem]) -> list[Problem]:

@@ -42,6 +42,13 @@ FEWEST, MOST = 2, 20
 MOST_KEPT = 10_000
 """Answers kept at a time: many points share one answer, but not the memory of all of them."""
 
+FEW_KEPT = 1000
+"""Answers kept where the fastest axis is so long that those at one of its points are gone before the next turn comes to
+it; two points in a row share some."""
+
+ANSWERS = 5
+"""Answers that a point of an axis has for itself, at least."""
+
 
 class Resolver:
     """Answers what a study is at a point of its sweep; what axes do not touch is worked out once.
@@ -63,6 +70,8 @@ class Resolver:
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self._met: dict[Problem, None] = {}
         self._last: tuple[Point, Group] | None = None
+        comes_back = not axes or ANSWERS * len(axes[-1]) <= MOST_KEPT
+        self.most_kept = MOST_KEPT if comes_back else FEW_KEPT
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
         """For every axis, whether it touches one of `subjects`."""
@@ -86,7 +95,7 @@ class Resolver:
             collected = Problems(self.file)
             found = (work(collected), tuple(collected.found))
             self._found[key] = found
-            if len(self._found) > MOST_KEPT:
+            if len(self._found) > self.most_kept:
                 self._found.popitem(last=False)
         else:
             self._found.move_to_end(key)

@@ -11,6 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.batch import run_plan
+from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.bundles import solve_bundle
+from pounding_cli.batch.families import order_of
+from pounding_cli.solve import solve
 from pounding_cli.study import load_study
 from pounding_cli.workflows import expansion
 
@@ -21,6 +25,9 @@ from study_plans import known
 
 MOST = 1500.0
 """Held at the same time for each scene, at most [bytes]."""
+
+MOST_OF_A_WORKER = 2000.0
+"""What a worker keeps of each scene once it keeps as much as it may, at most [bytes]."""
 
 
 def noisy(scene, **settings):
@@ -53,3 +60,20 @@ def test_little_is_held_of_every_scene(tmp_path, monkeypatch):
     (few, low), (many, high) = (held("gap", count, tmp_path) for count in (200, 800))
     assert many > 3 * few
     assert (high - low) / (many - few) < MOST
+
+
+def test_a_worker_stops_growing(tmp_path, monkeypatch):
+    """Scenes of which no two share a law: whatever is kept of them has a bound."""
+    monkeypatch.setattr("pounding_cli.study.resolve.MOST_KEPT", 200)
+    path = tmp_path / "study.yaml"
+    path.write_text(sweep.study_of("run", 900))
+    plan = expansion("run")(load_study(path))
+    task, digests = Task(solve, plan.accuracy, plan.method, plan.estimate), order_of(plan, ()).digests
+    sizes = []
+    tracemalloc.start()
+    for some in (digests[:600], digests[600:750], digests[750:900]):
+        solve_bundle(some, plan.scenes.__getitem__, task, work=600.0)
+        gc.collect()
+        sizes.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+    assert sizes[2] - sizes[1] < 150 * MOST_OF_A_WORKER, sizes

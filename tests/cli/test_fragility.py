@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 import pounding_cli
+from pounding_cli.report.fragility import _ALONE, MOST_CASES
+from pounding_cli.report.fragility_text import subject
+from pounding_cli.report.style import looks
 from pounding_cli.store import open_results
 
 STUDY = """\
@@ -24,8 +29,9 @@ fragility: {limits: [mu > 4, contact]}
 
 
 def test_prints_curves_and_reports_them(pound, tmp_path):
-    code, out, _ = pound("fragility", "two.yaml")
+    code, out, err = pound("fragility", "two.yaml")
     assert code == 0
+    assert "warning" not in err
     assert "Intensity: peak ground acceleration" in out
     assert "median [g]" in out
     table = open_results(tmp_path / "results" / "two-fragility.h5").table("fragility")
@@ -40,12 +46,33 @@ def test_prints_curves_and_reports_them(pound, tmp_path):
     assert "<h1" in page
     assert "Intensity at which half of the motions pass" in page
     assert "mu &gt; 4" in page
+    assert re.search(r"median: [\d.]+ g \([\d.]+ to [\d.]+ g\) alone", page)
     summary = (folder / "summary.md").read_text(encoding="utf-8")
     assert "## Fragility" in summary
     assert "median:" in summary
     code, out, _ = pound("cite", "results/two-fragility.h5")
     assert "Vamvatsikos" in out
     assert "Baker" in out
+
+
+def test_a_building_alone_looks_like_no_case():
+    names = ["touching", "gap", "infill", "connected", *"abcdef"]
+    for number in range(len(names)):
+        drawn = list(looks(names[number:]).values())[:MOST_CASES]
+        assert _ALONE.color not in {look.color for look in drawn}
+
+
+@pytest.mark.parametrize(
+    ("building", "limit", "words"),
+    [
+        ("soft", "mu > 4", "soft, mu > 4"),
+        ("soft", "collapse in soft", "collapse in soft"),
+        ("soft", "mu > 4 in soft storey 1", "mu > 4 in soft storey 1"),
+        ("soft-1", "mu > 4 in soft", "soft-1, mu > 4 in soft"),
+    ],
+)
+def test_a_building_is_named_once(building, limit, words):
+    assert subject(building, limit) == words
 
 
 def test_the_plain_grid_tells_the_same_brackets(pound, tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from pounding_cli.store import open_results
 
 STUDY = """\
@@ -29,13 +31,18 @@ def test_prints_indices_and_reports_them(pound, tmp_path):
     row = table[(table["output"] == "largest mu in A") & (table["key"] == "motion")].iloc[0]
     assert f"{row['total']:.2f} ({row['total_low']:.2f} to {row['total_high']:.2f})" in out
     assert "max_closing [m]" in out
+    low, error = row["at_low"], row["at_low_error"]
+    decimals = 1 - math.floor(math.log10(error))
+    assert f" {low:.{decimals}f} ± {error:.{decimals}f} " in out
     assert "95 % interval of 1000 bootstrap draws of the 40 samples" in out
     code, out, _ = pound("report", "results/two-sensitivity.h5", "-q")
     assert code == 0
     folder = tmp_path / "results" / "two-sensitivity"
     for figure in ("sensitivity.png", "sensitivity-samples.png"):
         assert (folder / figure).stat().st_size > 10_000
-    assert "motion decides most" in (folder / "report.html").read_text(encoding="utf-8")
+    assert "decided most by motion; with its interactions it explains" in (folder / "report.html").read_text(
+        encoding="utf-8"
+    )
     assert "## Sensitivity" in (folder / "summary.md").read_text(encoding="utf-8")
     assert sorted(path.name for path in (folder / "tables").iterdir()) == [
         "records.csv", "sensitivity.csv", "sensitivity_outputs.csv", "sensitivity_samples.csv",

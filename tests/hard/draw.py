@@ -58,8 +58,12 @@ def values_of(law: type[Law], name: str, declared: Parameter) -> st.SearchStrate
         return st.sampled_from([str(word) for word in words])
     if declared.unit != "-":
         return USUAL[declared.unit]
-    if declared.high == math.inf:
-        return decades(max(declared.low, 1e-3), 1e3, declared.low)
+    if declared.high > 1e3:
+        corners = [
+            *([] if declared.open_low else [declared.low]),
+            *([declared.high] if declared.high < math.inf else []),
+        ]
+        return decades(max(declared.low, 1e-3), min(declared.high, 1e3), *corners, far=declared.high == math.inf)
     span = declared.high - declared.low
     ends = [declared.low + span * 1e-6 if declared.open_low else declared.low]
     ends.append(declared.high - span * 1e-6 if declared.open_high else declared.high)

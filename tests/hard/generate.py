@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 from hypothesis import strategies as st
 
-from pounding_cli.laws import link_laws, storey_laws
+from pounding_cli.laws import contact_laws, link_laws, storey_laws
 from pounding_cli.laws.law import LinkLaw
 
 from .draw import MULTIPLE, RESTITUTION, decades, law_keys, own_law, some
@@ -132,6 +132,9 @@ def studies(draw: Any) -> str:
     if own:
         study["laws"] = own
     impact: dict[str, Any] = {}
+    if draw(st.integers(1, 4)) == 1:
+        law = draw(st.sampled_from([*contact_laws()]))
+        impact |= {"law": law} | draw(law_keys(contact_laws()[law]))
     some(draw, impact, "stiffness", MULTIPLE, 2)
     some(draw, impact, "restitution", RESTITUTION, 2)
     some(draw, impact, "tension_cut", st.booleans())

@@ -201,7 +201,7 @@ def hard_parameters(n: int) -> dict[str, float]:
     rng = np.random.default_rng(n)
     found = {
         "capping_ductility": 1.0 + (10 ** rng.uniform(-6, 1.5) if n % 3 else 0.0),
-        "post_capping_slope": 10 ** rng.uniform(-4, 1),
+        "post_capping_slope": 10 ** rng.uniform(-4, 6),
         "residual_strength": (0.0, 0.1, 0.999)[rng.integers(3)],
         "deterioration_exponent": rng.uniform(0.3, 3),
     }

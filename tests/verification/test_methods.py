@@ -25,7 +25,7 @@ from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import generalized_alpha as family
 from pounding_cli.solve import solve
-from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack
+from pounding_cli.solve.arrays import at_rest, pack
 from pounding_cli.solve.method import integrator_of
 
 STEPPING = [name for name, method in METHODS.items() if method.takes_step]
@@ -192,9 +192,9 @@ def free(xi: float) -> Scene:
 def largest(scene: Scene, name: str, step: float) -> float:
     """Largest displacement of a run whose stability nobody asked about."""
     arrays = pack(scene)
-    state, peaks = at_rest(arrays), no_peaks(arrays)
+    state, peaks, ledger, _ = at_rest(arrays)
     state.u[0], state.u[3] = 0.01, 0.01
-    integrator_of(METHODS[name]).integrate(scene, arrays, state, peaks, empty_ledger(arrays), step, (10**8, 10**8))
+    integrator_of(METHODS[name]).integrate(scene, arrays, state, peaks, ledger, step, (10**8, 10**8))
     return float(np.abs(state.u).max()) if np.isfinite(state.u).all() else np.inf
 
 

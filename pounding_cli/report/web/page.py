@@ -35,6 +35,7 @@ from pounding_cli.workflows import WORKFLOWS
 
 PAGE = "report.html"
 """File name of the page."""
+
 MOST_VERDICTS = 100
 """Points of a sweep whose verdicts are listed."""
 
@@ -170,7 +171,13 @@ def _environment() -> Any:
     )
     environment.filters["counted"] = counted
     environment.filters["keys_as_code"] = _keys_as_code
+    environment.filters["unbroken"] = _unbroken
     return environment
+
+
+def _unbroken(text: str) -> str:
+    """Numbers that break before their brackets alone: `0.139 (0.11 to 0.176)`."""
+    return text.replace(" ", "\N{NO-BREAK SPACE}").replace("\N{NO-BREAK SPACE}(", " (")
 
 
 def _keys_as_code(text: str) -> Any:

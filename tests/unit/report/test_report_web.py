@@ -20,7 +20,7 @@ from pounding_cli.report.evidence import points
 from pounding_cli.report.web import data as packing
 from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside
-from pounding_cli.report.web.page import _keys_as_code, write_page
+from pounding_cli.report.web.page import _keys_as_code, _unbroken, write_page
 from pounding_cli.solve.histories import ENERGIES, History
 
 
@@ -51,6 +51,10 @@ def column(table: dict, key: str) -> list:
 )  # fmt: skip
 def test_digits(value, text):
     assert story.digits(value) == text
+
+
+def test_a_number_breaks_before_its_brackets_alone():
+    assert _unbroken("0.139 (0.11 to 0.176)").split(" ") == ["0.139", "(0.11\u00a0to\u00a00.176)"]
 
 
 def test_columns_are_read_in_the_units_of_engineers():

@@ -111,6 +111,21 @@ def test_a_value_of_the_sweep_is_told_at_its_place_and_the_one_it_replaces_is_no
     assert (warning.line, warning.column) == (10, 31)
 
 
+@pytest.mark.parametrize(
+    ("range_", "told"),
+    [
+        ("{from: 0.01 g, to: 1 g, step: 0.01 g}", []),  # the first intensities of an incremental dynamic analysis
+        ("{from: 0.01, to: 0.3, count: 3}", ["0.01 m/s2", "0.155 m/s2", "0.3 m/s2"]),  # m/s2 where g was meant
+        ("[0.02 g, 0.3 g]", ["0.196 m/s2"]),
+    ],
+)
+def test_low_ends_of_a_range_of_intensities_are_meant(tmp_path, range_, told):
+    warnings = read(tmp_path, STUDY + f"sweep: {{records.scale.pga: {range_}}}\n").warnings
+    assert [one.message.split(":")[0] for one in warnings] == [
+        f"peak ground acceleration asked for is {one}" for one in told
+    ]
+
+
 def test_of_many_values_alike_the_first_are_told_and_the_rest_counted(tmp_path):
     values = ", ".join(map(str, range(2, 10)))
     warnings = read(tmp_path, STUDY + f"sweep: {{cases.gap.gap: [{values}]}}\n").warnings
