@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import Queue, solve_bundle
-from pounding_cli.batch.engines import Finished
+from pounding_cli.batch.engines import Engine, Finished
 from pounding_cli.batch.local_cluster import local_cluster
 from pounding_cli.batch.processes import ADVICE, DIED
 from pounding_cli.errors import InputError, Problem
@@ -40,10 +40,11 @@ SCHEMES = ("tcp", "tls", "ucx", "ucxx", "ws", "wss")
 """How addresses of schedulers begin."""
 
 
-class Cluster:
+class Cluster(Engine):
     """See `engines.Engine`.
 
-    Scenes are sent whole: the workers need this package, and neither the study nor its motions.
+    Scenes are sent whole: the workers need this package, and neither the study nor its motions. The connection, and a
+    cluster on this machine, last from the first call of `solve` until `close`: a search solves hundreds of rounds.
     """
 
     name = "dask"
@@ -51,6 +52,9 @@ class Cluster:
     def __init__(self, workers: int, scheduler: str | None) -> None:
         self.workers = workers
         self.scheduler = scheduler
+        self._held = ExitStack()
+        self._client: Client | None = None
+        self._known: set[str] = set()
         if scheduler is not None:
             _check_address(scheduler)
         try:
@@ -64,44 +68,64 @@ class Cluster:
         from distributed import wait
         from distributed.comm.core import CommClosedError
 
-        where = self.scheduler or "on this machine"
+        where = self._where
         running: dict[Future, list[str]] = {}
         suspects: list[str] = []
-        with ExitStack() as ends:
-            ends.enter_context(_quiet())
-            address = self.scheduler or ends.enter_context(local_cluster(self.workers))
-            client = _connected(address, where)
-            ends.callback(_closed, client)
-            seen, known = time.monotonic(), set[str]()
-            try:
-                while queue or suspects or running:
-                    threads = _threads(client)
-                    _check_workers(client, set(threads) - known)
-                    known |= set(threads)
-                    count = sum(threads.values())
-                    seen = time.monotonic() if count else seen
-                    if time.monotonic() - seen > PATIENCE:
-                        hint = f"start workers: dask worker {address} --nthreads 1; {_AGAIN}"
-                        told = f"the Dask scheduler {where} has had no worker for {PATIENCE:.0f} s"
-                        raise InputError(Problem(told, hint))
-                    self.workers = max(1, count)  # workers come and go
-                    while (queue or suspects) and len(running) < self.workers:
-                        bundle = [suspects.pop()] if suspects else queue.take(WORK)
-                        running[_sent(client, bundle, scenes, task, key)] = bundle
+        client = self._connection()
+        seen = time.monotonic()
+        try:
+            while queue or suspects or running:
+                threads = _threads(client)
+                _check_workers(client, set(threads) - self._known)
+                self._known |= set(threads)
+                count = sum(threads.values())
+                seen = time.monotonic() if count else seen
+                if time.monotonic() - seen > PATIENCE:
+                    hint = f"start workers: dask worker {self._address} --nthreads 1; {_AGAIN}"
+                    told = f"the Dask scheduler {where} has had no worker for {PATIENCE:.0f} s"
+                    raise InputError(Problem(told, hint))
+                self.workers = max(1, count)  # workers come and go
+                while (queue or suspects) and len(running) < self.workers:
+                    bundle = [suspects.pop()] if suspects else queue.take(WORK)
+                    running[_sent(client, bundle, scenes, task, key)] = bundle
+                try:
+                    with client.as_current():
+                        ready, _ = wait(list(running), timeout=POLL, return_when="FIRST_COMPLETED")
+                except TimeoutError:
+                    continue
+                for future in ready:
+                    bundle = running.pop(future)
                     try:
-                        with client.as_current():
-                            ready, _ = wait(list(running), timeout=POLL, return_when="FIRST_COMPLETED")
-                    except TimeoutError:
-                        continue
-                    for future in ready:
-                        bundle = running.pop(future)
-                        try:
-                            yield from _received(future, bundle, scenes, task, key, queue, suspects)
-                        except TimeoutError:  # its worker died before it sent the result; Dask runs the bundle again
-                            running[future] = bundle
-                            break
-            except (CancelledError, CommClosedError, OSError, TimeoutError) as error:
-                raise _lost(where, error) from None
+                        yield from _received(future, bundle, scenes, task, key, queue, suspects)
+                    except TimeoutError:  # its worker died before it sent the result; Dask runs the bundle again
+                        running[future] = bundle
+                        break
+        except (CancelledError, CommClosedError, OSError, TimeoutError) as error:
+            self.close()
+            raise _lost(where, error) from None
+        except BaseException:  # also where the caller stops early: what still runs is given up
+            self.close()
+            raise
+
+    @property
+    def _where(self) -> str:
+        return self.scheduler or "on this machine"
+
+    def _connection(self) -> Client:
+        """A client of the scheduler, which the first call connects, starting a cluster where none is named."""
+        if self._client is None:
+            with ExitStack() as ends:
+                ends.enter_context(_quiet())
+                self._address = self.scheduler or ends.enter_context(local_cluster(self.workers))
+                self._client = _connected(self._address, self._where)
+                ends.callback(_closed, self._client)
+                self._held = ends.pop_all()
+        return self._client
+
+    def close(self) -> None:
+        """End the connection, and the cluster that was started for it."""
+        self._client, self._known = None, set()
+        self._held.close()
 
 
 _SAME = "install this very version of pounding-cli where the scheduler and the workers run"

@@ -43,6 +43,10 @@ class Engine(Protocol):
         """
         ...
 
+    def close(self) -> None:
+        """Give back what is held from one call of `solve` to the next; nothing unless an engine says otherwise."""
+        return None
+
 
 def engine(name: str, workers: int, scheduler: str | None = None) -> Engine:
     """The engine of that name.

@@ -16,7 +16,7 @@ from typing import Any
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import Queue, solve_bundle
-from pounding_cli.batch.engines import Finished
+from pounding_cli.batch.engines import Engine, Finished
 from pounding_cli.model.scene import Scene
 from pounding_cli.store.chunk import Chunk
 
@@ -33,7 +33,7 @@ DIED = "the worker died"
 ADVICE = "memory may be short: use fewer workers; otherwise report it with the study file"
 
 
-class Processes:
+class Processes(Engine):
     """See `engines.Engine`.
 
     Workers are forked on Linux and spawned elsewhere, unless `multiprocessing.set_start_method` says otherwise.

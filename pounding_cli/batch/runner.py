@@ -123,7 +123,8 @@ def _run(
 ) -> Outcome:
     reuse(plan, output, parts, progress.say, replace)
     former = set(parts)
-    plan, solved = _solve_rounds(plan, parts, chosen, progress, solve)
+    with contextlib.closing(chosen):
+        plan, solved = _solve_rounds(plan, parts, chosen, progress, solve)
     if replace:
         parts.only(plan.scenes)
     reused = sum(digest in former for digest in plan.scenes)

@@ -6,11 +6,11 @@ from collections.abc import Generator, Mapping
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import Queue, solve_bundle
-from pounding_cli.batch.engines import Finished
+from pounding_cli.batch.engines import Engine, Finished
 from pounding_cli.model.scene import Scene
 
 
-class Serial:
+class Serial(Engine):
     """See `engines.Engine`."""
 
     name = "serial"

@@ -8,12 +8,12 @@ from threading import Event
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import Queue, solve_bundle
-from pounding_cli.batch.engines import Finished
+from pounding_cli.batch.engines import Engine, Finished
 from pounding_cli.model.scene import Scene
 from pounding_cli.store.chunk import Chunk
 
 
-class Threads:
+class Threads(Engine):
     """See `engines.Engine`; for systems where starting processes is slow or forbidden."""
 
     name = "threads"

@@ -24,6 +24,15 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, link_forces_on
 from pounding_cli.kernels.polynomial import value
 from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT, carry_out, product_term
+from pounding_cli.kernels.program_storeys import (
+    end_series,
+    expand_storeys,
+    largest_memory_term,
+    part_followed,
+    push_slots,
+    some_flow,
+    start_storeys,
+)
 from pounding_cli.kernels.simd import from_left, from_right, further, fused, load, no_inline, splat, store
 from pounding_cli.kernels.terms import hand_on, spring_forces
 
@@ -40,29 +49,31 @@ get a step in q of their own; the other is left without force up to there, or it
 LARGEST_ROOT = 8
 """Largest b."""
 
-_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A")
+_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A", "storeys")
 PROGRAMS = Frame(
     "programs",
     dict.fromkeys(("rows", "each"), types.int64)
     | {"resting": INTEGERS, "numbers": DOUBLES}
     | dict.fromkeys(_ROWS_OF, DOUBLES),
 )
-"""rows: room for orders; each: doubles of the registers of one link. resting: whether a closed link presses with less
-than is resolved (1 or 0). numbers: below. By order: T time [s] and B what dt / ds is [s]; powers: of q, one after
-another. registers: series of each link (`program`). sizes: largest closing and rate so far of each link, what is
-rounding is judged by. By order and place: U displacements [m], A accelerations relative to the ground [m/s2]."""
+"""rows: room for orders; each: doubles of the registers of one link, or of one storey. resting: whether a closed link
+presses with less than is resolved (1 or 0). numbers: below. By order: T time [s] and B what dt / ds is [s]; powers: of
+q, one after another. registers: series of each link (`program`); storeys: likewise of each storey, where a memory
+flows. sizes: largest closing and rate so far of each link, what is rounding is judged by. By order and place: U
+displacements [m], A accelerations relative to the ground [m/s2]."""
 
 fill_programs = filler(PROGRAMS)
 
-SCALE, CHOSEN, B_ROOT = range(3)
-"""Places in `numbers`: h; the link whose q the step is taken in, -1 for none; b."""
+SCALE, CHOSEN, B_ROOT, FLOWING = range(4)
+"""Places in `numbers`: h; the link whose q the step is taken in, -1 for none; b; how many storeys have a memory that
+flows."""
 
 NUMBERS = 8
 
 
-def room_for_programs(padded: int, linked: int, registers: int, rows: int) -> tuple[int, int]:
-    """Doubles and integers of scratch."""
-    by_order = 2 + LARGEST_ROOT + registers * linked + 2 * padded
+def room_for_programs(padded: int, linked: int, registers: int, rows: int, flowing: bool) -> tuple[int, int]:
+    """Doubles and integers of scratch. `flowing`: whether storeys have a memory that flows."""
+    by_order = 2 + LARGEST_ROOT + registers * (linked + (padded if flowing else 0)) + 2 * padded
     return NUMBERS + rows * by_order + 2 * linked, linked
 
 
@@ -77,7 +88,7 @@ def programs_frame(place, run, registers, rows, memory, integers):
     accelerations = further(displacements, rows * run.padded)
     return fill_programs(place, (
         rows, registers * rows, integers, memory, time, further(time, rows), powers, written, sizes, displacements,
-        accelerations,
+        accelerations, further(accelerations, rows * run.padded),
     ))  # fmt: skip
 
 
@@ -109,13 +120,13 @@ def force_register(run, p, e):
 
 
 @njit(**CALLED)
-def on_program(run):
-    """Whether some link of the island is on a branch that plain steps cannot follow."""
+def on_program(run, inelastic):
+    """Whether some link or storey of the island is on a branch that plain steps cannot follow."""
     no_inline()
     general = 0.0
     for e in range(run.link_start, run.link_stop):
         general = max(general, t.branch(run, branch_of(run, e), t.GENERAL))
-    return general > 0.0
+    return general > 0.0 or (inelastic and some_flow(run) > 0)
 
 
 @njit(**PART)
@@ -204,6 +215,9 @@ def start(run, p):
     no_inline()
     clock = run.clock
     clock[GROUND] = clock[SEGMENT_GROUND] + clock[GROUND_SLOPE] * clock[ELAPSED]
+    p.numbers[FLOWING] = some_flow(run)
+    if p.numbers[FLOWING] > 0.0:
+        start_storeys(run, p)
     for b in range(run.slot_start, run.slot_stop, 8):
         store(p.U, b, load(run.W, b - run.padded))
     nearest = math.inf
@@ -326,6 +340,8 @@ def _accelerations(run, terms, p, k, has_terms):
             total = fused(load(slots, at(b, c.INVERSE_MASS)), link_forces_on(run, b), total)
         store(p.A, row + b, total)
         u_left, w_left = u, w
+    if p.numbers[FLOWING] > 0.0 and k > 0:
+        push_slots(run, p, k)
     if has_terms:
         hand_on(run, terms, p.A, row)
 
@@ -359,11 +375,15 @@ def expand(run, terms, p, order, has_terms):
     for k in range(order):
         _time(p, k)
         _links(run, p, k)
+        if p.numbers[FLOWING] > 0.0:
+            expand_storeys(run, p, k)
         _accelerations(run, terms, p, k, has_terms)
         _integrate(run, p, k)
     for e in range(run.link_start, run.link_stop):
         if flows(run, e):
             _memory(run, p, e, order)
+    if p.numbers[FLOWING] > 0.0:
+        end_series(run, p, order)
     total = p.T[order]
     for i in range(run.slot_start, run.slot_stop):
         total += run.W[order * run.padded + i] + p.U[order * run.padded + i]
@@ -371,9 +391,9 @@ def expand(run, terms, p, order, has_terms):
 
 
 @njit(**PART)
-def _term_over_allowed(run, p, k):
-    """The largest order k of an acceleration or a force over what may be left out of it [-]."""
-    largest = 0.0
+def _term_over_allowed(run, p, k, tolerance):
+    """The largest order k of an acceleration, a force or a memory over what may be left out of it [-]."""
+    largest = largest_memory_term(run, p, k) / tolerance if p.numbers[FLOWING] > 0.0 else 0.0
     for i in range(run.slot_start, run.slot_stop):
         largest = max(largest, abs(p.A[k * run.padded + i]) / run.slots[of(i, c.TERM_TOLERANCE)])
     for e in range(run.link_start, run.link_stop):
@@ -388,7 +408,7 @@ def part_allowed(run, p, order, tolerance):
     no_inline()
     worst = 0.0
     for k in range(max(order - JUDGED, 2), order):
-        term = _term_over_allowed(run, p, k)
+        term = _term_over_allowed(run, p, k, tolerance)
         worst = max(worst, term ** (1.0 / k)) if term > 0.0 else worst
     ratio = MARGIN / worst if worst > MARGIN else 1.0
     for _ in range(3):  # the time, whose error shifts all, by itself
@@ -398,7 +418,7 @@ def part_allowed(run, p, order, tolerance):
             term = abs(p.T[k]) * ratio**k
             worst = max(worst, (term / allowed) ** (1.0 / k)) if term > allowed > 0.0 else worst
         ratio /= worst
-    return ratio
+    return part_followed(run, p, tolerance, ratio) if p.numbers[FLOWING] > 0.0 else ratio
 
 
 @njit(**PART)
@@ -423,5 +443,9 @@ def rescale(run, p, order, ratio):
     for e in range(run.link_start, run.link_stop):
         for place in range(0, p.each, p.rows):
             _rescale_rows(further(p.registers, e * p.each + place), 1, order, ratio)
+    if p.numbers[FLOWING] > 0.0:
+        for i in range(run.slot_start, run.slot_stop):
+            for place in range(0, p.each, p.rows):
+                _rescale_rows(further(p.storeys, i * p.each + place), 1, order, ratio)
     for k in range(order):  # B is by s as well
         p.B[k] *= ratio

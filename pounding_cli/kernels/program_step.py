@@ -42,11 +42,11 @@ def program_step(run, terms, programs, settings):
     """(outcome, or -1, or PLAIN_STEP; whether a storey event ends the step, whether a link's does, whether it ends the
     segment)."""
     no_inline()
-    if not on_program(run):
+    inelastic = settings.inelastic > 0
+    if not on_program(run, inelastic):
         return PLAIN_STEP, False, False, False
     p = programs
     has_terms = settings.has_terms > 0
-    inelastic = settings.inelastic > 0
     tolerance = settings.tolerance
     order = settings.max_order
     run.tally[ORDER] = order

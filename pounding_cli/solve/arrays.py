@@ -83,7 +83,10 @@ def pack(scene: Scene) -> Arrays:
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     given = buildings, analysis, struck_between_floors(links), struck_columns(links)
     alone, _, storeys = _without_links(*given)
-    packed, links_at_rest = law_tables.pack_links(links, *_ends(*given, tuple([link.ends for link in links])))
+    flowing = analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings])
+    flow = law_tables.flow_of(alone.laws) if flowing else 0
+    ends = _ends(*given, tuple([link.ends for link in links]))
+    packed, links_at_rest = law_tables.pack_links(links, *ends, flow)
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 import pounding_cli
+from pounding_cli.batch import cluster
+from pounding_cli.batch.local_cluster import local_cluster
 from pounding_cli.store import Results
 
 PAIR = """\
@@ -69,3 +72,27 @@ def test_the_same_answer_from_every_engine(workflow, scheduler, tmp_path, monkey
         for name, table in found["serial"].items():
             assert len(table) > 0
             assert table.equals(found[engine][name]), (engine, name)
+
+
+def test_a_search_starts_one_cluster(tmp_path, monkeypatch):
+    """A local cluster lasts through all rounds of a search, and ends with it."""
+    monkeypatch.setattr("pounding_cli.batch.runner.WORTH_WORKERS", 1e-9)
+    monkeypatch.setattr("pounding_cli.batch.cluster.WORK", 0.02)
+    monkeypatch.setattr("pounding_cli.batch.cluster.PATIENCE", 180.0)
+    rounds, told = [], []
+    solve = cluster.Cluster.solve
+
+    @contextmanager
+    def counted(workers):
+        with local_cluster(workers) as address:
+            told.append("started")
+            yield address
+        told.append("ended")
+
+    monkeypatch.setattr(cluster, "local_cluster", counted)
+    monkeypatch.setattr(cluster.Cluster, "solve", lambda *given: rounds.append(1) or solve(*given))
+    study = tmp_path / "pair.yaml"
+    study.write_text(PAIR + QUESTIONS["optimise"])
+    pounding_cli.run(study, tmp_path / "r.h5", workflow="optimise", engine="dask", workers=2)
+    assert len(rounds) > 3
+    assert told == ["started", "ended"]
