@@ -1,8 +1,8 @@
 """The same scene in OpenSees (openseespy): zero-length storeys and links, marched at a fixed step.
 
-Storeys: `Elastic`, `Steel01` (bilinear, kinematic) or `BoucWen`. Rayleigh damping by region, alpha M + beta K0. Pounding:
-`ViscoelasticGap`, a Kelvin-Voigt element across a gap that may pull at the end of a contact, as eq. (6) does.
-Connectors: `Elastic` with a dashpot. Peaks are those at the steps: OpenSees looks at nothing between.
+Storeys: `Elastic`, `Steel01` (bilinear, kinematic) or `BoucWen`. Rayleigh damping by region, alpha M + beta K0.
+Pounding: `ViscoelasticGap`, a Kelvin-Voigt element across a gap that may pull at the end of a contact, as eq. (6)
+does. Connectors: `Elastic` with a dashpot. Peaks are those at the steps: OpenSees looks at nothing between.
 """
 
 from __future__ import annotations
