@@ -639,6 +639,12 @@ PRUNING = [
         "exact-peaks", "exact steps: peaks only at the ends of steps", ("above + deviation", "above - deviation"), EXACT
     ),
     Mutant(
+        "exact-leap",
+        "exact steps: before the ground stops they are as bent as after it",
+        (" * leapt", " * 0.0"),
+        f"{VERIFICATION}/test_effects.py::test_exact_steps_find_a_peak_just_before_the_ground_stops",
+    ),
+    Mutant(
         "exact-monotone",
         "exact steps: a step counts as monotone too soon",
         ("4.0", "0.5"),
