@@ -199,7 +199,10 @@ def draw_storeys() -> None:
     laws = storey_laws()
     rows = -(-len(laws) // 2)
     figure = Figure(figsize=(6.4, 2.6 * rows), layout="constrained")
-    for ax, (name, law) in zip(figure.subplots(rows, 2, sharey=True).flat, laws.items(), strict=True):
+    axes = figure.subplots(rows, 2, sharey=True).flatten()
+    for ax in axes[len(laws) :]:
+        ax.set_axis_off()
+    for ax, (name, law) in zip(axes[: len(laws)], laws.items(), strict=True):
         drift, shear = loop_of_storey(law)
         ax.plot(drift, shear, color=BLUE, lw=1.2)
         ax.axhline(0.0, color=GREY, lw=0.5)

@@ -9,7 +9,7 @@ from pounding_cli.kernels.cells import at
 from pounding_cli.kernels.clock import COLLAPSED, END, ORDER, H
 from pounding_cli.kernels.layout import CALLED
 from pounding_cli.kernels.polynomial import first_crossing
-from pounding_cli.kernels.program_events import drift_terms
+from pounding_cli.kernels.program_storeys import drift_terms
 from pounding_cli.kernels.simd import greater, load, lowest, magnitude, maximum, no_inline
 from pounding_cli.kernels.summary import drift_series
 

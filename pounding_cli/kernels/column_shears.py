@@ -12,8 +12,8 @@ from pounding_cli.kernels.clock import ORDER, H
 from pounding_cli.kernels.layout import CALLED, INLINE, PART
 from pounding_cli.kernels.peaks import largest
 from pounding_cli.kernels.polynomial import ABSOLUTE
-from pounding_cli.kernels.program_events import drift_terms
 from pounding_cli.kernels.program_series import force_register
+from pounding_cli.kernels.program_storeys import shear_terms
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.summary import drift_series
 
@@ -67,8 +67,7 @@ def track_program(run, terms, p):
         if not run.slot_start <= i < run.slot_stop:
             continue
         share = terms.shear_share[n]
-        drift_terms(run, p, i, order, share * run.slots[of(i, c.TANGENT)])
-        run.scratch[0] += share * run.slots[of(i, c.OFFSET)]
+        shear_terms(run, p, i, share)
         for j in range(terms.shear_first[n], terms.shear_first[n + 1]):
             e = terms.shear_link[j]
             if _pushes(run, e):

@@ -64,9 +64,12 @@ def _add_forms(forms, count, total, broad, z, sums):
 
 
 @njit(**INLINE)
-def _look(rows, bends, jumps, turned, total, wide, b, z, values, bows):
+def _look(rows, bends, leapt, turned, total, wide, b, z, values, bows):
     """Eight tracked quantities at z; returns (their values, those of the sample before, how far they can deviate from
-    the chord between the two)."""
+    the chord between the two).
+
+    leapt, turned : by how much the ground's acceleration and its slope have just changed
+    """
     value = splat(0.0)
     bend = splat(0.0)
     for j in range(total):
@@ -74,7 +77,9 @@ def _look(rows, bends, jumps, turned, total, wide, b, z, values, bows):
         value = fused(load(rows, j * wide + b), x, value)
         bend = fused(load(bends, j * wide + b), x, bend)
     last = load(values, b)
-    deviation = maximum(magnitude(load(bows, b)), magnitude(bend - load(jumps, b) * turned)) * BEND
+    before_turn = bend - load(bends, (total - 1) * wide + b) * turned
+    just_before = before_turn - load(bends, (total - 2) * wide + b) * leapt  # fault: exact-leap
+    deviation = maximum(magnitude(load(bows, b)), magnitude(just_before)) * BEND
     store(values, b, value)
     store(bows, b, bend)
     return value, last, deviation
@@ -115,14 +120,12 @@ def _next_state(step, total, width, z, after):
 
 
 @njit(**INLINE)
-def _look_at_all(rows, bends, jumps, powers, turned, first, here, before, values, bows, c, high, low):
+def _look_at_all(rows, bends, powers, leapt, turned, first, here, before, values, bows, c, high, low):
     """Everything tracked at z = `here`: at the first state its peaks, later what a step from `before` raises."""
     total, wide = rows.shape
     count, orders = powers.shape[:2]
     for b in range(0, wide, 8):
-        value, last, deviation = _look(
-            pointer(rows), pointer(bends), pointer(jumps), turned, total, wide, b, here, values, bows
-        )
+        value, last, deviation = _look(pointer(rows), pointer(bends), leapt, turned, total, wide, b, here, values, bows)
         if first:
             store(high, b, value)
             store(low, b, value)
@@ -137,7 +140,7 @@ def build():
 
     @njit(**OPTIONS)
     def march(
-        step, rows, bends, jumps, powers, forms, starts, slopes, length, parts, ends, memory, peaks, sums, visited,
+        step, rows, bends, powers, forms, starts, slopes, length, parts, ends, memory, peaks, sums, visited,
         first_watched, samples,
     ):  # fmt: skip
         """Step through all segments of the ground motion from the state in `ends[0]` to that in `ends[1]`.
@@ -145,7 +148,6 @@ def build():
         step : exp(A length) transposed without its last two columns, shape (n + 2, width), padded with zeros
         rows : what is tracked from z = (q, q', a_g, a_g'), transposed, shape (n + 2, wide), padded with zeros
         bends : their second derivatives times the step's length squared over 8, likewise
-        jumps : by how much those change where the ground's slope changes by one, shape (wide,)
         powers : rows (A length)^j / j!, shape (M, orders, n + 2)
         forms : symmetric W, shape (F, n + 2, padded n + 2)
         ends : q and q' at the start and at the end, shape (2, n)
@@ -177,8 +179,10 @@ def build():
         for r in range(places + 1):
             here = further(z, (r % 2) * stride)
             before = further(z, ((r + 1) % 2) * stride)
-            turned = 0.0
+            leapt, turned = 0.0, 0.0
             if r < places:
+                if r > 0 and part == 0:
+                    leapt = starts[segment] - (starts[segment - 1] + slope * length * parts)
                 turned = slopes[segment] - slope
                 slope = slopes[segment]
                 here[n] = starts[segment] + slope * length * part
@@ -189,7 +193,7 @@ def build():
                 for j in range(total):
                     visited[j] += here[j]
                 _add_forms(pointer(forms), forms.shape[0], total, forms.shape[2], here, pointer(sums))
-            _look_at_all(rows, bends, jumps, powers, turned, r == 0, here, before, values, bows, c, high, low)
+            _look_at_all(rows, bends, powers, leapt, turned, r == 0, here, before, values, bows, c, high, low)
             if r > 0 and part == 0:
                 for i in range(samples.shape[1]):
                     samples[segment - 1, i] = values[first_watched + i]

@@ -25,8 +25,8 @@ one more than the last; whether program steps alone can follow it, and whether i
 (1 or 0); the operations of its force, the first and one more than the last; b of q = v^(1/b) (1: the force needs no q),
 and the operations in q; stiffness [N/m] and dashpot [N s/m] where it is stiffest. Of a storey: the part of the shear
 whose work is lost [N], and the stiffness with which an unloading would give work back [N/m]; 0 where the part that is
-lost is the number before, and the energy that the storey holds [J] is made by the operations that follow. Of a link:
-the register that is the rate of its memory; 0 where events alone change that."""
+lost is the number before, and the energy that the storey holds [J] is made by the operations that follow. The register
+that is the rate of the memory, of a storey of its first; 0 where events alone change that."""
 
 QUANTITY, AT, SIDE, NEXT, IMPACT, ONCE, FACTOR, MEMORY, FIRST_SET, FIRST_KEPT, LAST_SET = range(11)
 """The places of a guard in its row: what it looks at (below); the value at which it ends the branch [m, m/s]; 1
@@ -38,7 +38,7 @@ than the last."""
 CODE, X, Y, A, B, C = range(6)
 """The places of an operation in its row: `laws.program.Operation`, its registers, its numbers."""
 
-NOTHING, CLOSING, FORCE, RATE, ACCELERATION = range(5)
+NOTHING, CLOSING, FORCE, RATE, ACCELERATION, FLOWING = range(6)
 """What a guard looks at, and so what is known exactly after its event."""
 
 NO_BRANCH = 0

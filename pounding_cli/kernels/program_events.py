@@ -26,6 +26,7 @@ from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
 from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT
 from pounding_cli.kernels.program_series import (
     CHOSEN,
+    FLOWING,
     branch_of,
     flows,
     force_register,
@@ -33,6 +34,7 @@ from pounding_cli.kernels.program_series import (
     least_closing,
     register,
 )
+from pounding_cli.kernels.program_storeys import drift_terms, end_memories, flows_on, storey_register
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.storey_law import guarded_drift
 from pounding_cli.kernels.summary import drifts, rate_term
@@ -42,15 +44,10 @@ UNEVEN = 1e-14
 """Part of a segment [-] by which a step may miss its end."""
 
 
-@njit(**CALLED)
-def drift_terms(run, p, i, order, factor):
-    """`factor` times the coefficients of storey i's drift, into `scratch`."""
-    no_inline()
-    coupled = run.slots[of(i, c.COUPLE)] != 0.0
+@njit(**PART)
+def _copy(run, series, order, side):
     for k in range(order + 1):
-        row = k * run.padded + i
-        term = p.U[row] - p.U[row - 1] if coupled else p.U[row]
-        run.scratch[k] = factor * term
+        run.scratch[k] = side * series[k]
 
 
 @njit(**CALLED)
@@ -64,10 +61,17 @@ def _storey_end(run, p, i):
     for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
         side, shift, at = guarded_drift(run, b, g, run.slots, of(i, c.STOREY_MEMORY), 8)
         if t.guard(run, g, t.QUANTITY) == t.RATE:
-            for k in range(order + 1):
-                run.scratch[k] = side * rate_term(run, k, i)
+            if flows_on(run, i):
+                _copy(run, storey_register(p, i, RATE), order - 1, side)
+                run.scratch[order] = 0.0
+            else:
+                for k in range(order + 1):
+                    run.scratch[k] = side * rate_term(run, k, i)
             if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
                 run.scratch[0] = 0.0
+        elif t.guard(run, g, t.QUANTITY) == t.FLOWING:
+            _copy(run, storey_register(p, i, MEMORY), order, side)
+            run.scratch[0] -= side * at
         else:
             drift_terms(run, p, i, order, side)
             run.scratch[0] -= side * (shift + at)
@@ -96,12 +100,6 @@ def _first_storey(run, p):
                 run.clock[END] = s
                 found = True
     return found
-
-
-@njit(**PART)
-def _copy(run, series, order, side):
-    for k in range(order + 1):
-        run.scratch[k] = side * series[k]
 
 
 @njit(**CALLED)
@@ -255,6 +253,8 @@ def reach_end(run, terms, p):
     for e in range(run.link_start, run.link_stop):
         if flows(run, e):
             run.links[of_link(e, c.MEMORY)] = value(register(p, e, MEMORY), order, end)
+    if p.numbers[FLOWING] > 0.0:
+        end_memories(run, p)
     end_points(run, terms)
     drifts(run)
     run.clock[H] = duration / end if end > 0.0 else 0.0

@@ -14,8 +14,8 @@ from pounding_cli.kernels.ledger import MAX_POINTS, SHARES
 from pounding_cli.kernels.peaks import largest
 from pounding_cli.kernels.polynomial import ABSOLUTE, SIGNED, value
 from pounding_cli.kernels.program import RATE
-from pounding_cli.kernels.program_events import drift_terms
-from pounding_cli.kernels.program_series import force_register, is_closed, register
+from pounding_cli.kernels.program_series import FLOWING, force_register, is_closed, register
+from pounding_cli.kernels.program_storeys import account_storeys, drift_terms, shear_terms
 from pounding_cli.kernels.simd import from_left, fused, load, no_inline, splat, store
 from pounding_cli.kernels.terms import account_springs
 
@@ -29,8 +29,7 @@ def _slot_peaks(run, p, i, inelastic):
     drift_terms(run, p, i, order, 1.0)
     slots[of(i, c.PEAK_DRIFT)] = largest(run, order, slots[of(i, c.PEAK_DRIFT)], ABSOLUTE)
     if inelastic:
-        drift_terms(run, p, i, order, slots[of(i, c.TANGENT)])
-        run.scratch[0] += slots[of(i, c.OFFSET)]
+        shear_terms(run, p, i, 1.0)
         slots[of(i, c.PEAK_SHEAR)] = largest(run, order, slots[of(i, c.PEAK_SHEAR)], ABSOLUTE)
     for sign in (1.0, -1.0):
         for k in range(order + 1):
@@ -157,3 +156,5 @@ def account(run, terms, p, nodes, weights, inelastic, has_terms):
             first, last = slots[of(i, c.DRIFT0)], slots[of(i, c.DRIFT1)]
             mean = slots[of(i, c.LOST)] + slots[of(i, c.LOST_SLOPE)] * 0.5 * (first + last)
             slots[of(i, c.HYSTERESIS_ENERGY)] += mean * (last - first)
+        if p.numbers[FLOWING] > 0.0:
+            account_storeys(run, p, points)

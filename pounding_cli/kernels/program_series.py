@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit, types
 
 from pounding_cli.kernels import cells as c
@@ -24,11 +23,42 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference, link_forces_on
 from pounding_cli.kernels.polynomial import value
 from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT, carry_out, product_term
-from pounding_cli.kernels.simd import from_left, from_right, further, fused, load, no_inline, splat, store
+from pounding_cli.kernels.program_storeys import (
+    end_series,
+    expand_storeys,
+    flows_on,
+    largest_memory_term,
+    part_followed,
+    push_slots,
+    some_flow,
+    start_storeys,
+)
+from pounding_cli.kernels.recurrence import LARGEST, no_orders
+from pounding_cli.kernels.simd import (
+    from_left,
+    from_right,
+    further,
+    fused,
+    greater,
+    load,
+    magnitude,
+    maximum,
+    no_inline,
+    splat,
+    store,
+)
 from pounding_cli.kernels.terms import hand_on, spring_forces
 
-JUDGED = 6
-"""Orders at the end of a series by which it is judged: those of a force in q are empty now and then."""
+JUDGED = 4
+"""Orders at the end of a series by which it is judged. Two, as in a plain step, are too few beside a damper that
+sticks: a slip that is an error of the series would stay."""
+
+JUDGED_IN_ROOT = 6
+"""The same of a step in q, or with storeys whose memory flows: some orders are empty then."""
+
+LEAST_ORDER = 10
+"""No series is shorter: where contact begins, the first order of a force of v^n is n b, and those before say
+nothing."""
 
 MARGIN = 0.9
 """Part of the longest step that the last orders allow which is taken [-]."""
@@ -40,30 +70,38 @@ get a step in q of their own; the other is left without force up to there, or it
 LARGEST_ROOT = 8
 """Largest b."""
 
-_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A")
+_ROWS_OF = ("T", "B", "powers", "registers", "sizes", "U", "A", "storeys")
 PROGRAMS = Frame(
     "programs",
     dict.fromkeys(("rows", "each"), types.int64)
-    | {"resting": INTEGERS, "numbers": DOUBLES}
+    | {"resting": INTEGERS, "closed": INTEGERS, "numbers": DOUBLES}
     | dict.fromkeys(_ROWS_OF, DOUBLES),
 )
-"""rows: room for orders; each: doubles of the registers of one link. resting: whether a closed link presses with less
-than is resolved (1 or 0). numbers: below. By order: T time [s] and B what dt / ds is [s]; powers: of q, one after
-another. registers: series of each link (`program`). sizes: largest closing and rate so far of each link, what is
-rounding is judged by. By order and place: U displacements [m], A accelerations relative to the ground [m/s2]."""
+"""rows: room for orders; each: doubles of the registers of one link, or of one storey. resting: whether a closed link
+presses with less than is resolved (1 or 0). closed: how many links have a force to follow, then these. numbers: below.
+By order: T time [s] and B what dt / ds is [s]; powers: of q, one after another. registers: series of each link
+(`program`); storeys: likewise of each storey, where a memory flows. sizes: of each link the largest closing and rate so
+far, what is rounding is judged by, and what may be left out of its force [N]. By order and place: U displacements [m],
+A accelerations relative to the ground [m/s2]."""
 
 fill_programs = filler(PROGRAMS)
 
-SCALE, CHOSEN, B_ROOT = range(3)
-"""Places in `numbers`: h; the link whose q the step is taken in, -1 for none; b."""
+SCALE, CHOSEN, B_ROOT, FLOWING = range(4)
+"""Places in `numbers`: h; the link whose q the step is taken in, -1 for none; b; how many storeys have a memory that
+flows."""
 
 NUMBERS = 8
 
+_CLOSINGS, _RATES, _ALLOWED = range(3)
+"""Places in `sizes` of a link."""
 
-def room_for_programs(padded: int, linked: int, registers: int, rows: int) -> tuple[int, int]:
-    """Doubles and integers of scratch."""
-    by_order = 2 + LARGEST_ROOT + registers * linked + 2 * padded
-    return NUMBERS + rows * by_order + 2 * linked, linked
+_SIZES = 3
+
+
+def room_for_programs(padded: int, linked: int, registers: int, rows: int, flowing: bool) -> tuple[int, int]:
+    """Doubles and integers of scratch. `flowing`: whether storeys have a memory that flows."""
+    by_order = 2 + LARGEST_ROOT + registers * (linked + (padded if flowing else 0)) + 2 * padded
+    return NUMBERS + rows * by_order + _SIZES * linked, 2 * linked + 1
 
 
 @njit(**PART)
@@ -73,11 +111,11 @@ def programs_frame(place, run, registers, rows, memory, integers):
     powers = further(time, 2 * rows)
     written = further(powers, LARGEST_ROOT * rows)
     sizes = further(written, registers * run.padded_links * rows)
-    displacements = further(sizes, 2 * run.padded_links)
+    displacements = further(sizes, _SIZES * run.padded_links)
     accelerations = further(displacements, rows * run.padded)
     return fill_programs(place, (
-        rows, registers * rows, integers, memory, time, further(time, rows), powers, written, sizes, displacements,
-        accelerations,
+        rows, registers * rows, integers, further(integers, run.padded_links), memory, time, further(time, rows),
+        powers, written, sizes, displacements, accelerations, further(accelerations, rows * run.padded),
     ))  # fmt: skip
 
 
@@ -109,13 +147,13 @@ def force_register(run, p, e):
 
 
 @njit(**CALLED)
-def on_program(run):
-    """Whether some link of the island is on a branch that plain steps cannot follow."""
+def on_program(run, inelastic):
+    """Whether some link or storey of the island is on a branch that plain steps cannot follow."""
     no_inline()
     general = 0.0
     for e in range(run.link_start, run.link_stop):
         general = max(general, t.branch(run, branch_of(run, e), t.GENERAL))
-    return general > 0.0
+    return general > 0.0 or (inelastic and some_flow(run) > 0)
 
 
 @njit(**PART)
@@ -139,13 +177,19 @@ def _start_link(run, p, e):
         rate = links[of_link(e, c.PINNED_CLOSING)]
     register(p, e, CLOSING)[0] = v
     register(p, e, RATE)[0] = rate
-    memory = register(p, e, MEMORY)
-    memory[0] = links[of_link(e, c.MEMORY)]
-    for k in range(1, p.rows):
-        memory[k] = 0.0
-    p.sizes[2 * e] = max(abs(one), abs(other))
-    p.sizes[2 * e + 1] = max(abs(run.W[left]), abs(run.W[right]))
-    register(p, e, ROOT)[0] = 0.0
+    links[of_link(e, c.CLOSING)] = v
+    if is_closed(run, e):
+        p.closed[0] += 1
+        p.closed[p.closed[0]] = e
+        memory = register(p, e, MEMORY)
+        for k in range(0, p.rows, 8):
+            store(memory, k, splat(0.0))
+        memory[0] = links[of_link(e, c.MEMORY)]
+        register(p, e, ROOT)[0] = 0.0
+        sizes = further(p.sizes, _SIZES * e)
+        sizes[_CLOSINGS] = max(abs(one), abs(other))
+        sizes[_RATES] = max(abs(run.W[left]), abs(run.W[right]))
+        sizes[_ALLOWED] = _allowed_force(run, e)
 
 
 @njit(**PART)
@@ -188,7 +232,7 @@ def _is_resolved(run, p, e, v):
     closing[0], rate[0] = v, max(abs(r0), math.sqrt(2.0 * _largest_acceleration(run, e) * v))
     force = carry_out(run.operations, first, last, register(p, e, 0), p.rows, 0)
     closing[0], rate[0] = v0, r0
-    return abs(force) > _allowed_force(run, e)
+    return abs(force) > p.sizes[_SIZES * e + _ALLOWED]
 
 
 @njit(**PART)
@@ -204,14 +248,22 @@ def start(run, p):
     no_inline()
     clock = run.clock
     clock[GROUND] = clock[SEGMENT_GROUND] + clock[GROUND_SLOPE] * clock[ELAPSED]
+    p.numbers[FLOWING] = some_flow(run)
+    if p.numbers[FLOWING] > 0.0:
+        start_storeys(run, p)
     for b in range(run.slot_start, run.slot_stop, 8):
         store(p.U, b, load(run.W, b - run.padded))
     nearest = math.inf
     p.numbers[CHOSEN], p.numbers[B_ROOT] = -1.0, 1.0
+    p.closed[0] = 0
     for e in range(run.link_start, run.link_stop):
-        _start_link(run, p, e)
+        run.link_forces[e] = 0.0
         p.resting[e] = 0
-        if not is_closed(run, e) or t.branch(run, branch_of(run, e), t.REGULAR) <= 1.0:
+        if branch_of(run, e) != t.NO_BRANCH:
+            _start_link(run, p, e)
+    for n in range(1, p.closed[0] + 1):
+        e = p.closed[n]
+        if t.branch(run, branch_of(run, e), t.REGULAR) <= 1.0:
             continue
         v, rate = register(p, e, CLOSING)[0], register(p, e, RATE)[0]
         if not (v > _rounded(run, p, e) and _is_resolved(run, p, e, v)):
@@ -269,27 +321,26 @@ def _memory(run, p, e, k):
 
 @njit(**CALLED)
 def _links(run, p, k):
-    """Order k of every closed link's force; what acts goes into `pushed` [N]."""
+    """Order k of every closed link's force; what acts goes into `link_forces` [N]."""
     no_inline()
-    for e in range(run.link_start, run.link_stop):
-        closing, rate = register(p, e, CLOSING), register(p, e, RATE)
+    for n in range(1, p.closed[0] + 1):
+        e = p.closed[n]
         if k > 0:
+            closing, rate = register(p, e, CLOSING), register(p, e, RATE)
+            sizes = further(p.sizes, _SIZES * e)
             left, right = _sides(run, e)
             one, other = p.U[k * run.padded + left], p.U[k * run.padded + right]
-            closing[k] = difference(one, other, p.sizes[2 * e])
-            p.sizes[2 * e] = max(p.sizes[2 * e], abs(one), abs(other))
+            closing[k] = difference(one, other, sizes[_CLOSINGS])
+            sizes[_CLOSINGS] = max(sizes[_CLOSINGS], abs(one), abs(other))
             one, other = run.W[k * run.padded + left], run.W[k * run.padded + right]
-            rate[k] = difference(one, other, p.sizes[2 * e + 1])
-            p.sizes[2 * e + 1] = max(p.sizes[2 * e + 1], abs(one), abs(other))
+            rate[k] = difference(one, other, sizes[_RATES])
+            sizes[_RATES] = max(sizes[_RATES], abs(one), abs(other))
             if flows(run, e):
                 _memory(run, p, e, k)
-        run.link_forces[e] = 0.0
-        if not is_closed(run, e):
-            continue
-        b = branch_of(run, e)
         if p.resting[e] != 0:
             force_register(run, p, e)[k] = 0.0
             continue
+        b = branch_of(run, e)
         first, last = t.branch(run, b, t.FIRST_STEP), t.branch(run, b, t.LAST_STEP)
         if e == int(p.numbers[CHOSEN]):
             first, last = t.branch(run, b, t.FIRST_REGULAR), t.branch(run, b, t.LAST_REGULAR)
@@ -326,6 +377,8 @@ def _accelerations(run, terms, p, k, has_terms):
             total = fused(load(slots, at(b, c.INVERSE_MASS)), link_forces_on(run, b), total)
         store(p.A, row + b, total)
         u_left, w_left = u, w
+    if p.numbers[FLOWING] > 0.0 and k > 0:
+        push_slots(run, p, k)
     if has_terms:
         hand_on(run, terms, p.A, row)
 
@@ -351,34 +404,72 @@ def _integrate(run, p, k):
         register(p, chosen, ROOT)[k + 1] = speed * register(p, chosen, RATE)[k] * share
 
 
-@njit(**CALLED)
-def expand(run, terms, p, order, has_terms):
-    """All series up to `order`, forces and accelerations to the one before; returns whether they are finite."""
-    no_inline()
-    p.T[0] = 0.0
-    for k in range(order):
-        _time(p, k)
-        _links(run, p, k)
-        _accelerations(run, terms, p, k, has_terms)
-        _integrate(run, p, k)
-    for e in range(run.link_start, run.link_stop):
-        if flows(run, e):
-            _memory(run, p, e, order)
-    total = p.T[order]
-    for i in range(run.slot_start, run.slot_stop):
-        total += run.W[order * run.padded + i] + p.U[order * run.padded + i]
-    return np.isfinite(total)
+@njit(**PART)
+def _exceeds(run, p, k, tolerance, total):
+    """Whether order k of an acceleration or a force, or order k + 1 of the time, which is `total` by now [s], is more
+    than may be left out."""
+    exceeding = 0
+    for b in range(run.slot_start, run.slot_stop, 8):
+        exceeding |= greater(magnitude(load(p.A, k * run.padded + b)), load(run.slots, at(b, c.TERM_TOLERANCE)))
+    # The terms of a memory that flows say nothing until `part_followed` has looked at them.
+    exceeds = exceeding != 0 or p.numbers[FLOWING] > 0.0 or abs(p.T[k + 1]) > tolerance * abs(total)
+    for n in range(1, p.closed[0] + 1):
+        e = p.closed[n]
+        exceeds = exceeds or abs(force_register(run, p, e)[k]) > p.sizes[_SIZES * e + _ALLOWED]
+    return exceeds
 
 
 @njit(**PART)
-def _term_over_allowed(run, p, k):
-    """The largest order k of an acceleration or a force over what may be left out of it [-]."""
-    largest = 0.0
-    for i in range(run.slot_start, run.slot_stop):
-        largest = max(largest, abs(p.A[k * run.padded + i]) / run.slots[of(i, c.TERM_TOLERANCE)])
-    for e in range(run.link_start, run.link_stop):
-        if is_closed(run, e):
-            largest = max(largest, abs(force_register(run, p, e)[k]) / _allowed_force(run, e))
+def _judged(p):
+    """Orders at the end of a series by which it is judged."""
+    return JUDGED_IN_ROOT if p.numbers[CHOSEN] >= 0.0 or p.numbers[FLOWING] > 0.0 else JUDGED
+
+
+@njit(**CALLED)
+def expand(run, terms, p, tolerance, most, has_terms):
+    """All series up to the order at which the last ones are below what may be left out, or up to `most`, forces and
+    accelerations to the one before.
+
+    Returns (order, whether that held, whether they are finite)."""
+    no_inline()
+    p.T[0] = 0.0
+    total = 0.0
+    small, k = no_orders()
+    judged = _judged(p)
+    while k < most and (small < judged or k < LEAST_ORDER):
+        _time(p, k)
+        _links(run, p, k)
+        if p.numbers[FLOWING] > 0.0:
+            expand_storeys(run, p, k)
+        _accelerations(run, terms, p, k, has_terms)
+        _integrate(run, p, k)
+        total += p.T[k + 1]
+        small = 0 if _exceeds(run, p, k, tolerance, total) else small + 1
+        k += 1
+    for n in range(1, p.closed[0] + 1):
+        if flows(run, p.closed[n]):
+            _memory(run, p, p.closed[n], k)
+    if p.numbers[FLOWING] > 0.0:
+        end_series(run, p, k)
+    last = splat(p.T[k])
+    for b in range(run.slot_start, run.slot_stop, 8):
+        last = last + magnitude(load(run.W, k * run.padded + b)) + magnitude(load(p.U, k * run.padded + b))
+    return k, small >= judged, greater(splat(LARGEST), last) == 255
+
+
+@njit(**PART)
+def _term_over_allowed(run, p, k, tolerance):
+    """The largest order k of an acceleration, a force or a memory over what may be left out of it [-]."""
+    sizes = splat(0.0)
+    for b in range(run.slot_start, run.slot_stop, 8):
+        sizes = maximum(sizes, magnitude(load(p.A, k * run.padded + b)) / load(run.slots, at(b, c.TERM_TOLERANCE)))
+    store(run.scratch, 0, sizes)
+    largest = largest_memory_term(run, p, k) / tolerance if p.numbers[FLOWING] > 0.0 else 0.0
+    for lane in range(8):
+        largest = max(largest, run.scratch[lane])
+    for n in range(1, p.closed[0] + 1):
+        e = p.closed[n]
+        largest = max(largest, abs(force_register(run, p, e)[k]) / p.sizes[_SIZES * e + _ALLOWED])
     return largest
 
 
@@ -387,41 +478,53 @@ def part_allowed(run, p, order, tolerance):
     """The part of the step over which the last orders stay below what may be left out [-], at most 1."""
     no_inline()
     worst = 0.0
-    for k in range(max(order - JUDGED, 2), order):
-        term = _term_over_allowed(run, p, k)
+    judged = _judged(p)
+    for k in range(order - judged, order):
+        term = _term_over_allowed(run, p, k, tolerance)
         worst = max(worst, term ** (1.0 / k)) if term > 0.0 else worst
     ratio = MARGIN / worst if worst > MARGIN else 1.0
-    for _ in range(3):  # the time, whose error shifts all, by itself
+    for _ in range(3 if p.numbers[CHOSEN] >= 0.0 else 0):  # the time, whose error shifts all, by itself
         allowed = tolerance * abs(value(p.T, order, ratio))
         worst = 1.0
-        for k in range(max(order - JUDGED, 2), order + 1):
+        for k in range(order - judged + 1, order + 1):
             term = abs(p.T[k]) * ratio**k
             worst = max(worst, (term / allowed) ** (1.0 / k)) if term > allowed > 0.0 else worst
         ratio /= worst
-    return ratio
+    return part_followed(run, p, tolerance, ratio) if p.numbers[FLOWING] > 0.0 else ratio
 
 
 @njit(**PART)
-def _rescale_rows(rows, width, order, ratio):
-    power = 1.0
-    for k in range(order + 1):
-        for i in range(k * width, (k + 1) * width):
-            rows[i] *= power
-        power *= ratio
+def _rescale_series(run, series, order):
+    """Orders of one series by the powers in `scratch`."""
+    for k in range(0, order + 1, 8):
+        store(series, k, load(series, k) * load(run.scratch, k))
 
 
 @njit(**CALLED)
 def rescale(run, p, order, ratio):
-    """All series for a step `ratio` times as long."""
+    """All series that are asked for afterwards for a step `ratio` times as long."""
     no_inline()
     p.numbers[SCALE] *= ratio
-    _rescale_rows(p.T, 1, order, ratio)
-    _rescale_rows(p.B, 1, order - 1, ratio)
-    _rescale_rows(run.W, run.padded, order, ratio)
-    _rescale_rows(p.U, run.padded, order, ratio)
-    _rescale_rows(p.A, run.padded, order - 1, ratio)
-    for e in range(run.link_start, run.link_stop):
-        for place in range(0, p.each, p.rows):
-            _rescale_rows(further(p.registers, e * p.each + place), 1, order, ratio)
-    for k in range(order):  # B is by s as well
-        p.B[k] *= ratio
+    power = 1.0
+    for k in range(p.rows):
+        run.scratch[k] = power
+        power *= ratio
+    for k in range(order + 1):
+        power = run.scratch[k]
+        p.B[k] *= ratio  # it is by s as well
+        for i in range(k * run.padded + run.slot_start, k * run.padded + run.slot_stop, 8):
+            store(run.W, i, load(run.W, i) * power)
+            store(p.U, i, load(p.U, i) * power)
+            store(p.A, i, load(p.A, i) * power)
+    _rescale_series(run, p.T, order)
+    _rescale_series(run, p.B, order)
+    for n in range(1, p.closed[0] + 1):
+        e = p.closed[n]
+        for which in (CLOSING, RATE, MEMORY, ROOT):
+            _rescale_series(run, register(p, e, which), order)
+        _rescale_series(run, force_register(run, p, e), order)
+    if p.numbers[FLOWING] > 0.0:
+        for i in range(run.slot_start, run.slot_stop):
+            if flows_on(run, i):
+                for place in range(0, p.each, p.rows):
+                    _rescale_series(run, further(p.storeys, i * p.each + place), order)

@@ -42,27 +42,26 @@ def program_step(run, terms, programs, settings):
     """(outcome, or -1, or PLAIN_STEP; whether a storey event ends the step, whether a link's does, whether it ends the
     segment)."""
     no_inline()
-    if not on_program(run):
+    inelastic = settings.inelastic > 0
+    if not on_program(run, inelastic):
         return PLAIN_STEP, False, False, False
     p = programs
     has_terms = settings.has_terms > 0
-    inelastic = settings.inelastic > 0
     tolerance = settings.tolerance
-    order = settings.max_order
-    run.tally[ORDER] = order
     set_allowed(run, tolerance)
     start(run, p)
+    order, close, finite = expand(run, terms, p, tolerance, settings.max_order, has_terms)
     for _ in range(MOST_TRIES):
-        finite = expand(run, terms, p, order, has_terms)
         if finite:
             break
-        p.numbers[SCALE] *= SHORTER
-        start_again = p.numbers[SCALE]
+        shorter = p.numbers[SCALE] * SHORTER
         start(run, p)
-        p.numbers[SCALE] = start_again
+        p.numbers[SCALE] = shorter
+        order, close, finite = expand(run, terms, p, tolerance, settings.max_order, has_terms)
     if not finite:
         return NOT_FINITE, False, False, False
-    ratio = part_allowed(run, p, order, tolerance)
+    run.tally[ORDER] = order
+    ratio = 1.0 if close else part_allowed(run, p, order, tolerance)
     if not ratio > SHORTEST:
         return STEP_BOUND, False, False, False
     if ratio < 1.0:

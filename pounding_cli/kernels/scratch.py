@@ -47,16 +47,16 @@ FRAMES = 64
 
 
 def memory_needed(
-    padded: int, links: int, links_per_side: int, buildings: int, registers: int, springs: int
+    padded: int, links: int, links_per_side: int, buildings: int, registers: int, springs: int, flowing: bool
 ) -> tuple[int, int]:
     """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally. `registers`: of
-    a force written as operations; 0 where there is none."""
+    a force, or a flow, written as operations; 0 where there is none. `flowing`: storeys have a memory that flows."""
     doubles, integers = record_sizes(padded, links, ROWS)
     rows = ROWS + 1 + 5
     small = 2 * ROWS + CLOCK_SIZE + RULE_SIZE + 64
     saved, link_integers = record_sizes(padded, links, 0)
     tables = 2 * max(links_per_side, 1) * padded + NOTE_COUNT * buildings + 5 * FRAMES
-    written, resting = room_for_programs(padded, links, registers, ROWS) if registers else (0, 0)
+    written, resting = room_for_programs(padded, links, registers, ROWS, flowing) if registers else (0, 0)
     return (
         doubles + rows * padded + links + small + saved + 2 * padded + written + room_for_terms.py_func(springs, ROWS),
         TALLY_SIZE + integers + link_integers + tables + resting,

@@ -87,13 +87,14 @@ def energy_held(laws, b, drift, memory, count, place, stride):
 @njit(**CALLED)
 def guard_at_rest(laws, b, left, quantity, rests):
     """The guard of branch b at which a storey stands exactly, and at rest, that has just come from branch `left`; 0 if
-    there is none. After it has turned back that is where it would take `left` up again; where it does so at the same
-    instant, because it `rests`, it is the turn."""
+    there is none. After it has turned back that is where it would take `left` up again, or would turn back to it; where
+    it does so at the same instant, because it `rests`, it is the turn."""
     no_inline()
     wanted = t.CLOSING if quantity == t.RATE else t.RATE
     if quantity == t.RATE or (rests and quantity == t.CLOSING):
         for g in range(int(t.branch(laws, b, t.FIRST_GUARD)), int(t.branch(laws, b, t.LAST_GUARD))):
-            if t.guard(laws, g, t.QUANTITY) == wanted and int(t.guard(laws, g, t.NEXT)) == left:
+            asked = t.guard(laws, g, t.QUANTITY)
+            if (asked == wanted or asked == t.RATE) and int(t.guard(laws, g, t.NEXT)) == left:
                 return g  # fault: storey-turns-at-rest
     return 0
 

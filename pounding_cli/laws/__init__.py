@@ -11,6 +11,7 @@ from pathlib import Path
 
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.bilinear_contact import BilinearContact
+from pounding_cli.laws.bouc_wen import BoucWen
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.damper import Damper
 from pounding_cli.laws.foundation import Rocking, Sway
@@ -42,6 +43,7 @@ BUILT_IN: tuple[type[Law], ...] = (
     PeakOriented,
     PeakOrientedImk,
     PinchingImk,
+    BoucWen,
     Sway,
     Rocking,
 )

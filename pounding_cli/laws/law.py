@@ -36,6 +36,7 @@ class Quantity(IntEnum):
     FORCE = 2
     RATE = 3
     ACCELERATION = 4
+    FLOWING = 5
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,8 @@ class Guard:
     Parameters
     ----------
     quantity : the closing v of a link or the drift of a storey, its rate, the acceleration v'' between the floors of a
-        link, or the force F
-    at : value that it passes [m, m/s]; an acceleration and a force pass zero
+        link, the force F, or what a storey remembers that flows
+    at : value that it passes [m, m/s, or that of the memory]; an acceleration and a force pass zero
     side : 1 where it falls below that value, -1 where it rises above
     to : name of the branch that follows
     impact : counted as a blow
@@ -251,6 +252,8 @@ class Law:
             if declared is None or isinstance(value, str | bool):
                 continue
             wrong = "" if value == math.inf and self.may_be_endless(each.name) else declared.refusal(value)
+            if each.type in ("int", int) and value != int(value):
+                wrong = "it must be a whole number"
             if wrong:
                 unit = "" if declared.unit == "-" else f" {declared.unit}"
                 raise ValueError(f"{self.acts_on}: {each.name} is {value:g}{unit}; {wrong}")

@@ -279,18 +279,21 @@ def _in_root(part: Expression, root: int) -> Expression:
     whole = round(exponent * root)
     if whole < 1 or abs(exponent * root - whole) > 1e-9:
         raise ValueError(f"v^{exponent:g} is no whole power of v^(1/{root})")
-    power = _whole_power(_Q, whole, {})
+    power = whole_power(_Q, whole)
     return power if a == 1.0 else a * power
 
 
-def _whole_power(of: Expression, exponent: int, made: dict[int, Expression]) -> Expression:
-    """By squares, which are shared."""
-    if exponent == 1:
-        return of
-    if exponent not in made:
-        half = exponent // 2
-        made[exponent] = _whole_power(of, half, made) * _whole_power(of, exponent - half, made)
-    return made[exponent]
+def whole_power(of: Expression, exponent: int) -> Expression:
+    """A power from 1 on as products, so that it has a series at zero too."""
+    made = {1: of}
+
+    def power(n: int) -> Expression:
+        """By squares, which are shared."""
+        if n not in made:
+            made[n] = power(n // 2) * power(n - n // 2)
+        return made[n]
+
+    return power(exponent)
 
 
 def carried_out(steps: np.ndarray, closing: np.ndarray, rate: np.ndarray, memory: np.ndarray) -> np.ndarray:

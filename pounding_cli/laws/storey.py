@@ -4,7 +4,8 @@ A storey acts on its drift D. On one branch its shear is
     F = stiffness D + offset,
 each coefficient a number plus a multiple of one of `program.MEMORIES` memories. A branch ends at a `Guard`: where the
 drift passes a value, its rate changes sign, or the shear does. What is remembered of an event may be any expression of
-the drift, the rate and the memories, so that a reloading line can aim at the largest drift so far."""
+the drift, the rate and the memories, so that a reloading line can aim at the largest drift so far. On a branch with a
+`flow` the first memory changes all the time, so that the shear need not be straight in the drift."""
 
 from __future__ import annotations
 
@@ -29,6 +30,9 @@ class StoreyBranch:
     lost : part of the shear whose work is lost [N], a number; None for what an unloading with the initial stiffness
         would not give back
     stored : energy that the storey holds [J], of drift and memories; None likewise: F^2 / (2 k)
+    flow : rate at which the first memory changes while the branch holds [1/s], of drift, rate and memories; None where
+        events alone change it. A memory that flows has no unit and is of order one; the stiffness does not hold it, nor
+        does a guard of the drift. What is lost then is the work done less what is `stored` more
     """
 
     name: str
@@ -37,6 +41,7 @@ class StoreyBranch:
     guards: tuple[Guard, ...] = ()
     lost: float | None = None
     stored: Expression | None = None
+    flow: Expression | None = None
 
     @property
     def shear(self) -> Expression:
@@ -85,6 +90,11 @@ class StoreyLaw(Law):
     def can_yield(self) -> bool:
         """Whether it may leave its first branch."""
         return math.isfinite(self.yield_shear)
+
+    @cached_property
+    def flows(self) -> bool:
+        """Whether a memory changes between events too, which only program steps (`kernels.program_step`) follow."""
+        return any(branch.flow is not None for branch in self._branches)
 
     @property
     def softest(self) -> float:
@@ -138,6 +148,16 @@ def turns_down(to: str, *sets: tuple[int, Expression]) -> Guard:
 def turns_up(to: str, *sets: tuple[int, Expression]) -> Guard:
     """The drift turns back from falling."""
     return Guard(Quantity.RATE, 0.0, -1.0, to, sets=sets)
+
+
+def flowing_rises_above(at: float, to: str, *sets: tuple[int, Expression]) -> Guard:
+    """The memory that flows rises above `at`."""
+    return Guard(Quantity.FLOWING, at, -1.0, to, sets=sets)
+
+
+def flowing_falls_below(at: float, to: str, *sets: tuple[int, Expression]) -> Guard:
+    """The memory that flows falls below `at`."""
+    return Guard(Quantity.FLOWING, at, 1.0, to, sets=sets)
 
 
 def shear_falls_below_zero(to: str, *sets: tuple[int, Expression]) -> Guard:

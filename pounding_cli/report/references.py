@@ -137,6 +137,17 @@ REFERENCES = {
             (("booktitle", "Proceedings of the Second Japan National Conference on Earthquake Engineering"),
              ("pages", "227--232"), ("address", "Tokyo")),
         ),
+        Reference(
+            "bouc1967", "inproceedings", "Bouc, R.", 1967,
+            "Forced vibration of mechanical systems with hysteresis",
+            (("booktitle", "Proceedings of the Fourth Conference on Nonlinear Oscillation"), ("pages", "315"),
+             ("address", "Prague")),
+        ),
+        _article(
+            "wen1976", "Wen, Y.-K.", 1976,
+            "Method for random vibration of hysteretic systems",
+            "Journal of the Engineering Mechanics Division, ASCE", "102(2)", "249--263", "10.1061/JMCEA3.0002106",
+        ),
         _article(
             "ibarra2005", "Ibarra, L. F., Medina, R. A. & Krawinkler, H.", 2005,
             "Hysteretic models that incorporate strength and stiffness deterioration", _EESD, "34(12)", "1489--1511",

@@ -6,7 +6,6 @@ import dataclasses
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from pounding_cli.laws.program import MEMORIES
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
-from pounding_cli.model.links import Link
+from pounding_cli.model.links import Link, LinkEnd
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import law_tables
 from pounding_cli.solve.blank import LANES, Blank, aligned
@@ -58,21 +57,13 @@ class Arrays:
     laws: tuple[StoreyLaw | None, ...]  # by slot: what yields; None where nothing does
     columns: tuple[Columns, ...]  # whose shear is asked for
     memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
+    yields: bool  # whether some storey can
+    leans: bool  # whether some storey carries P-Delta of its own
 
     @property
     def padded(self) -> int:
         """Number of slots, padding included."""
         return self.slots.size
-
-    @cached_property
-    def yields(self) -> bool:
-        """Whether some storey can yield."""
-        return bool(self.slots.branch.any())
-
-    @cached_property
-    def leans(self) -> bool:
-        """Whether some storey carries P-Delta of its own."""
-        return bool(self.slots.geometric.any())
 
 
 def rows(names: Iterable[str], count: int) -> dict[str, np.ndarray]:
@@ -90,25 +81,36 @@ def pack(scene: Scene) -> Arrays:
 
 @functools.lru_cache(maxsize=512)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
-    columns = struck_columns(links)
-    alone, places, storeys = _without_links(buildings, analysis, struck_between_floors(links), columns)
-    packed, links_at_rest = law_tables.pack_links(links, *_ends(alone, places, links))
+    given = buildings, analysis, struck_between_floors(links), struck_columns(links)
+    alone, _, storeys = _without_links(*given)
+    flowing = analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings])
+    flow = law_tables.flow_of(alone.laws) if flowing else 0
+    ends = _ends(*given, tuple([link.ends for link in links]))
+    packed, links_at_rest = law_tables.pack_links(links, *ends, flow)
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)
     return dataclasses.replace(alone, slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest)
 
 
-def _ends(alone: Arrays, places: Places, links: tuple[Link, ...]) -> tuple[list[tuple[int, int]], list[Masses]]:
-    """Slots that links join, and the masses that their forces move [kg]."""
-    slots: list[tuple[int, int]] = []
+@functools.lru_cache(maxsize=64)  # the same for every gap and stiffness of a sweep
+def _ends(
+    buildings: tuple[Building, ...],
+    analysis: Analysis,
+    struck: tuple[Struck, ...],
+    columns: tuple[Columns, ...],
+    links: tuple[tuple[LinkEnd, LinkEnd], ...],
+) -> tuple[tuple[tuple[int, int], ...], tuple[Masses, ...]]:
+    """Slots that links with these ends join, and the masses that their forces move [kg]."""
+    alone, places, _ = _without_links(buildings, analysis, struck, columns)
     mass = alone.slots.mass.copy()
     number = alone.points.number
     mass[alone.points.slot[:number]] = alone.points.mass[:number]
-    for link in links:
-        one, other = (places.struck[end] if end[2] != 1.0 else places.floor(*end[:2]) for end in link.ends)
+    slots = []
+    for ends in links:
+        one, other = (places.struck[end] if end[2] != 1.0 else places.floor(*end[:2]) for end in ends)
         slots.append((one, other))
-    return slots, [(float(mass[one]), float(mass[other])) for one, other in slots]
+    return tuple(slots), tuple((float(mass[one]), float(mass[other])) for one, other in slots)
 
 
 @functools.lru_cache(maxsize=64)
@@ -133,7 +135,7 @@ def _without_links(
     arrays = Arrays(
         slots, points, springs_of(buildings, places), *law_tables.pack_links((), [], []),
         tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), tuple(laws),
-        columns, memory.ravel(),
+        columns, memory.ravel(), any(law is not None for law in laws), bool(slots.geometric.any()),
     )  # fmt: skip
     return arrays, places, law_tables.storey_rows(laws)
 

@@ -37,7 +37,7 @@ class Propagator:
 
     unknowns : N, so that z has 2 N + 2 entries
     parts, length : equal parts of a sample, and how long each is [s]
-    step, rows, bends, jumps, powers : as `kernels.exponential.build` takes them
+    step, rows, bends, powers : as `kernels.exponential.build` takes them
     forms : symmetric W, so that z' W z at a sample's start is an energy over the sample [J]: the ground's input, what
         structure and foundations dissipate, and, where there are links, the work done on them; padded
     impulses : integrals over a sample of the link forces from z at its start, shape (links, 2 N + 2)
@@ -49,7 +49,6 @@ class Propagator:
     step: np.ndarray
     rows: np.ndarray
     bends: np.ndarray
-    jumps: np.ndarray
     powers: np.ndarray
     forms: np.ndarray
     impulses: np.ndarray
@@ -110,7 +109,6 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
         _padded(step[: 2 * count].T),
         _padded(rows.T),
         _padded(bends.T),
-        _padded(bends[None, :, -1])[0],
         np.array(powers).transpose(1, 0, 2).copy(),
         _padded(np.vstack(forms)).reshape(len(forms), total, -1),
         forces @ mean_over_sample(a * length, step, parts) * length,
@@ -238,7 +236,7 @@ def integrate(scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: floa
     ends[0] = np.concatenate((state.u[here], state.v[here]))
     samples = np.empty((len(peaks.samples), count * peaks.watched))
     kernels.build()(
-        found.step, found.rows, found.bends, found.jumps, found.powers, found.forms, starts, slopes, found.length,
+        found.step, found.rows, found.bends, found.powers, found.forms, starts, slopes, found.length,
         found.parts, ends,
         aligned(kernels.memory_needed(found.step.shape[1], wide)), extremes, sums, visited, count, samples,
     )  # fmt: skip

@@ -50,8 +50,16 @@ class Tables:
 def memories_of(laws: Sequence[StoreyLaw | None]) -> int:
     """How many memories these laws use."""
     given = [law for law in laws if law is not None]
-    kept_by = {number for law in {*given} for branch in law.branches() for g in branch.guards for number, _ in g.sets}
-    return max((*(number + 1 for number in kept_by), *(len(law.memories_at_rest) for law in given)), default=0)
+    branches = [branch for law in {*given} for branch in law.branches()]
+    kept_by = {number + 1 for branch in branches for guard in branch.guards for number, _ in guard.sets}
+    flows = (1 for branch in branches if branch.flow is not None)
+    return max((*kept_by, *flows, *(len(law.memories_at_rest) for law in given)), default=0)
+
+
+def flow_of(laws: Sequence[StoreyLaw | None]) -> int:
+    """The most registers that the rate of a memory takes, given ones included; 0 where none flows."""
+    flows = {branch.flow for law in {*laws} if law is not None for branch in law.branches()}
+    return max((GIVEN + len(operations(flow)) for flow in flows if flow is not None), default=0)
 
 
 def storey_rows(laws: Sequence[StoreyLaw | None]) -> tuple[Rows | None, np.ndarray]:
@@ -83,12 +91,12 @@ def with_storeys(links: Links, storeys: Rows | None, first: np.ndarray) -> tuple
 
 
 def pack_links(
-    given: Sequence[Link], slots: Sequence[tuple[int, int]], masses: Sequence[tuple[float, float]]
+    given: Sequence[Link], slots: Sequence[tuple[int, int]], masses: Sequence[tuple[float, float]], flow: int = 0
 ) -> tuple[Links, AtRest]:
     """The links of a scene, between which slots they stand and the masses there [kg], and their state before the
-    motion. Links of one law between the same masses share their rows."""
+    motion. Links of one law between the same masses share their rows. `flow`: registers of the storeys (`flow_of`)."""
     laws = tuple((link.law, *between) for link, between in zip(given, masses, strict=True))
-    return _packed(laws, tuple(slots))
+    return _packed(laws, tuple(slots), flow)
 
 
 Between = tuple[LinkLaw, float, float]
@@ -99,13 +107,13 @@ AtRest = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @functools.lru_cache(maxsize=512)
-def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> tuple[Links, AtRest]:
+def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...], flow: int) -> tuple[Links, AtRest]:
     """Links of these laws between these slots."""
     padded = -(-len(laws) // LANES) * LANES
     left, right, first, last = np.zeros((4, padded), np.int64)
     offset = np.zeros(padded)
     tables = Tables()
-    written = any(law.general for law, *_ in laws)
+    written = flow > 0 or any(law.general for law, *_ in laws)
     for e, key in enumerate(laws):
         left[e], right[e] = ends[e]
         first[e], last[e] = tables.add(key, functools.partial(_link_rows, *key, written))
@@ -115,7 +123,7 @@ def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...]) -> tup
         np.max(branches[:, [t.LAST_STEP, t.LAST_REGULAR]] - branches[:, [t.FIRST_STEP, t.FIRST_REGULAR]])
     )
     flat = branches.ravel(), guards.ravel(), steps.ravel()
-    links = Links(len(laws), padded, registers, left, right, offset, first, last, *flat)
+    links = Links(len(laws), padded, max(registers, flow), left, right, offset, first, last, *flat)
     return links, _at_rest(links)
 
 
@@ -129,6 +137,11 @@ def _storey_rows(law: StoreyLaw) -> Rows:
         row[t.FIRST_STORED] = len(made)
         made += operations(branch.stored) if branch.stored is not None else ()
         row[t.LAST_STORED] = len(made)
+        if branch.flow is not None:
+            flow = operations(branch.flow)
+            row[t.FIRST_STEP], row[t.FLOW] = len(made), GIVEN + len(flow) - 1
+            made += flow
+            row[t.LAST_STEP] = len(made)
     return rows, guards, np.array(made, float).reshape(-1, t.OPERATION_ROW)
 
 
@@ -181,6 +194,7 @@ def _storey_row(branch: StoreyBranch, stiffness: float) -> np.ndarray:
     row[t.LINEAR : t.LINEAR + 3] = straight(branch.stiffness)
     row[t.OFFSET : t.OFFSET + 3] = straight(branch.offset)
     row[t.CLOSED] = row[t.ACTS] = 1.0
+    row[t.GENERAL] = branch.flow is not None
     row[t.LOW], row[t.HIGH] = -np.inf, np.inf
     unsettled = False  # whether guards have to be asked wherever the drift is
     for guard in branch.guards:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.methods import Method
-from pounding_cli.model.effects import effects_of
+from pounding_cli.model.effects import effects_of, memories_flow
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 
@@ -83,6 +83,9 @@ def refusal_of(method: Method, scene: Scene) -> str:
         laws = sorted({link.kind for link in scene.links if link.law.remembers})
         if laws:
             return f"the force of {' and '.join(laws)} depends on events before, which it does not keep"
+        if memories_flow(scene):
+            named = sorted({b.storey_law.name for b in scene.buildings if b.memory_flows})
+            return f"the shear of {' and '.join(named)} storeys depends on all that went before, which it does not keep"
     return integrator_of(method).refusal(scene)
 
 

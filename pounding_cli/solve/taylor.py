@@ -12,7 +12,7 @@ import numpy as np
 from pounding_cli.kernels.history import History
 from pounding_cli.kernels.layout import Points, Row, Springs
 from pounding_cli.kernels.ledger import MAX_POINTS
-from pounding_cli.model.effects import effects_of
+from pounding_cli.model.effects import effects_of, memories_flow
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
@@ -152,7 +152,8 @@ def _padded(count):
 
 def takes_programs(scene: Scene) -> bool:
     """Whether the scene needs the larger of the two kernels (`kernels.taylor.build`)."""
-    return any([link.law.general or link.columns > 0.0 for link in scene.links])
+    linked = any([link.law.general or link.columns > 0.0 for link in scene.links])
+    return linked or memories_flow(scene)
 
 
 def prepare(
@@ -165,10 +166,12 @@ def prepare(
 
     tolerance = local_tolerance(accuracy)
     row, points, springs = places_of(scene, arrays)
-    registers = arrays.links.registers if any(link.law.general for link in scene.links) else 0
+    flowing = memories_flow(scene)
+    registers = arrays.links.registers if flowing or any(link.law.general for link in scene.links) else 0
     doubles, whole = scratch.memory_needed(
-        row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size
-    )
+        row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size,
+        flowing,
+    )  # fmt: skip
     kernel, rules = taylor.build(takes_programs(scene)), gauss_rules(MAX_POINTS)
     inelastic = all_effects or effects_of(scene).yielding
     watched = effects_of(scene).collapse

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Literal, get_type_hints
 
-from pydantic import AfterValidator, GetJsonSchemaHandler
+from pydantic import AfterValidator, Field, GetJsonSchemaHandler
 
 from pounding_cli.laws import contact_laws, link_laws, storey_laws
 from pounding_cli.laws.law import Law, Parameter
 from pounding_cli.study.base import optional
 from pounding_cli.study.rules import STIFFNESS_FORM, StiffnessRule
-from pounding_cli.study.units import Quantity, TextForm, refuse
+from pounding_cli.study.units import Quantity, TextForm, refuse, whole_number
 
 FROM_CASE = ("gap", "stiffness", "damping_ratio", "restitution", "tension_cut")
 """Parameters that a case gives, or `impact` where it does not, to the laws that have them."""
@@ -98,6 +98,9 @@ def words_of(law: type[Law], name: str) -> type[StrEnum] | None:
 def _kind(laws: Mapping[str, type[Law]], law: type[Law], name: str, given: Any, declared: Parameter) -> Any:
     if given is bool:
         return bool
+    if given is int:
+        least, most = int(declared.low), int(declared.high)
+        return Annotated[int, Field(ge=least, le=most), whole_number(least, most)]
     if words_of(law, name) is not None:
         known = dict.fromkeys(words_of(one, name) for one in laws.values() if name in own_parameters(one))
         choice: Any = Literal[tuple(dict.fromkeys(str(word) for some in known for word in some or ()))]
@@ -109,7 +112,9 @@ def _kind(laws: Mapping[str, type[Law]], law: type[Law], name: str, given: Any, 
     unit = "" if declared.unit == "-" else declared.unit
     words = name.replace("_", " ")
     low, high, ends = declared.low, declared.high, (declared.open_low, declared.open_high)
-    return Annotated[float, Quantity(words, unit, f"1 {unit}".strip(), low, high, *ends)]
+    default = law.parameters()[name].default
+    example = default if declared.refusal(1.0) and isinstance(default, float) else 1.0
+    return Annotated[float, Quantity(words, unit, f"{example:g} {unit}".strip(), low, high, *ends)]
 
 
 def quantity_of(law: type[Law], name: str, example: str, absent: bool = False) -> Quantity:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from typing import overload
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.load import Study, validated
+from pounding_cli.study.source import Node
 from pounding_cli.study.sweep import SweepAxis
 from pounding_cli.study.varied import Factor
 
@@ -27,16 +29,43 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray) -> St
     InputError : the study is not sound at one of them
     """
     members = [member for factor in factors for member in factor.members]
-    nodes = tuple(
-        tuple(member.node(u) for factor, u in zip(factors, row, strict=True) for member in factor.members)
-        for row in points.tolist()
+    axis = SweepAxis(
+        tuple(member.key for member in members), _Nodes(factors, points), tuple(member.unit for member in members)
     )
-    axis = SweepAxis(tuple(member.key for member in members), nodes, tuple(member.unit for member in members))
     try:
         found = validated(study.path, study.text, study.resolver.root, axis, study.resolver.reader)
     except InputError as error:
         raise _few(error, len(points)) from None
     return dataclasses.replace(found, warnings=study.warnings, from_data=study.from_data, written=study)
+
+
+class _Nodes(Sequence[tuple[Node, ...]]):
+    """What stands in the study at every point, made when it is looked at: held as numbers, which workers share; objects
+    would be copied into each of them."""
+
+    def __init__(self, factors: Sequence[Factor], points: np.ndarray) -> None:
+        self._factors, self._points = factors, points
+        self._last: tuple[int, tuple[Node, ...]] = (-1, ())  # every section of the study asks for its key in turn
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    @overload
+    def __getitem__(self, place: int) -> tuple[Node, ...]: ...
+
+    @overload
+    def __getitem__(self, place: slice) -> list[tuple[Node, ...]]: ...
+
+    def __getitem__(self, place: int | slice) -> tuple[Node, ...] | list[tuple[Node, ...]]:
+        if isinstance(place, slice):
+            return [self[number] for number in range(*place.indices(len(self)))]
+        last, nodes = self._last
+        place = range(len(self))[place]
+        if place != last:
+            row = zip(self._factors, self._points[place].tolist(), strict=True)
+            nodes = tuple(member.node(u) for factor, u in row for member in factor.members)
+            self._last = place, nodes
+        return nodes
 
 
 def _few(error: InputError, points: int) -> InputError:

@@ -18,6 +18,7 @@ from pounding_cli.study.plan import Plan
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.resolve import places
 from pounding_cli.study.sampled import at_points, distinct
+from pounding_cli.study.samples import grid
 from pounding_cli.study.sensitivity_keys import ALL, SensitivitySpec
 from pounding_cli.study.varied import MOTION, Factor, choice_of, read_uncertain
 
@@ -83,16 +84,10 @@ class Question:
             "bounds": [[0.0, 1.0]] * len(self.factors),
         }
 
-    @cached_property
+    @property
     def grid(self) -> np.ndarray:
         """The samples as SALib draws them, shape (samples, factors)."""
-        if self.spec.method == "morris":
-            from SALib.sample import morris
-
-            return morris.sample(self.problem, self.samples, num_levels=self.levels, seed=self.spec.seed)
-        from SALib.sample import sobol
-
-        return sobol.sample(self.problem, self.samples, calc_second_order=False, seed=self.spec.seed)
+        return grid(self.spec.method, len(self.factors), self.samples, self.levels, self.spec.seed)
 
     @cached_property
     def cube(self) -> np.ndarray:

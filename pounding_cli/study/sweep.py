@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pounding_cli.numbers import Unit
@@ -41,7 +42,7 @@ class SweepAxis:
     """
 
     names: tuple[str, ...]
-    nodes: tuple[tuple[Node, ...], ...]
+    nodes: Sequence[tuple[Node, ...]]
     units: tuple[Unit, ...] = ()
 
     @property

@@ -285,7 +285,7 @@ def test_the_program_runs_a_study_with_a_storey_law(outside):
         (", growth: 0.5", "", "'growth' is missing"),
         ("growth: 0.5", "growth: 1.5", "growth is 1.5"),
         ("isotropic, growth", "bilinear, growth", "'growth' means nothing for storey_law: bilinear"),
-        ("storey_law: isotropic, growth: 0.5", "storey_law: isotropy", "'imk-pinching' or 'isotropic'"),
+        ("storey_law: isotropic, growth: 0.5", "storey_law: isotropy", "'bouc-wen' or 'isotropic'"),
     ):
         study.write_text(text.replace(old, new))
         refused = python("-c", POUND, "check", "isotropic.yaml")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING
-from typing import Any
+from typing import Any, get_type_hints
 
 from hypothesis import strategies as st
 
@@ -56,6 +56,8 @@ def values_of(law: type[Law], name: str, declared: Parameter) -> st.SearchStrate
     words = words_of(law, name)
     if words is not None:
         return st.sampled_from([str(word) for word in words])
+    if get_type_hints(law)[name] is int:
+        return st.integers(int(declared.low), int(declared.high))
     if declared.unit != "-":
         return USUAL[declared.unit]
     if declared.high > 1e3:

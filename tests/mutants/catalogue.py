@@ -106,6 +106,42 @@ LINKS = [
         f"{VERIFICATION}/test_connectors.py::test_maxwell_of_two_free_masses",
     ),
     Mutant(
+        "bouc-wen",
+        "a Bouc-Wen storey that yields at twice its strength",
+        ("1.0 - factor", "1.0 - 0.5 * factor"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
+    ),
+    Mutant(
+        "storey-flows",
+        "the memory of a storey moves by the first order of its rate",
+        ("product_term(p.B, rate, k - 1)", "product_term(p.B, rate, 0)"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
+    ),
+    Mutant(
+        "storey-pushes-below",
+        "what flows in a storey pushes both its floors the same way",
+        ("+=", "-="),
+        f"{VERIFICATION}/test_bouc_wen.py::test_many_cycles",
+    ),
+    Mutant(
+        "shear-flows",
+        "the peak of a smooth shear misses half of what flows",
+        ("per_memory * series", "0.5 * per_memory * series"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
+    ),
+    Mutant(
+        "storey-loses",
+        "half of what a smooth storey stores counts as lost",
+        ("(ends - held)", "0.5 * (ends - held)"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
+    ),
+    Mutant(
+        "memory-followed",
+        "a memory is followed as far as the last orders of its series tell",
+        ("max(0.9 * (allowed / defect) ** (1.0 / order), 0.25)", "1.0"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_a_sharp_storey_is_nearly_bilinear",
+    ),
+    Mutant(
         "viscous",
         "the power of a viscous damper is that of the square root of the rate",
         ("0.25 * (a - 1.0)", "0.125 * (a - 1.0)"),
@@ -601,6 +637,12 @@ PRUNING = [
     Mutant("exact-ground-work", "exact steps: the ground's work with the wrong sign", ("-system", "system"), EXACT),
     Mutant(
         "exact-peaks", "exact steps: peaks only at the ends of steps", ("above + deviation", "above - deviation"), EXACT
+    ),
+    Mutant(
+        "exact-leap",
+        "exact steps: before the ground stops they are as bent as after it",
+        (" * leapt", " * 0.0"),
+        f"{VERIFICATION}/test_effects.py::test_exact_steps_find_a_peak_just_before_the_ground_stops",
     ),
     Mutant(
         "exact-monotone",

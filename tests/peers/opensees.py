@@ -1,8 +1,8 @@
 """The same scene in OpenSees (openseespy): zero-length storeys and links, marched at a fixed step.
 
-Storeys: `Elastic` or `Steel01` (bilinear, kinematic). Rayleigh damping by region, alpha M + beta K0. Pounding:
-`ViscoelasticGap`, a Kelvin-Voigt element across a gap that may pull at the end of a contact, as eq. (6) does.
-Connectors: `Elastic` with a dashpot. Peaks are those at the steps: OpenSees looks at nothing between.
+Storeys: `Elastic`, `Steel01` (bilinear, kinematic) or `BoucWen`. Rayleigh damping by region, alpha M + beta K0.
+Pounding: `ViscoelasticGap`, a Kelvin-Voigt element across a gap that may pull at the end of a contact, as eq. (6)
+does. Connectors: `Elastic` with a dashpot. Peaks are those at the steps: OpenSees looks at nothing between.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 import openseespy.opensees as ops
 
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.scene import Scene
 
 IMPLICIT = "Newmark"
@@ -107,11 +108,10 @@ def _buildings(scene: Scene) -> tuple[list[list[int]], list[int]]:
             ops.node(node, 0.0)
             ops.mass(node, float(building.mass[j]))
             tag = len(storeys) + 1
-            k = float(building.stiffness[j])
             if scene.analysis == "inelastic":
-                ops.uniaxialMaterial("Steel01", tag, float(building.yield_shear[j]), k, float(building.hardening[j]))
+                _yielding(tag, building.laws[j])
             else:
-                ops.uniaxialMaterial("Elastic", tag, k)
+                ops.uniaxialMaterial("Elastic", tag, float(building.stiffness[j]))
             ops.element("zeroLength", tag, node - 1, node, "-mat", tag, "-dir", 1, "-doRayleigh", 1)
             floors.append(node)
             elements.append(tag)
@@ -121,6 +121,18 @@ def _buildings(scene: Scene) -> tuple[list[list[int]], list[int]]:
         ops.region(2 * place + 2, "-ele", *elements, "-rayleigh", *factors)
         nodes.append(floors)
     return nodes, storeys
+
+
+def _yielding(tag: int, law: StoreyLaw) -> None:
+    """Storeys; z of `BoucWen` is a drift, Dy times ours."""
+    k, vy, a = law.stiffness, law.yield_shear, law.hardening
+    if law.name == "bouc-wen":
+        n, gamma = law.wen_exponent, law.wen_gamma
+        scale = float(law.yield_drift**-n)
+        shape = a, k, n, gamma * scale, (1 - gamma) * scale, 1.0, 0.0, 0.0, 0.0
+        ops.uniaxialMaterial("BoucWen", tag, *(float(value) for value in shape), 1e-14, 100)
+    else:
+        ops.uniaxialMaterial("Steel01", tag, vy, k, a)
 
 
 def _damper(tag: int, law: LinkLaw) -> None:

@@ -138,6 +138,18 @@ def test_exact_steps_find_peaks_between_spikes(seed):
         assert peaks(exact) == pytest.approx(peaks(series), rel=1e-9)
 
 
+@pytest.mark.parametrize("samples", range(6, 12))
+def test_exact_steps_find_a_peak_just_before_the_ground_stops(samples):
+    """A floor that a spike has set moving is turned back by the last sample, then the ground stands still. Fails if
+    the floor's acceleration at the end of that step is taken with the still ground."""
+    pushed = np.zeros(samples)
+    pushed[1], pushed[-1] = 5.0, -40.0
+    scene = Scene((shear_building(0.6, 1),), (), Motion("spike", 0.01, pushed), ELASTIC, tail=0.02)
+    exact, series = solve(scene, 1e-10), solve(scene, 1e-13, method="taylor")
+    assert exact.method == "exponential"
+    assert peaks(exact) == pytest.approx(peaks(series), rel=1e-9)
+
+
 @pytest.mark.parametrize(("spring", "held"), [(1e6, False), (1e9, True), (1e12, True)])
 def test_rigid_foundation_is_held_fixed(spring, held):
     """Condensed only where that costs less than the accuracy. Fails if the bound leaves out the height of a rocking

@@ -70,8 +70,9 @@ def test_undamped_blow(accuracy, rel):
 def test_the_restitution_asked_comes_out(e, accuracy):
     """Fails if zeta is a formula, or v0 is not the speed at which contact begins. Floors of e = 0.05 part slowly."""
     found, rebound = blow(HertzDamp(GAP, K, e), accuracy, 1.0)
-    assert rebound == pytest.approx(e * V0, rel=1e-10)
-    assert found.links.impulse[0] == pytest.approx((1 + e) * REDUCED * V0, rel=1e-10)
+    rel = max(1e-10, 1e-3 * accuracy)
+    assert rebound == pytest.approx(e * V0, rel=rel)
+    assert found.links.impulse[0] == pytest.approx((1 + e) * REDUCED * V0, rel=rel)
     assert found.links.impacts[0] == 1
 
 

@@ -72,6 +72,7 @@ IMPACT = {"anagnostopoulos1992", *DASHPOT}
             (("soft: {", "soft: {storey_law: imk-peak-oriented, capping_ductility: 4, post_capping_slope: 0.1, "),),
             {*IMPACT, "ubc1991", "ibarra2005"},
         ),
+        ((("soft: {", "soft: {storey_law: bouc-wen, "),), {*IMPACT, "ubc1991", "bouc1967", "wen1976"}),
         ((("5 s}", "5 s, scale: {arias: taft}}"),), {*IMPACT, "ubc1991", "arias1970"}),
         ((("5 s}", "5 s, scale: table1}"),), {*IMPACT, "ubc1991", "arias1970"}),
     ],

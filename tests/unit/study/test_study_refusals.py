@@ -130,6 +130,30 @@ CASES = {
         "is 5",
         "e.g. 5 %",
     ),
+    "exponent of Bouc-Wen that is no whole number": (
+        STIFF,
+        "stiff: {storeys: 3, period: 1 s, storey_law: bouc-wen, wen_exponent: §1.5}",
+        "'1.5' is not a whole number",
+        "write a whole number from 1 to 20",
+    ),
+    "exponent of Bouc-Wen of 0": (
+        STIFF,
+        "stiff: {storeys: 3, period: 1 s, storey_law: bouc-wen, wen_exponent: §0}",
+        "at least 1",
+        "at least 1",
+    ),
+    "gamma of Bouc-Wen of 1": (
+        STIFF,
+        "stiff: {storeys: 3, period: 1 s, storey_law: bouc-wen, wen_gamma: §1}",
+        "it must be at least -1 and at most 0.99",
+        "e.g. 0.5",
+    ),
+    "gamma of Bouc-Wen for another law": (
+        STIFF,
+        "stiff: {storeys: 3, period: 1 s, §wen_gamma: 0.5}",
+        "'wen_gamma' means nothing for storey_law: bilinear",
+        "it belongs to bouc-wen",
+    ),
     "hardening of 1": (STIFF, "stiff: {storeys: 3, period: 1 s, hardening: §1}", "below 1", "0.05"),
     "unknown code": (
         STIFF,

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from pounding_cli.model.scene import Scene
 from reference.assembly import Coordinates, coordinates, reduced_mass
-from reference.pens import pen_of
+from reference.pens import WenPen, pen_of
 
 ACTING = ("on", "beyond", "gaining", "parting", "yielding", "unloading", "returning", "up", "down")
 """Branches of a link whose force acts."""
@@ -88,6 +88,7 @@ class Laws:
         each = [law for b in scene.buildings for law in b.laws]
         self.pens = [None if self.elastic else pen_of(law) for law in each]
         self.pushed: Any = None  # impulse of every link so far [N s]
+        self.smooth = [j for j, pen in enumerate(self.pens) if isinstance(pen, WenPen)]
         self.offset = np.array([e.gap if e.kind in ("pounding", "bilinear", *HERTZ) else 0.0 for e in scene.links])
 
     def begin(self) -> Branches:
@@ -100,7 +101,20 @@ class Laws:
     def shears(self, drift: np.ndarray, b: Branches) -> np.ndarray:
         """Storey shears [N], a k D + (1 - a) k (D - Dp), D - Dp = +-Dy while yielding; (storeys, times)."""
         slope, still = self.storey_lines(b)
-        return slope[:, None] * drift + still[:, None]
+        shears = slope[:, None] * drift + still[:, None]
+        if self.smooth:
+            shears[self.smooth] += self.smooth_shears()
+        return shears
+
+    def tell(self, impulses: np.ndarray, z: np.ndarray) -> None:
+        """What forces depend on besides q and q': impulses of the links so far [N s], z of the smooth storeys."""
+        self.pushed = impulses
+        for j, now in zip(self.smooth, z, strict=True):
+            self.pens[j].z = now
+
+    def smooth_shears(self) -> np.ndarray:
+        """What z adds to the shear of every smooth storey [N]."""
+        return np.array([self.pens[j].top * self.pens[j].z for j in self.smooth])
 
     def storey_lines(self, b: Branches) -> tuple[np.ndarray, np.ndarray]:
         """Slope [N/m] and value at zero drift [N] of every storey's current branch."""

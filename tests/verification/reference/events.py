@@ -53,8 +53,8 @@ class _Run:
         self.n, self.links = self.c.mass.size, len(scene.links)
         self.floors = np.concatenate(self.c.floors)
         q, rate = start(scene, self.c, initial)
-        # q, q', impulse of every link, work of ground, dashpots, storeys, links
-        self.y = np.concatenate((q, rate, np.zeros(self.links + 4)))
+        # q, q', impulse of every link, z of every smooth storey, work of ground, dashpots, storeys, links
+        self.y = np.concatenate((q, rate, np.zeros(self.links + len(self.laws.smooth) + 4)))
         self.b = self.laws.begin()
         self.peak: np.ndarray | None = None
         self.contact_time, self.impacts = np.zeros(self.links), np.zeros(self.links, int)
@@ -66,6 +66,10 @@ class _Run:
     def impulses(self, y: np.ndarray) -> np.ndarray:
         """Of every link so far [N s]."""
         return y[2 * self.n : 2 * self.n + self.links]
+
+    def tell(self, y: np.ndarray) -> None:
+        """Tell the laws what they need of a state beside q and q'."""
+        self.laws.tell(self.impulses(y), y[2 * self.n + self.links : -4])
 
     def freeze(self) -> None:
         """Constant matrices of the current branches."""
@@ -82,17 +86,23 @@ class _Run:
             pair = c.closing[e]
             law = laws.link_law(e, pair @ q - laws.offset[e], pair @ rate, self.b.link[e], self.b.speed)
             force -= np.outer(pair, law) if tall else pair * law
+        if laws.smooth:
+            force -= c.drift[laws.smooth].T @ laws.smooth_shears()
         return force / (c.mass[:, None] if tall else c.mass)
 
     def slope(self, t: float, y: np.ndarray) -> np.ndarray:
         q, rate = self.split(y)
         c, a_g = self.c, self.ground(t)
-        self.laws.pushed = self.impulses(y)
+        self.tell(y)
         out = np.empty_like(y)
         out[: self.n], out[self.n : 2 * self.n] = rate, self.acceleration(q, rate, a_g)
         closing_rate = c.closing @ rate
         forces = self.laws.link_forces(c.closing @ q - self.laws.offset, closing_rate, self.b)
         shears = self.storey_slope * (c.drift @ q) + self.storey_still
+        if smooth := self.laws.smooth:
+            shears[smooth] += self.laws.smooth_shears()
+            drift_rate = c.drift @ rate
+            out[2 * self.n + self.links : -4] = [self.laws.pens[j].slope(drift_rate[j]) for j in smooth]
         out[2 * self.n : 2 * self.n + self.links] = forces
         out[-4:] = (
             -a_g * (c.loaded @ rate),
@@ -106,7 +116,7 @@ class _Run:
         """Everything whose largest value is wanted, (quantities, times)."""
         q, rate = y[: self.n], y[self.n : 2 * self.n]
         c, a_g = self.c, self.ground(t)
-        self.laws.pushed = self.impulses(y)
+        self.tell(y)
         drift, closing = c.drift @ q, c.closing @ q
         force = self.laws.link_forces(closing - self.laws.offset[:, None], c.closing @ rate, self.b)
         total = self.acceleration(q, rate, a_g)[self.floors] + a_g
@@ -172,7 +182,7 @@ class _Run:
 
     def guards(self, t: np.ndarray, y: np.ndarray) -> list[tuple[tuple, np.ndarray]]:
         q, rate = y[: self.n], y[self.n : 2 * self.n]
-        self.laws.pushed = self.impulses(y)
+        self.tell(y)
         return self.laws.guards(q, rate, self.b, lambda: self.acceleration(q, rate, self.ground(t)))
 
     def guard(self, number: int, begin: float, t: float, dense) -> float:
@@ -221,7 +231,7 @@ class _Run:
         if what == "link" and to in ("on", "gaining") and self.b.link[e] == "open":
             self.impacts[e] += 1
         q, rate = self.split(self.y)
-        self.laws.pushed = self.impulses(self.y)
+        self.tell(self.y)
         self.b = self.laws.apply(change, q, rate, self.b, lambda: self.acceleration(q, rate, self.ground(t)))
 
     def result(self) -> Result:

@@ -155,8 +155,38 @@ class ImkPen:
         raise AssertionError
 
 
-def pen_of(law) -> ImkPen | None:
+class WenPen:
+    """Bouc (1967) and Wen (1976): z, from -1 to 1, is integrated beside the motion; a line a k under it.
+
+    z : where it is now, a number or an array over times
+    way, sign : of the drift and of z, held from one change to the next
+    """
+
+    def __init__(self, k: float, vy: float, a: float, n: float, gamma: float) -> None:
+        self.line, self.top, self.yields = (a * k, 0.0), (1 - a) * vy, vy / k
+        self.n, self.beta, self.gamma = n, 1 - gamma, gamma
+        self.way, self.sign, self.z = 1, 1, 0.0
+
+    def slope(self, r):
+        """z' [1/s] at the rate r [m/s] of the drift."""
+        part = np.abs(self.z) ** self.n * (self.beta * self.way * self.sign + self.gamma)
+        return r / self.yields * (1 - part)
+
+    def ends(self, d, r):
+        out = [("turn", -self.way * r)]
+        return [*out, ("sign", -self.sign * self.z)] if self.way != self.sign else out
+
+    def change(self, what: str, d: float) -> None:
+        if what == "turn":
+            self.way = -self.way
+        else:
+            self.sign = -self.sign
+
+
+def pen_of(law) -> ImkPen | WenPen | None:
     """The pen of a storey's law; None of a bilinear one."""
+    if law.name == "bouc-wen" and np.isfinite(law.yield_shear):
+        return WenPen(law.stiffness, law.yield_shear, law.hardening, law.wen_exponent, law.wen_gamma)
     if not law.name.startswith("imk"):
         return None
     capacities = [getattr(law, f"{name}_capacity") for name in ("strength", "capping", "unloading", "reloading")]
