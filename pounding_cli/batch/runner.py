@@ -189,8 +189,9 @@ def _solve_missing(
 
     Returns the engine's name and the time in the solver, all workers together [s].
     """
+    estimate = "alone" if plan.rough and plan.estimate == "all" else plan.estimate
     task = Task(
-        solve or _default_solve(), plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step,
+        solve or _default_solve(), plan.accuracy, plan.method, estimate, plan.all_effects, plan.time_step,
         plan.harder,
     )  # fmt: skip
     spent, saved = 0.0, time.monotonic()

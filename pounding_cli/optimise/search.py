@@ -107,6 +107,11 @@ class Search:
 
     # The caller's side
 
+    @property
+    def is_rough(self) -> bool:
+        """Whether the points asked for last only lead to the valley, whose bottom later ones look at."""
+        return bool(self.continuous and self._asked) and self.stages[self._asked[0]] == SEARCH
+
     def ask(self) -> list[Point] | None:
         """The points whose values are wanted next, none twice; None at the end."""
         try:

@@ -130,7 +130,9 @@ def plan_of(hunt: Hunt) -> Plan:
         asks=lambda _point, name, kind, _record: (name, kind) == (case, analysis),
     )
     ahead = hunt.search.ahead * len(plan.scenes) // len(hunt.points)
-    return dataclasses.replace(plan, workflow="optimise", harder=True, state=hunt, ahead=ahead, first=hunt.first)
+    return dataclasses.replace(
+        plan, workflow="optimise", harder=True, rough=hunt.search.is_rough, state=hunt, ahead=ahead, first=hunt.first
+    )
 
 
 def question_of(study: Study) -> Question:

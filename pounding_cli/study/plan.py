@@ -95,6 +95,8 @@ class Plan:
     kept : rows whose scenes are kept over time, every `every` seconds
     workflow : what is asked of the scenes, a key of WORKFLOWS
     harder : whether a scene that fails is solved once more, more finely
+    rough : whether the scenes of this round only lead to those of later rounds: of `estimate: all` only buildings
+        alone, which later rounds share, are then solved once more
     state : what a workflow in rounds keeps from one to the next
     ahead : scenes that rounds to come ask for at most, about, as far as the workflow knows
     first : the plan of the first round, where it decides what all rounds ask for; None in that round itself, and where
@@ -119,6 +121,7 @@ class Plan:
     time_step: float | None = None
     workflow: str = "run"
     harder: bool = False
+    rough: bool = False
     state: Any = None
     ahead: int = 0
     first: Plan | None = None

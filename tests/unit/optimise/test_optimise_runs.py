@@ -61,6 +61,14 @@ def test_the_points_are_those_that_were_solved(tmp_path):
     assert list(results.axes[KEYS[0]]) == pytest.approx(tried[KEYS[0]].tolist())
 
 
+def test_the_points_that_lead_to_the_valley_are_not_solved_twice(tmp_path):
+    _, results = solved(tmp_path, STUDY.replace("estimate: none", "estimate: all"))
+    stage = results.table("optimise_points")["stage"]
+    assert set(stage) >= {"search", "polish", "slices", "map"}
+    assert results.scene()["error_estimate"].isna().tolist() == (stage == "search").tolist()
+    assert rows_of(results)["error"].notna().all()
+
+
 def test_the_most_is_sought_too(tmp_path):
     text = STUDY.replace("least: residual_drift in A", "most: 3 - residual_drift in A")
     _, results = solved(tmp_path, text)
