@@ -50,7 +50,7 @@ def _in_links(scene: Scene, arrays: Arrays, state: State) -> float:
 def balance(
     scene: Scene, arrays: Arrays, before: dict[str, float], state: State, peaks: Peaks, ledger: Ledger
 ) -> dict[str, float]:
-    """The ledger [J]; `residual` is what is missing over the largest entry [-], or over what elastic storeys held at
+    """The ledger [J]; `residual` is what is missing over the largest entry [-], or over what storeys held at
     their peaks if that is more: a run may have given back what it took in.
 
     input : work of the ground, plus what the scene held at the start
@@ -68,8 +68,14 @@ def balance(
         "links": work_on_links - now["links_stored"] + before["links_stored"],  # fault: links-energy
     }
     came, *went = book.values()
-    missing, scale = came - sum(went), max(map(abs, (came, *went)))
-    if not arrays.yields:
-        scale = max(scale, 0.5 * float(arrays.slots.stiffness @ peaks.drift**2))
+    missing, scale = came - sum(went), max(*map(abs, (came, *went)), _held_at_peaks(arrays, peaks))
     book["residual"] = missing / scale if scale > 0 else 0.0
     return book
+
+
+def _held_at_peaks(arrays: Arrays, peaks: Peaks) -> float:
+    """What storeys held at their largest drifts, or, where they yield, at their largest shears V: V^2 / 2 k [J]."""
+    stiffness = arrays.slots.stiffness
+    if not arrays.yields:
+        return 0.5 * float(stiffness @ peaks.drift**2)
+    return 0.5 * float((peaks.shear[stiffness > 0] ** 2 / stiffness[stiffness > 0]).sum())
