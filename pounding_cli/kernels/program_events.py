@@ -19,7 +19,7 @@ from pounding_cli.kernels.clock import (
     SEGMENT_LENGTH,
     H,
 )
-from pounding_cli.kernels.crossings import MAX_EVENTS_AT_INSTANT
+from pounding_cli.kernels.crossings import MAX_EVENTS_AT_INSTANT, MAX_STOREY_EVENTS_AT_INSTANT
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference
 from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
@@ -92,7 +92,8 @@ def _first_storey(run, p):
     found = False
     for i in range(run.slot_start, run.slot_stop):
         run.slots[of(i, c.EVENT_ROOT)] = NEVER
-        if run.storeys[of_storey(run, i, c.STOREY_BRANCH)] != t.NO_BRANCH:
+        events = run.storeys[of_storey(run, i, c.STOREY_EVENTS)]
+        if run.storeys[of_storey(run, i, c.STOREY_BRANCH)] != t.NO_BRANCH and events < MAX_STOREY_EVENTS_AT_INSTANT:
             s, guard = _storey_end(run, p, i)
             run.slots[of(i, c.EVENT_ROOT)] = s
             run.storeys[of_storey(run, i, c.STOREY_GUARD)] = guard
