@@ -5,7 +5,6 @@ into the page."""
 
 from __future__ import annotations
 
-import inspect
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from pounding_cli.kernels import cells as c
 from pounding_cli.kernels import clock, law_table
 from pounding_cli.kernels.ledger import MAX_POINTS, MIN_POINTS
 from pounding_cli.solve import taylor
-from pounding_cli.solve.arrays import at_rest, empty_ledger, no_peaks, pack
+from pounding_cli.solve.arrays import at_rest, pack
 from pounding_cli.solve.ground import segments
 
 FOLDER = Path(__file__).parent
@@ -72,11 +71,10 @@ class Steps:
 
     def _run(self, n: int):
         arrays = self.arrays
-        state, peaks, ledger = at_rest(arrays), no_peaks(arrays), empty_ledger(arrays)
+        state, peaks, ledger, _ = at_rest(arrays)
         run = taylor.prepare(self.scene, arrays, state, ACCURACY, (n - 1, 10**6))
         _, steps, events, *_ = run(state, peaks, ledger, *segments(self.scene))
-        known = inspect.getclosurevars(run).nonlocals
-        return state, peaks, ledger, known["memory"], known["integers"], steps, events
+        return state, peaks, ledger, *taylor._last.scratch, steps, events
 
     def first_event(self) -> int:
         """Number of the first step that ends at an event."""

@@ -16,9 +16,11 @@ MANY = 20_000
 run imports it once more: a second that few points are not worth."""
 
 _PROGRAM = """\
-import sys, numpy
+import io, sys, numpy
 from SALib.sample import {method}
-numpy.save(sys.stdout.buffer, {method}.sample(**{settings!r}))
+found = io.BytesIO()  # numpy does not write to a buffered pipe
+numpy.save(found, {method}.sample(**{settings!r}))
+sys.stdout.buffer.write(found.getbuffer())
 """
 
 
