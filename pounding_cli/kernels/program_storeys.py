@@ -110,7 +110,7 @@ def start_storeys(run, p):
 def _memory_term(run, p, i, k):
     """Order k, from 1, of the first memory of storey i: B times its rate, integrated by s."""
     rate = storey_register(p, i, int(t.branch(run, storey_branch(run, i), t.FLOW)))
-    storey_register(p, i, MEMORY)[k] = product_term(p.B, rate, k - 1) * run.reciprocal[k]  # fault: storey-flows
+    storey_register(p, i, MEMORY)[k] = product_term(p.B, rate, k - 1) * run.reciprocal[k]
 
 
 @njit(**CALLED)

@@ -112,12 +112,6 @@ LINKS = [
         f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
     ),
     Mutant(
-        "storey-flows",
-        "the memory of a storey moves by the first order of its rate",
-        ("product_term(p.B, rate, k - 1)", "product_term(p.B, rate, 0)"),
-        f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
-    ),
-    Mutant(
         "storey-pushes-below",
         "what flows in a storey pushes both its floors the same way",
         ("+=", "-="),
