@@ -22,6 +22,7 @@ from pounding_cli.store.answers import Read
 from pounding_cli.study.fragility import intensities
 from pounding_cli.study.fragility_rounds import Layout, by_level, demand_of_collapse, over_gap, over_limit
 from pounding_cli.study.limits import COLLAPSE, CONTACT, Target
+from pounding_cli.variables import ALONE as OF_ALONE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 
 ALONE = "0"
 """Ends the name of a column of the buildings alone."""
-
-_ALONE = {"mu": "mu0", "drift": "drift0", "acceleration": "acceleration0"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +169,7 @@ class _Demands:
         height = self.plan.study.building(self.layout.points[point], building).height
         both: list[_Demand] = []
         quantity = "drift" if limit.quantity == COLLAPSE else limit.quantity
-        for name, storey in zip((quantity, _ALONE[quantity]), storeys, strict=True):
+        for name, storey in zip((quantity, OF_ALONE[quantity]), storeys, strict=True):
             peaks = self._levels(name)[point, case, analysis, ..., building, : len(height)]
             demand = 0.0 * peaks[..., 0] if limit.quantity == COLLAPSE else over_limit(limit, peaks, height)
             own = storey[..., building] > 0
