@@ -40,9 +40,9 @@ API = {
     ),
     "Laws of links": (
         "pounding_cli.laws.law.LinkLaw",
-        "pounding_cli.laws.law.Branch",
-        "pounding_cli.laws.law.Guard",
-        "pounding_cli.laws.law.opening",
+        "pounding_cli.laws.branch.Branch",
+        "pounding_cli.laws.branch.Guard",
+        "pounding_cli.laws.branch.opening",
         "pounding_cli.laws.law.parameter",
     ),
     "What a solution holds": (

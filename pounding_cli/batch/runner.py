@@ -266,7 +266,7 @@ def _notes_of_kernels() -> Iterator[str]:
 
 def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:
     """Every failed scene once, named by the first place in the study where it stands."""
-    failed = {digest for digest in plan.scenes if not parts.words(digest).is_done}
+    failed = {digest for digest in plan.scenes if not parts.header(digest).is_done}
     for row in plan.rows if failed else ():
         swept = [
             f"{name} = {value}"
@@ -278,7 +278,7 @@ def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:
         for digest, what in places:
             if digest in failed:
                 failed.remove(digest)
-                facts = parts.words(digest).facts
+                facts = parts.header(digest).facts
                 yield Failure(", ".join([*swept, what, row.analysis, row.record]), facts["status"], facts["advice"])
 
 

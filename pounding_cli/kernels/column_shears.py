@@ -12,7 +12,7 @@ from pounding_cli.kernels.clock import ORDER, H
 from pounding_cli.kernels.layout import CALLED, INLINE, PART
 from pounding_cli.kernels.peaks import largest
 from pounding_cli.kernels.polynomial import ABSOLUTE
-from pounding_cli.kernels.program_series import force_register
+from pounding_cli.kernels.program_frame import force_register
 from pounding_cli.kernels.program_storeys import shear_terms
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.summary import drift_series

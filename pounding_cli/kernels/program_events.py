@@ -24,16 +24,8 @@ from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference
 from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
 from pounding_cli.kernels.program import CLOSING, MEMORY, RATE, ROOT
-from pounding_cli.kernels.program_series import (
-    CHOSEN,
-    FLOWING,
-    branch_of,
-    flows,
-    force_register,
-    is_closed,
-    least_closing,
-    register,
-)
+from pounding_cli.kernels.program_frame import CHOSEN, FLOWING, branch_of, flows, force_register, is_closed, register
+from pounding_cli.kernels.program_start import least_closing
 from pounding_cli.kernels.program_storeys import drift_terms, end_memories, flows_on, storey_register
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.storey_law import guarded_drift

@@ -14,7 +14,7 @@ from pounding_cli.kernels.ledger import MAX_POINTS, SHARES
 from pounding_cli.kernels.peaks import largest
 from pounding_cli.kernels.polynomial import ABSOLUTE, SIGNED, value
 from pounding_cli.kernels.program import RATE
-from pounding_cli.kernels.program_series import FLOWING, force_register, is_closed, register
+from pounding_cli.kernels.program_frame import FLOWING, force_register, is_closed, register
 from pounding_cli.kernels.program_storeys import account_storeys, drift_terms, shear_terms
 from pounding_cli.kernels.simd import from_left, fused, load, no_inline, splat, store
 from pounding_cli.kernels.terms import account_springs

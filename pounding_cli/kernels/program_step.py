@@ -1,4 +1,5 @@
-"""A program step, from its series to what it leaves (`program_series`, `program_events`, `program_peaks`).
+"""A program step, from its series to what it leaves (`program_start`, `program_series`, `program_length`, then
+`program_events`, `program_peaks`).
 
 A scene whose links are all springs, cubics and dashpots takes none; its kernel holds no code of it
 (`no_program_step`)."""
@@ -7,14 +8,17 @@ from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.kernels import program_peaks, program_series
+from pounding_cli.kernels import program_length, program_peaks
 from pounding_cli.kernels.clock import ORDER
 from pounding_cli.kernels.collapse import first_collapse_on_program
 from pounding_cli.kernels.column_shears import track_program
 from pounding_cli.kernels.layout import CALLED, NOT_FINITE, PART, STEP_BOUND
 from pounding_cli.kernels.program_events import find_end, reach_end
+from pounding_cli.kernels.program_frame import SCALE
+from pounding_cli.kernels.program_length import part_allowed
 from pounding_cli.kernels.program_peaks import account, track
-from pounding_cli.kernels.program_series import SCALE, expand, on_program, part_allowed, start
+from pounding_cli.kernels.program_series import expand, on_program
+from pounding_cli.kernels.program_start import start
 from pounding_cli.kernels.recurrence import set_allowed
 from pounding_cli.kernels.simd import no_inline
 from pounding_cli.kernels.terms import rescale_springs
@@ -65,7 +69,7 @@ def program_step(run, terms, programs, settings):
     if not ratio > SHORTEST:
         return STEP_BOUND, False, False, False
     if ratio < 1.0:
-        program_series.rescale(run, p, order, ratio)
+        program_length.rescale(run, p, order, ratio)
         if has_terms:
             rescale_springs(run, terms, order, ratio)
     storeys, link, finished = find_end(run, p, inelastic)

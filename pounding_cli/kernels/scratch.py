@@ -10,7 +10,7 @@ from pounding_cli.kernels.frame import DOUBLES, Frame, filler
 from pounding_cli.kernels.islands import NOTE_COUNT, row_frame
 from pounding_cli.kernels.layout import PART
 from pounding_cli.kernels.ledger import RULE_SIZE
-from pounding_cli.kernels.program_series import room_for_programs
+from pounding_cli.kernels.program_frame import room_for_programs
 from pounding_cli.kernels.simd import further
 from pounding_cli.kernels.terms import room_for_terms
 

@@ -76,7 +76,7 @@ from pounding_cli.kernels.layout import COLLAPSED as COLLAPSE
 from pounding_cli.kernels.ledger import ledger_pointers
 from pounding_cli.kernels.peaks import sample
 from pounding_cli.kernels.plain_step import plain_step
-from pounding_cli.kernels.program_series import programs_frame
+from pounding_cli.kernels.program_frame import programs_frame
 from pounding_cli.kernels.program_step import PLAIN_STEP, no_program_step, program_step
 from pounding_cli.kernels.recurrence import renew_scale
 from pounding_cli.kernels.scratch import FRAMES, ROWS, lay_out_scratch, settings_frame

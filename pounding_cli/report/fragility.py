@@ -21,7 +21,8 @@ from pounding_cli.report.style import Look, caption, looks, new_figure, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.fragility import ALONE, CURVES, MOTIONS, fits_of, motion_numbers
+from pounding_cli.store.fragility import CURVES, MOTIONS
+from pounding_cli.store.fragility_samples import ALONE, fits_of, motion_numbers
 
 MOST_CASES = 4
 """Cases in one panel; of more, the first are drawn."""

@@ -13,7 +13,7 @@ from pounding_cli.fragility import CONFIDENCE, DRAWS, Outcome
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.evidence import Tables
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.fragility import ALONE
+from pounding_cli.store.fragility_samples import ALONE
 from pounding_cli.study.fragility import INTENSITY_KEYS
 
 _WORDS = ("limit", "building", "case", "analysis")

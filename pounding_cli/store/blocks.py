@@ -130,25 +130,25 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
 
 def _put_scene(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray) -> None:
     """Status, cost, energies and sentences, as far as the response has them."""
-    words = parse(line)
+    header = parse(line)
     for variable in SCENES:
         name = variable.name
-        if name in words.columns:
-            arrays[name][numbers] = values[:, words.columns[name]]
-        elif name in words.facts:
-            fact = words.facts[name]
+        if name in header.columns:
+            arrays[name][numbers] = values[:, header.columns[name]]
+        elif name in header.facts:
+            fact = header.facts[name]
             arrays[name][numbers] = "\n".join(fact) if isinstance(fact, tuple) else fact
 
 
 def _put_peaks(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray) -> None:
     """Peaks of scenes that are done, and who collapsed in the others; their peaks are NaN, whatever they reached."""
-    words = parse(line)
-    if words.facts["status"] == COLLAPSED:
-        who = values[:, words.columns["collapse_building"]].astype(int)
-        arrays["collapsed"][numbers, who] = values[:, words.columns["collapse_storey"]]
-    if not words.has_peaks:
+    header = parse(line)
+    if header.facts["status"] == COLLAPSED:
+        who = values[:, header.columns["collapse_building"]].astype(int)
+        arrays["collapsed"][numbers, who] = values[:, header.columns["collapse_storey"]]
+    if not header.has_peaks:
         return
-    for place, spans in enumerate(words.buildings):
+    for place, spans in enumerate(header.buildings):
         for name, field in (STOREY_FIELDS | FLOOR_FIELDS).items():
             found = values[:, spans[field]]
             arrays[name][numbers, place, : found.shape[1]] = found
@@ -157,22 +157,22 @@ def _put_peaks(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarra
 
 
 def _put_links(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray, chosen: list[int]) -> None:
-    words = parse(line)
-    if words.has_peaks and chosen:
+    header = parse(line)
+    if header.has_peaks and chosen:
         for name in LINK_FIELDS:
-            arrays[name][numbers[:, None], chosen] = values[:, words.links[name]]
-        struck = [chosen[int(link)] for link in values[0, words.columns_struck["link"]]]
+            arrays[name][numbers[:, None], chosen] = values[:, header.links[name]]
+        struck = [chosen[int(link)] for link in values[0, header.columns_struck["link"]]]
         for name, field in COLUMN_FIELDS.items() if struck else ():
-            arrays[name][numbers[:, None], struck] = values[:, words.columns_struck[field]]
+            arrays[name][numbers[:, None], struck] = values[:, header.columns_struck[field]]
 
 
 def _put_alone(arrays: Arrays, numbers: np.ndarray, place: int, line: str, values: np.ndarray) -> None:
-    words = parse(line)
-    if words.facts["status"] == COLLAPSED:
-        arrays["collapsed0"][numbers, place] = values[:, words.columns["collapse_storey"]]
-    if words.has_peaks:
+    header = parse(line)
+    if header.facts["status"] == COLLAPSED:
+        arrays["collapsed0"][numbers, place] = values[:, header.columns["collapse_storey"]]
+    if header.has_peaks:
         for name, field in ALONE.items():
-            found = values[:, words.buildings[0][field]]
+            found = values[:, header.buildings[0][field]]
             arrays[name][numbers, place, : found.shape[1]] = found
 
 

@@ -21,12 +21,12 @@ _SHA = 64
 class Chunk:
     """Responses taken apart.
 
-    digests : of the scenes; words : one line a scene (see `codec`), equal lines being one object
+    digests : of the scenes; lines : the header line of each scene (see `codec`), equal lines being one object
     numbers : of one scene after another, shape (k,)
     """
 
     digests: Sequence[str]
-    words: Sequence[str]
+    lines: Sequence[str]
     numbers: np.ndarray
 
     @classmethod
@@ -34,16 +34,16 @@ class Chunk:
         """The chunk of responses by scene digest."""
         coded = [encode(response) for response in responses.values()]
         same: dict[str, str] = {}
-        words = [same.setdefault(text, text) for text, _ in coded]
-        return cls(list(responses), words, np.concatenate([numbers for _, numbers in coded] or [np.zeros(0)]))
+        found = [same.setdefault(text, text) for text, _ in coded]
+        return cls(list(responses), found, np.concatenate([numbers for _, numbers in coded] or [np.zeros(0)]))
 
     @classmethod
     def joined(cls, chunks: Sequence[Chunk]) -> Chunk:
         """Chunks, one behind the other, as one."""
         same: dict[str, str] = {}
-        words = [same.setdefault(text, text) for chunk in chunks for text in chunk.words]
+        found = [same.setdefault(text, text) for chunk in chunks for text in chunk.lines]
         digests = [digest for chunk in chunks for digest in chunk.digests]
-        return cls(digests, words, np.concatenate([chunk.numbers for chunk in chunks]))
+        return cls(digests, found, np.concatenate([chunk.numbers for chunk in chunks]))
 
     def __len__(self) -> int:
         return len(self.digests)
@@ -51,18 +51,18 @@ class Chunk:
     @cached_property
     def starts(self) -> np.ndarray:
         """Where the numbers of each scene begin, and where the last end; shape (scenes + 1,)."""
-        return np.cumsum([0, *(parse(text).size for text in self.words)])
+        return np.cumsum([0, *(parse(text).size for text in self.lines)])
 
     @property
     def seconds(self) -> np.ndarray:
         """Time in the solver [s], shape (scenes,)."""
-        places = [parse(text).columns["seconds"] for text in self.words]
+        places = [parse(text).columns["seconds"] for text in self.lines]
         return self.numbers[self.starts[:-1] + np.array(places, int)]
 
     @property
     def is_done(self) -> list[bool]:
         """Whether each scene has a result."""
-        return [parse(text).is_done for text in self.words]
+        return [parse(text).is_done for text in self.lines]
 
     def row(self, place: int) -> np.ndarray:
         """The numbers of one scene."""
@@ -73,19 +73,19 @@ class Chunk:
         rows = [self.row(place) for place in places]
         return Chunk(
             [self.digests[place] for place in places],
-            [self.words[place] for place in places],
+            [self.lines[place] for place in places],
             np.concatenate(rows or [np.zeros(0)]),
         )
 
     def to_bytes(self, key: str) -> bytes:
         """A magic line, the SHA-256 of the rest, a line of JSON, the numbers as little-endian doubles."""
-        lines = list(dict.fromkeys(self.words))
-        number = {text: place for place, text in enumerate(lines)}
+        distinct = list(dict.fromkeys(self.lines))
+        number = {text: place for place, text in enumerate(distinct)}
         head = {
             "key": key,
             "digests": list(self.digests),
-            "lines": lines,
-            "words": [number[text] for text in self.words],
+            "lines": distinct,
+            "words": [number[text] for text in self.lines],
         }
         body = json.dumps(head).encode() + b"\n" + self.numbers.astype("<f8").tobytes()
         return _MAGIC + hashlib.sha256(body).hexdigest().encode() + b"\n" + body
@@ -114,6 +114,6 @@ class Chunk:
         numbers = np.frombuffer(content, "<f8", offset=end + 1)
         digests, mine = head["digests"], asked[: len(head["digests"])]
         chunk = cls(mine if mine == digests else digests, [lines[place] for place in head["words"]], numbers)
-        if len(chunk.digests) != len(chunk.words) or chunk.starts[-1] != numbers.size:
+        if len(chunk.digests) != len(chunk.lines) or chunk.starts[-1] != numbers.size:
             raise ValueError("damaged part")
         return chunk

@@ -1,6 +1,6 @@
-"""A response as words and numbers, and back, bit for bit.
+"""A response as a header line and numbers, and back, bit for bit.
 
-The words (status, sentences, which numbers follow) are the same for most scenes of a study, so they are kept once."""
+The header (status, sentences, which numbers follow) is the same for most scenes of a study, so it is kept once."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ _LINK_ARRAYS = tuple(f.name for f in fields(LinkResponse))
 _COLUMN_ARRAYS = tuple(f.name for f in fields(ColumnResponse))
 _COUNTS = tuple(f.name for f in fields(Response) if f.type == "int")
 _SCALARS = tuple(f.name for f in fields(Response) if f.type in ("int", "float"))
-_WORDS = tuple(f.name for f in fields(Response) if f.type == "str")
+_TEXTS = tuple(f.name for f in fields(Response) if f.type == "str")
 _SENTENCES = tuple(f.name for f in fields(Response) if str(f.type).startswith("tuple[str"))
-_words_of, _sentences_of, _scalars_of = (attrgetter(*names) for names in (_WORDS, _SENTENCES, _SCALARS))
+_texts_of, _sentences_of, _scalars_of = (attrgetter(*names) for names in (_TEXTS, _SENTENCES, _SCALARS))
 _arrays_of_building, _arrays_of_links = attrgetter(*_BUILDING_ARRAYS), attrgetter(*_LINK_ARRAYS)
 
 
 @dataclass(frozen=True)
-class Words:
-    """What one line of words says: the facts of a response, and where its numbers stand.
+class Header:
+    """What a header line says: the facts of a response, and where its numbers stand.
 
     facts : status, advice, method; sentences as tuples
     columns : place of every scalar, and of the energies as `energy_<name>`
@@ -56,9 +56,9 @@ class Words:
 
 
 def encode(response: Response) -> tuple[str, np.ndarray]:
-    """A line of words (JSON) and the numbers, shape (k,); the end state and the samples are not kept."""
+    """The header line (JSON) and the numbers, shape (k,); the end state and the samples are not kept."""
     line = _line(
-        _words_of(response),
+        _texts_of(response),
         _sentences_of(response),
         tuple(response.energy),
         tuple([b.shear.size for b in response.buildings]),
@@ -77,23 +77,23 @@ def encode(response: Response) -> tuple[str, np.ndarray]:
 
 @lru_cache(maxsize=1024)
 def _line(
-    words: tuple[str, ...],
+    texts: tuple[str, ...],
     sentences: tuple[tuple[str, ...], ...],
     energy: tuple[str, ...],
     storeys: tuple[int, ...],
     links: int,
     struck: int,
 ) -> str:
-    """The line of words of a response: the same object for all that say the same."""
-    said: dict[str, Any] = {name: str(text) for name, text in zip(_WORDS, words, strict=True)}
+    """The header line of a response: the same object for all that say the same."""
+    said: dict[str, Any] = {name: str(text) for name, text in zip(_TEXTS, texts, strict=True)}
     said |= {name: list(map(str, some)) for name, some in zip(_SENTENCES, sentences, strict=True)}
     said |= {"energy": list(energy), "storeys": list(storeys), "links": links}
     return json.dumps(said | ({"columns": struck} if struck else {}))
 
 
 @lru_cache(maxsize=1024)
-def parse(text: str) -> Words:
-    """What a line of words says.
+def parse(text: str) -> Header:
+    """What a header line says.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def parse(text: str) -> Words:
     names = [*_SCALARS, *(f"energy_{_text(name)}" for name in facts.pop("energy"))]
     storeys, n_links = map(_count, facts.pop("storeys")), _count(facts.pop("links"))
     n_struck = _count(facts.pop("columns", 0))
-    facts = {name: _text(facts[name]) for name in _WORDS} | {
+    facts = {name: _text(facts[name]) for name in _TEXTS} | {
         name: tuple(_text(sentence) for sentence in facts[name]) for name in _SENTENCES
     }
     end = len(names)
@@ -119,13 +119,13 @@ def parse(text: str) -> Words:
     buildings = tuple(spans(dict.fromkeys(_BUILDING_ARRAYS, n) | {"sway": 1, "rocking": 1}) for n in storeys)
     links = spans(dict.fromkeys(_LINK_ARRAYS, n_links))
     struck = spans(dict.fromkeys(_COLUMN_ARRAYS, n_struck))
-    return Words(facts, {name: place for place, name in enumerate(names)}, buildings, links, struck, end)
+    return Header(facts, {name: place for place, name in enumerate(names)}, buildings, links, struck, end)
 
 
 def _text(value: Any) -> str:
     """A text that a results file can hold."""
     if not isinstance(value, str) or "\0" in value:
-        raise ValueError("words of a response that are no text")
+        raise ValueError("a text of a response's header that is none")
     value.encode("utf-8")
     return value
 
@@ -142,13 +142,13 @@ def decode(text: str, numbers: np.ndarray) -> Response:
 
     Raises
     ------
-    ValueError, KeyError, TypeError : words and numbers do not belong together
+    ValueError, KeyError, TypeError : header and numbers do not belong together
     """
-    words = parse(text)
-    if numbers.shape != (words.size,):
-        raise ValueError(f"expected {words.size} numbers, found {numbers.size}")
-    scalars: dict[str, Any] = {name: float(numbers[place]) for name, place in words.columns.items()}
-    energy = {name[len("energy_") :]: scalars.pop(name) for name in words.columns if name.startswith("energy_")}
+    header = parse(text)
+    if numbers.shape != (header.size,):
+        raise ValueError(f"expected {header.size} numbers, found {numbers.size}")
+    scalars: dict[str, Any] = {name: float(numbers[place]) for name, place in header.columns.items()}
+    energy = {name[len("energy_") :]: scalars.pop(name) for name in header.columns if name.startswith("energy_")}
     scalars |= {name: int(scalars[name]) for name in _COUNTS}
     buildings = tuple(
         BuildingResponse(
@@ -156,12 +156,12 @@ def decode(text: str, numbers: np.ndarray) -> Response:
             sway=float(numbers[spans["sway"]][0]),
             rocking=float(numbers[spans["rocking"]][0]),
         )
-        for spans in words.buildings
+        for spans in header.buildings
     )
-    links = LinkResponse(**{name: numbers[words.links[name]].copy() for name in _LINK_ARRAYS})
-    struck = {name: numbers[words.columns_struck[name]].copy() for name in _COLUMN_ARRAYS}
+    links = LinkResponse(**{name: numbers[header.links[name]].copy() for name in _LINK_ARRAYS})
+    struck = {name: numbers[header.columns_struck[name]].copy() for name in _COLUMN_ARRAYS}
     columns = ColumnResponse(**struck | {"link": struck["link"].astype(np.int64)})
-    return Response(buildings=buildings, links=links, energy=energy, columns=columns, **scalars, **words.facts)
+    return Response(buildings=buildings, links=links, energy=energy, columns=columns, **scalars, **header.facts)
 
 
 def failed(

@@ -15,7 +15,7 @@ import numpy as np
 
 from pounding_cli.solve.response import Response
 from pounding_cli.store.chunk import Chunk
-from pounding_cli.store.codec import Words, decode, parse
+from pounding_cli.store.codec import Header, decode, parse
 from pounding_cli.store.seal import open_regular
 
 _SPAN = 1 << 24
@@ -83,7 +83,7 @@ class PartStore(Mapping[str, Response]):
         ------
         OSError : the disk is full, or the folder cannot be written; no part is left half written
         """
-        self._join([number for number in self._unsaved if len(self._chunks[number].words) == 1])
+        self._join([number for number in self._unsaved if len(self._chunks[number].lines) == 1])
         for number, content in list(self._unsaved.items()):
             chunk = self._chunks[number].chunk
             assert chunk is not None
@@ -114,11 +114,11 @@ class PartStore(Mapping[str, Response]):
         return decode(text, numbers)
 
     def line(self, digest: str) -> str:
-        """The words of a response as they are written."""
+        """The header line of a response."""
         chunk, place = divmod(self._where[digest], _SPAN)
-        return self._chunks[chunk].words[place]
+        return self._chunks[chunk].lines[place]
 
-    def words(self, digest: str) -> Words:
+    def header(self, digest: str) -> Header:
         """What is known of a response without its numbers."""
         return parse(self.line(digest))
 
@@ -134,7 +134,7 @@ class PartStore(Mapping[str, Response]):
         return max((span.stop - span.start for span in spans), default=0)
 
     def take(self, digests: Sequence[str]) -> list[tuple[str, np.ndarray]]:
-        """Words and numbers of many responses; every part is read once.
+        """Header lines and numbers of many responses; every part is read once.
 
         Raises
         ------
@@ -150,7 +150,7 @@ class PartStore(Mapping[str, Response]):
             for number in asked:
                 place = self._where[digests[number]] % _SPAN
                 row = numbers[held.starts[place] : held.starts[place + 1]]
-                found[number] = held.words[place], row.copy()
+                found[number] = held.lines[place], row.copy()
         return found
 
     def read(self, digests: Iterable[str]) -> Iterator[tuple[str, Response]]:
@@ -210,7 +210,7 @@ class _Held:
     def __init__(self, chunk: Chunk, path: Path | None) -> None:
         self.path = path
         self.chunk = chunk if path is None else None
-        self.words, self.starts, self.seconds = chunk.words, chunk.starts, chunk.seconds
+        self.lines, self.starts, self.seconds = chunk.lines, chunk.starts, chunk.seconds
         self._sum = zlib.crc32(chunk.numbers.astype("<f8").tobytes())
 
     def numbers(self) -> np.ndarray:

@@ -23,7 +23,7 @@ _NUMBERS = 1 << 15
 
 
 def write_solutions(file: h5py.File, digests: Sequence[str], responses: PartStore) -> None:
-    """Write `digest`, `line` (distinct words, JSON), `words` (line of each scene), `numbers` (scene after scene).
+    """Write `digest`, `line` (distinct headers, JSON), `words` (line of each scene), `numbers` (scene after scene).
 
     First come the scenes of the study, `digests`; then what else `responses` has: scenes the study had before.
     """
@@ -37,7 +37,7 @@ def write_solutions(file: h5py.File, digests: Sequence[str], responses: PartStor
     group.create_dataset("line", data=list(lines), dtype=h5py.string_dtype())
     packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
     group.create_dataset("words", data=words, **packed)
-    total = sum(responses.words(digest).size for digest in digests)
+    total = sum(responses.header(digest).size for digest in digests)
     numbers = group.create_dataset("numbers", (total,), np.float64, chunks=(min(total, _NUMBERS),), **packed)
     end = 0
     for begin in range(0, len(digests), _SCENES):

@@ -228,7 +228,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             **({} if plan.time_step is None else {"time_step": plan.time_step}),
             "method": plan.method,
             "scenes": len(plan.scenes),
-            "scenes_failed": sum(not responses.words(digest).is_done for digest in plan.scenes),
+            "scenes_failed": sum(not responses.header(digest).is_done for digest in plan.scenes),
             "scenes_solved_last": run.solved,
             "scenes_reused_last": run.reused,
             "solver_seconds": sum(responses.seconds(digest) for digest in plan.scenes),

@@ -6,9 +6,10 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.study.case_schema import Impact
 from pounding_cli.study.problems import Problems, keys_at
 from pounding_cli.study.rules import StiffnessRule, read_stiffness
-from pounding_cli.study.schema import Impact, StudyModel
+from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
 
 UNKNOWN = "impact.stiffness"

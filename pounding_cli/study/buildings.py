@@ -13,9 +13,9 @@ from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_sepa
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.numbers import counted
+from pounding_cli.study.building_schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec
 from pounding_cli.study.law_keys import own_parameters
 from pounding_cli.study.problems import Path, Problems, Tree
-from pounding_cli.study.schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec
 from pounding_cli.study.source import Node
 
 _PER_STOREY = ("mass", "height", "hardening", "stiffness", "yield_shear", "p_delta")

@@ -13,12 +13,13 @@ from pydantic import Field, ValidationError
 from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
 from pounding_cli.errors import Problem
 from pounding_cli.study import units
+from pounding_cli.study.base import Model
+from pounding_cli.study.building_schema import Mass, Period
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.plausible import few
 from pounding_cli.study.plausible_systems import CONNECTOR, doubt_period, doubt_spec
 from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Problems
-from pounding_cli.study.schema import Mass, Model, Period
 from pounding_cli.study.source import Node
 from pounding_cli.study.units import LONGEST, NUMBER, Quantity, TextForm, limited, whole_number
 from pounding_cli.study.yaml_file import read_source

@@ -16,9 +16,10 @@ from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
-from pounding_cli.study.resolve import Point, Resolver, places
+from pounding_cli.study.resolve import Resolver, places
 from pounding_cli.study.scenes import Frame, Rows, Scenes, seen
 from pounding_cli.study.schema import StudyModel
+from pounding_cli.study.sections import Point
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""

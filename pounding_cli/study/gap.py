@@ -10,7 +10,7 @@ from pounding_cli.model.meetings import meetings
 from pounding_cli.study.expand import expand
 from pounding_cli.study.load import Study, validated
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.resolve import Point
+from pounding_cli.study.sections import Point
 from pounding_cli.study.source import Node
 
 _BETWEEN = ("cases", "impact", "laws")

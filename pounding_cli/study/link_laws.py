@@ -13,11 +13,11 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
 from pounding_cli.model.meetings import Strike
+from pounding_cli.study.case_schema import Impact, LinkSpec, ListedLink
 from pounding_cli.study.formulas import OwnLaws, known_laws, law_class
 from pounding_cli.study.law_keys import FROM_CASE, own_parameters, words_of
 from pounding_cli.study.problems import Path, Problems, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule, read_stiffness
-from pounding_cli.study.schema import Impact, LinkSpec, ListedLink
 from pounding_cli.study.source import Node
 
 

@@ -12,11 +12,11 @@ from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.links import Link
 from pounding_cli.model.meetings import column_flexibility
 from pounding_cli.numbers import counted
+from pounding_cli.study.case_schema import CaseSpec, LinkSpec, ListedLink, PairSpec
 from pounding_cli.study.formulas import law_class
 from pounding_cli.study.law_keys import own_parameters
 from pounding_cli.study.link_laws import Group, LawReader, Layer, says, where
 from pounding_cli.study.problems import Path, Problems, Tree
-from pounding_cli.study.schema import CaseSpec, LinkSpec, ListedLink, PairSpec
 from pounding_cli.study.source import Node
 
 

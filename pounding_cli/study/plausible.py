@@ -12,9 +12,9 @@ from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.numbers import counted
+from pounding_cli.study.building_schema import BaseShear, BuildingSpec
 from pounding_cli.study.motions import Used
 from pounding_cli.study.problems import Path, Problems, Tree
-from pounding_cli.study.schema import BaseShear, BuildingSpec
 from pounding_cli.study.source import Node
 from pounding_cli.study.units import GRAVITY, NUMBER
 

@@ -90,7 +90,7 @@ def test_a_bundle_that_takes_too_long_comes_back_in_part():
 
 def without_times(chunk):
     return [
-        (chunk.words[n], np.delete(chunk.row(n), parse(chunk.words[n]).columns["seconds"])) for n in range(len(chunk))
+        (chunk.lines[n], np.delete(chunk.row(n), parse(chunk.lines[n]).columns["seconds"])) for n in range(len(chunk))
     ]
 
 
@@ -125,4 +125,4 @@ def test_a_scene_that_is_refused_leaves_the_others_taken_with_it():
     refused = [not done for done in chunk.is_done]
     assert any(refused)
     assert not all(refused)
-    assert all("does not run this scene" in parse(line).facts["status"] for line in np.array(chunk.words)[refused])
+    assert all("does not run this scene" in parse(line).facts["status"] for line in np.array(chunk.lines)[refused])
