@@ -36,7 +36,7 @@ UNEVEN = 1e-14
 """Part of a segment [-] by which a step may miss its end."""
 
 SOONEST, LATER = 1e-9, 1e3
-"""Part of a step [-] within which it is first looked for the closing that is resolved, and how much further each time."""
+"""Part of a step [-] in which a closing that is resolved is looked for first, and how much longer each next part is."""
 
 
 @njit(**PART)
