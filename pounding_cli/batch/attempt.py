@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.assess import assess, judging
 from pounding_cli.solve.groups import GroupSolver
 from pounding_cli.solve.response import Response
-from pounding_cli.solve.run import Prepared, prepare, solve
+from pounding_cli.solve.run import Prepared, prepare, responses, solve
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
@@ -39,8 +39,12 @@ class _Begun:
     def integrate(self) -> None:
         """Run them; a run that did not end is not judged."""
         self.first.integrate()
-        for judge in self.judges if self.first.is_done else ():
+        for judge in self.done()[1:]:
             judge.integrate()
+
+    def done(self) -> list[Prepared]:
+        """The runs that are run."""
+        return [self.first, *(self.judges if self.first.is_done else ())]
 
 
 @dataclass(frozen=True)
@@ -87,7 +91,14 @@ class Task:
                 answers[place] = failure or answer
                 if halted():
                     del answers[place + 1 :]
-        ended = (self._caught(each.scene, self._ended, each) if isinstance(each, _Begun) else each for each in answers)
+        runs = [run for each in answers if isinstance(each, _Begun) for run in each.done()]
+        try:
+            read = dict(zip(runs, responses(runs), strict=True))
+        except Exception:  # some run cannot be read: each by itself, so that the others can
+            read = {}
+        ended = (
+            self._caught(each.scene, self._ended, each, read) if isinstance(each, _Begun) else each for each in answers
+        )
         return [self._again(scene, answer) for scene, answer in zip(scenes, ended, strict=False)]
 
     def _again(self, scene: Scene, response: Response) -> Response:
@@ -127,11 +138,10 @@ class Task:
         asked = judging(scene, first.method.name, self.accuracy, self.all_effects) if self.is_assessed(scene) else ()
         return _Begun(scene, first, [prepare(each, **settings) for each, settings in asked], beside)
 
-    def _ended(self, begun: _Begun) -> Response:
-        """The response of runs that are done."""
-        response = begun.first.response()
-        if begun.judges and response.has_result:
-            judges = [judge.response() for judge in begun.judges]
+    def _ended(self, begun: _Begun, read: Mapping[Prepared, Response]) -> Response:
+        """The response of runs that are done, as far as they are `read` already."""
+        response, *judges = (read.get(run) or run.response() for run in begun.done())
+        if judges and response.has_result:
             response = assess(begun.scene, response, self.accuracy, self.solve, self.all_effects, judges)
         return dataclasses.replace(response, seconds=response.seconds + begun.beside) if begun.beside else response
 

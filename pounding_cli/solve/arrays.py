@@ -1,10 +1,10 @@
-"""From a scene to the flat arrays of the kernels, and back from the kernels' peaks to a response."""
+"""From a scene to the flat arrays of the kernels."""
 
 from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,7 +15,6 @@ from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.laws.program import MEMORIES
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.building import Building
-from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link, LinkEnd
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import law_tables
@@ -31,7 +30,6 @@ from pounding_cli.solve.places import (
     struck_between_floors,
     struck_columns,
 )
-from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse
 
 _BY_SLOT = Slots._fields[1:11]
 """What is given of every slot (`layout.Slots`)."""
@@ -175,24 +173,35 @@ def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:
 
 
 class Begun(NamedTuple):
-    """What a run fills, before its first step; `numbers` are those of its peaks, padding included."""
+    """What a run fills, before its first step; `memory` is where all three stand, one behind the other."""
 
     state: State
     peaks: Peaks
     ledger: Ledger
-    numbers: np.ndarray
+    memory: np.ndarray
 
 
 def at_rest(arrays: Arrays, watched: int = 0) -> Begun:
     """Before the motion: at rest, touching links exactly at v = 0, no peaks, no energies; `watched` is the number of
     segments at whose ends displacements are wanted."""
-    (state, _), (peaks, numbers), (ledger, _) = _blank(arrays.padded, arrays.links.size).copy()
+    blank = _blank(arrays.padded, arrays.links.size)
+    memory = blank.copy()
+    state, peaks, ledger = blank.tuples(memory)
     state.storey_branch[:], state.storey_memory[:] = arrays.slots.branch, arrays.memory_at_rest
     state.link_branch[:], state.pinned_link[:], state.pinned_closing[:] = arrays.links_at_rest
     if watched:
         samples = aligned(watched * arrays.padded).reshape(watched, arrays.padded)
         peaks = peaks._replace(watched=1, samples=samples)
-    return Begun(state, peaks, ledger, numbers)
+    return Begun(state, peaks, ledger, memory)
+
+
+def stacked(arrays: Arrays, runs: Sequence[Begun]) -> tuple[State, Peaks, Ledger, np.ndarray]:
+    """What runs have left, as rows of arrays, and which of them have left finite peaks; `arrays` are those of one of
+    them, the others are laid out alike."""
+    blank = _blank(arrays.padded, arrays.links.size)
+    memory = np.stack([run.memory for run in runs])
+    state, peaks, ledger = blank.tuples(memory)
+    return state, peaks, ledger, np.isfinite(memory[:, blank.spans[1]]).all(axis=1)
 
 
 @functools.lru_cache(maxsize=64)
@@ -212,76 +221,19 @@ def _blank(padded: int, links: int) -> Blank:
     return Blank(state, peaks, Ledger(**dict.fromkeys(Ledger._fields[:5], slot), links=link))
 
 
-def _furthest(peaks: Peaks, slot: int) -> float:
-    """Largest displacement of a slot, to either side [m]."""
-    return float(max(peaks.displacement_max[slot], -peaks.displacement_min[slot]))
-
-
-def unpack(
-    scene: Scene, arrays: Arrays, state: State, peaks: Peaks
-) -> tuple[tuple[BuildingResponse, ...], LinkResponse, ColumnResponse]:
-    """Peaks by slot and link as responses by building, link and columns that are struck, which share their memory."""
-    buildings = []
-    drift_now = drift_of(arrays, state.u)
-    yielding = effects_of(scene).yielding  # elsewhere the kernels track drifts alone
-    for b, building in enumerate(scene.buildings):
-        span, base, rock = arrays.floors[b], arrays.bases[b], arrays.rocks[b]
-        drift = peaks.drift[span]
-        buildings.append(
-            BuildingResponse(
-                shear=peaks.shear[span] if yielding else building.stiffness * drift,
-                drift=drift,
-                ductility=drift / building.yield_drift,
-                acceleration=peaks.acceleration[span],
-                displacement_max=peaks.displacement_max[span],
-                displacement_min=peaks.displacement_min[span],
-                residual_drift=drift_now[span],
-                sway=_furthest(peaks, base) if base >= 0 else 0.0,
-                rocking=_furthest(peaks, rock) / float(building.elevation[-1]) if rock >= 0 else 0.0,
-            )
-        )
-    count = arrays.links.number
-    links = LinkResponse(
-        impacts=peaks.impacts[:count],
-        peak_force=peaks.force[:count],
-        max_closing=peaks.closing[:count],
-        impulse=peaks.impulse[:count],
-        contact_time=peaks.contact_time[:count],
-    )
-    below, above = peaks.shear[arrays.points.shears.slot].reshape(-1, 2).T
-    return tuple(buildings), links, columns_of(scene, below, above)
-
-
-def columns_of(scene: Scene, below: np.ndarray, above: np.ndarray) -> ColumnResponse:
-    """The response of struck columns from their largest shears below and above the blow [N], one for each link of the
-    scene that asks for them."""
-    columns = struck_columns(scene.links)
-    strength = [each.share * scene.buildings[each.building].yield_shear[each.storey - 1] for each in columns]
-    demand = np.maximum(below, above) / np.array(strength, float)
-    demand[np.isinf(strength)] = np.nan
-    return ColumnResponse(np.array([each.link for each in columns], np.int64), below, above, demand)
-
-
 def with_points(arrays: Arrays, u: np.ndarray) -> np.ndarray:
-    """Displacements [m] by slot with those of the points, from those of the degrees of freedom."""
+    """Displacements [m] by slot (the last dimension) with those of the points, from those of the degrees of freedom."""
     points = arrays.points
     if not points.number:
         return u
     whole = u.copy()
-    whole[points.slot[: points.number]] = np.sum(points.weight * u[points.freedom], axis=0)[: points.number]
+    moved = np.sum(points.weight * u[..., points.freedom], axis=-2)
+    whole[..., points.slot[: points.number]] = moved[..., : points.number]
     return whole
 
 
 def drift_of(arrays: Arrays, u: np.ndarray) -> np.ndarray:
-    """Storey drifts (and displacements of bases) [m] by slot, from displacements by slot."""
+    """Storey drifts (and displacements of bases) [m] by slot (the last dimension), from displacements by slot."""
     drift = with_points(arrays, u).copy()
-    drift[1:] -= arrays.slots.couple[1:] * drift[:-1]
+    drift[..., 1:] -= arrays.slots.couple[1:] * drift[..., :-1]
     return drift
-
-
-def held_by_springs(arrays: Arrays, u: np.ndarray) -> float:
-    """Energy in the springs between any degrees of freedom [J]."""
-    if not arrays.springs.number:
-        return 0.0
-    v = np.sum(arrays.springs.weight * u[arrays.springs.freedom], axis=0)
-    return 0.5 * float(arrays.springs.stiffness @ v**2)

@@ -26,10 +26,13 @@ class Blank:
     Parameters
     ----------
     filled : the tuples
+
+    spans : where in a copy each tuple stands, padding included
     """
 
     def __init__(self, *filled: Any) -> None:
-        self._parts: list[tuple[Callable[[Iterable[Any]], Any], list[tuple[bool, Any]], slice]] = []
+        self.spans: list[slice] = []
+        self._parts: list[tuple[Callable[[Iterable[Any]], Any], list[tuple[bool, Any]]]] = []
         vectors: list[tuple[slice, np.ndarray]] = []
         end = 0
         for each in filled:
@@ -42,20 +45,22 @@ class Blank:
                     values.append((value.dtype == np.int64, span))
                 else:
                     values.append((False, value))
-            self._parts.append((type(each)._make, values, slice(begin, end)))
+            self._parts.append((type(each)._make, values))
+            self.spans.append(slice(begin, end))
         self._memory = aligned(end)
         for span, vector in vectors:
             self._memory[span] = vector.view(np.float64)
 
-    def copy(self) -> list[tuple[Any, np.ndarray]]:
-        """Each tuple with arrays of its own, and the piece of memory in which these stand, padding included."""
+    def copy(self) -> np.ndarray:
+        """The memory of all tuples, for a run to fill, shape (k,)."""
         memory = aligned(self._memory.size)
         memory[:] = self._memory
+        return memory
+
+    def tuples(self, memory: np.ndarray) -> list[Any]:
+        """The tuples in such a memory, or with rows of arrays in those of several runs, shape (runs, k)."""
         whole = memory.view(np.int64)
         return [
-            (
-                make([v if type(v) is not slice else whole[v] if is_whole else memory[v] for is_whole, v in values]),
-                memory[span],
-            )
-            for make, values, span in self._parts
+            make([v if type(v) is not slice else (whole if is_whole else memory)[..., v] for is_whole, v in values])
+            for make, values in self._parts
         ]

@@ -1,56 +1,80 @@
-"""The energy ledger of a run: what came in, where it is, where it went, and what is missing."""
+"""The energy ledger of runs: what came in, where it is, where it went, and what is missing.
+
+States, peaks and ledgers have a row for each run; the runs share buildings and analysis, and have as many links."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from pounding_cli.kernels.layout import Peaks, State
 from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.arrays import Arrays, drift_of, held_by_springs, with_points
+from pounding_cli.solve.arrays import Arrays, drift_of, with_points
 from pounding_cli.solve.storeys import shear_and_stored
 
-AT_REST = {"kinetic": 0.0, "stored": 0.0, "links_stored": 0.0}
-"""What a scene at rest holds [J]."""
+Held = tuple[float, float, float]
+"""What a scene holds [J]: kinetic energy, that stored in storeys and foundations, that stored in links."""
+
+AT_REST: Held = (0.0, 0.0, 0.0)
 
 
-def held(scene: Scene, arrays: Arrays, state: State, ledger: Ledger | None = None) -> dict[str, float]:
-    """Energy in the scene now [J]: kinetic, stored in storeys and foundations less what their weights have lost by
-    leaning (P-Delta), stored in links. What storeys hold is in the ledger of a run that has come to this state."""
-    kinetic = 0.5 * float(arrays.slots.mass @ state.v**2)
+def held(
+    scenes: Sequence[Scene], runs: Sequence[Arrays], state: State, ledger: Ledger | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Energy in the scenes now [J], shape (runs,) each: kinetic, stored in storeys and foundations less what their
+    weights have lost by leaning (P-Delta), stored in links. What storeys hold is in the ledger of a run that has come
+    to this state."""
+    arrays = runs[0]
+    kinetic = 0.5 * _dots(arrays.slots.mass, state.v**2)
     if not arrays.yields:
         drift = drift_of(arrays, state.u)
-        stored = float((0.5 * (arrays.slots.stiffness * drift) * drift).sum())
+        stored = (0.5 * (arrays.slots.stiffness * drift) * drift).sum(axis=1)
     elif ledger is None:
         drift = drift_of(arrays, state.u)
-        stored = float(
-            shear_and_stored(arrays, drift[None], state.storey_branch[None], state.storey_memory[None])[1][0]
-        )
+        stored = shear_and_stored(arrays, drift, state.storey_branch, state.storey_memory)[1]
     else:
-        stored = float(ledger.stored.sum())
-    stored += held_by_springs(arrays, state.u)
+        stored = ledger.stored.sum(axis=1)
+    if arrays.springs.number:
+        springs = np.sum(arrays.springs.weight * state.u[:, arrays.springs.freedom], axis=1)
+        stored = stored + 0.5 * _dots(arrays.springs.stiffness, springs**2)
     if arrays.leans:
-        leans = state.u - arrays.slots.couple * np.concatenate(([0.0], state.u[:-1]))
-        stored -= 0.5 * float(arrays.slots.geometric @ leans**2)  # fault: p-delta-energy
-    return {"kinetic": kinetic, "stored": stored, "links_stored": _in_links(scene, arrays, state)}
+        below = np.concatenate((np.zeros((len(scenes), 1)), state.u[:, :-1]), axis=1)
+        leans = state.u - arrays.slots.couple * below
+        stored = stored - 0.5 * _dots(arrays.slots.geometric, leans**2)  # fault: p-delta-energy
+    return kinetic, stored, _in_links(scenes, runs, state)
 
 
-def _in_links(scene: Scene, arrays: Arrays, state: State) -> float:
-    """Energy in all links [J]."""
-    if not scene.links:
-        return 0.0
-    links, count = arrays.links, arrays.links.number
-    u = with_points(arrays, state.u)
-    closings = u[links.left[:count]] - u[links.right[:count]]
-    branches = state.link_branch[:count] - links.first[:count]
-    each = zip(scene.links, branches.tolist(), closings.tolist(), state.link_memory[:count].tolist(), strict=True)
-    return float(sum([link.law.held(*of) for link, *of in each]))
+def _dots(weights: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """The product of `weights` with every row."""
+    return np.array([weights @ row for row in rows])
+
+
+def _in_links(scenes: Sequence[Scene], runs: Sequence[Arrays], state: State) -> np.ndarray:
+    """Energy in all links of each scene [J]."""
+    links = runs[0].links
+    count = links.number
+    if not count:
+        return np.zeros(len(scenes))
+    u = with_points(runs[0], state.u)
+    closings = u[:, links.left[:count]] - u[:, links.right[:count]]
+    branches = state.link_branch[:, :count] - np.array([arrays.links.first[:count] for arrays in runs])
+    rows = zip(scenes, branches.tolist(), closings.tolist(), state.link_memory[:, :count].tolist(), strict=True)
+    return np.array(
+        [float(sum([link.law.held(*of) for link, *of in zip(scene.links, *row, strict=True)])) for scene, *row in rows]
+    )
 
 
 def balance(
-    scene: Scene, arrays: Arrays, before: dict[str, float], state: State, peaks: Peaks, ledger: Ledger
-) -> dict[str, float]:
-    """The ledger [J]; `residual` is what is missing over the largest entry [-], or over what storeys held at
+    scenes: Sequence[Scene],
+    runs: Sequence[Arrays],
+    before: Sequence[Held],
+    state: State,
+    peaks: Peaks,
+    ledger: Ledger,
+) -> list[dict[str, float]]:
+    """The ledgers [J]; `residual` is what is missing over the largest entry [-], or over what storeys held at
     their peaks if that is more: a run may have given back what it took in.
 
     input : work of the ground, plus what the scene held at the start
@@ -58,24 +82,29 @@ def balance(
         less than nothing
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
-    now = held(scene, arrays, state, ledger)
-    work_on_links = float(ledger.links.sum())
-    book = {
-        "input": float(ledger.input.sum()) + sum(before.values()),
-        **now,
-        "damping": float(ledger.dashpots.sum() + ledger.drag.sum()),
-        "hysteresis": float(ledger.hysteresis.sum()),
-        "links": work_on_links - now["links_stored"] + before["links_stored"],  # fault: links-energy
+    now = held(scenes, runs, state, ledger)
+    at_start, in_links = np.array([sum(each) for each in before]), np.array([each[2] for each in before])
+    work_on_links = ledger.links.sum(axis=1)
+    entries = {
+        "input": ledger.input.sum(axis=1) + at_start,
+        **dict(zip(("kinetic", "stored", "links_stored"), now, strict=True)),
+        "damping": ledger.dashpots.sum(axis=1) + ledger.drag.sum(axis=1),
+        "hysteresis": ledger.hysteresis.sum(axis=1),
+        "links": work_on_links - now[2] + in_links,  # fault: links-energy
     }
-    came, *went = book.values()
-    missing, scale = came - sum(went), max(*map(abs, (came, *went)), _held_at_peaks(arrays, peaks))
-    book["residual"] = missing / scale if scale > 0 else 0.0
-    return book
+    books = []
+    rows = zip(*(each.tolist() for each in entries.values()), strict=True)
+    for row, at_peaks in zip(rows, _held_at_peaks(runs[0], peaks).tolist(), strict=True):
+        came, *went = row
+        missing, scale = came - sum(went), max(*map(abs, row), at_peaks)
+        books.append(dict(zip(entries, row, strict=True)) | {"residual": missing / scale if scale > 0 else 0.0})
+    return books
 
 
-def _held_at_peaks(arrays: Arrays, peaks: Peaks) -> float:
+def _held_at_peaks(arrays: Arrays, peaks: Peaks) -> np.ndarray:
     """What storeys held at their largest drifts, or, where they yield, at their largest shears V: V^2 / 2 k [J]."""
     stiffness = arrays.slots.stiffness
     if not arrays.yields:
-        return 0.5 * float(stiffness @ peaks.drift**2)
-    return 0.5 * float((peaks.shear[stiffness > 0] ** 2 / stiffness[stiffness > 0]).sum())
+        return 0.5 * _dots(stiffness, peaks.drift**2)
+    firm = stiffness > 0
+    return 0.5 * (np.ascontiguousarray(peaks.shear[:, firm]) ** 2 / stiffness[firm]).sum(axis=1)

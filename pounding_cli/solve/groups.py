@@ -23,11 +23,11 @@ from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.arrays import columns_of
 from pounding_cli.solve.assess import difference
 from pounding_cli.solve.closing import free_accuracy, kept_apart
 from pounding_cli.solve.places import struck_columns
 from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse, Response, composed_method
+from pounding_cli.solve.unpack import columns_of
 
 ERRORS = 10.0
 """By so many accuracies of the closing, relative to the floors' own displacements, a gap must stay open to count as

@@ -19,14 +19,15 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import taylor
-from pounding_cli.solve.arrays import Arrays, Begun, at_rest, pack, unpack
+from pounding_cli.solve.arrays import Arrays, Begun, at_rest, pack, stacked
 from pounding_cli.solve.choice import cheapest_method
-from pounding_cli.solve.energy import AT_REST, balance, held
+from pounding_cli.solve.energy import AT_REST, Held, balance, held
 from pounding_cli.solve.flags import collapse_flag, flags_of
 from pounding_cli.solve.ground import segments_of
 from pounding_cli.solve.method import NO_ROOT, UNSTABLE, Integrator, integrator_of, refusal_of, step_taken
 from pounding_cli.solve.response import COLLAPSED, DONE, Response
 from pounding_cli.solve.response import OUTCOMES as ENDS
+from pounding_cli.solve.unpack import Unpacked, unpack
 
 OUTCOMES = {
     layout.DONE: (DONE, ""),
@@ -109,11 +110,11 @@ def solve(
 
 @dataclass(eq=False)
 class Prepared:
-    """A scene laid out for its run; `integrate` and then `response` once each.
+    """A scene laid out for its run; `integrate`, and then `response` or `responses`, once each.
 
     scene, arrays : without what cannot matter
     begun : what the run fills
-    before : energy held at the start [J]
+    before : energy held at the start
     limit : the longest stable time step [s]
     condensing : what is left out, in words
     found : (status, steps, events, orders, seconds) of the run
@@ -129,7 +130,7 @@ class Prepared:
     bounds: tuple[int, int]
     watch: bool
     begun: Begun
-    before: dict[str, float]
+    before: Held
     limit: float
     condensing: tuple[str, ...]
     found: tuple[int, int, int, int, float] = (UNSTABLE, 0, 0, 0, 0.0)
@@ -154,45 +155,89 @@ class Prepared:
 
     def response(self) -> Response:
         """What came of it."""
-        scene, arrays, chosen = self.scene, self.arrays, self.method
-        state, peaks, ledger, numbers = self.begun
-        status, steps, events, orders, seconds = self.found
-        if status == layout.DONE and not (np.isfinite(numbers).all() and np.isfinite(peaks.samples).all()):
-            status = layout.NOT_FINITE
-        energy = {}
-        if chosen.keeps_ledger:
-            with np.errstate(over="ignore", invalid="ignore"):  # a run that failed may have ended at any numbers
-                energy = balance(scene, arrays, self.before, state, peaks, ledger)
-        outcome, advice = OUTCOMES[status]
-        if outcome in ENDS and abs(energy.get("residual", 0.0)) > max(self.accuracy, LEDGER_BOUND):
-            outcome, advice = OPEN_LEDGER
-        if status == UNSTABLE:
-            advice = (
-                f"the motion would grow without bound: take a time step below {self.limit:.2g} s, or method: taylor"
-            )
-        if outcome not in ENDS:  # no number of a run that failed is ever shown
-            for numbers in (*peaks[1:-1], state.u, state.v):
-                numbers.fill(np.nan)
-        buildings, links, columns = unpack(scene, arrays, state, peaks)
-        note = self.code.note(steps, events)
-        effects = effects_of(scene)
-        where = self._collapse() if outcome == COLLAPSED else (nan, -1, 0)
-        return Response(
-            buildings, links, outcome, advice, chosen.name, nan if chosen.takes_step else self.accuracy, steps, events,
-            seconds, orders=orders, time_step=self.setting if chosen.takes_step else nan, energy=energy,
-            flags=collapse_flag(scene, *where) + flags_of(scene, links) + ((note,) if note else ()),
-            effects=effects.kept, dropped=effects.dropped + self.condensing,
-            final=tuple((state.u[span].copy(), state.v[span].copy()) for span in arrays.floors),
-            samples=tuple(peaks.samples[:, span].copy() for span in arrays.floors if self.watch),
-            collapse_time=where[0], collapse_building=where[1], collapse_storey=where[2],
-            columns=columns,
-        )  # fmt: skip
+        return responses([self])[0]
 
-    def _collapse(self) -> tuple[float, int, int]:
+    def collapse(self) -> tuple[float, int, int]:
         """When the run ended [s], the building and the storey that has drifted furthest of what it stands."""
         parts = [self.begun.peaks.drift[span] / self.arrays.slots.collapse[span] for span in self.arrays.floors]
         building = int(np.argmax([part.max() for part in parts]))
         return self.reached, building, int(np.argmax(parts[building])) + 1
+
+    @property
+    def layout(self) -> tuple[object, ...]:
+        """The same for runs whose numbers can be read together: of the same buildings, with as many links."""
+        arrays = self.arrays
+        return id(arrays.slots.mass), arrays.links.size, arrays.links.number, arrays.columns, self.method.keeps_ledger
+
+
+def responses(runs: Sequence[Prepared]) -> list[Response]:
+    """What came of runs, in their order; those that are laid out alike are read as rows of the same arrays, since a
+    row's numbers cost as little as the smallest step of Python."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for place, run in enumerate(runs):
+        alike.setdefault(run.layout, []).append(place)
+    found: dict[int, Response] = {}
+    for places in alike.values():
+        found |= zip(places, _responses([runs[place] for place in places]), strict=True)
+    return [found[place] for place in range(len(runs))]
+
+
+def _responses(runs: Sequence[Prepared]) -> list[Response]:
+    """Of runs that are laid out alike."""
+    arrays, scenes = runs[0].arrays, [run.scene for run in runs]
+    state, peaks, ledger, finite = stacked(arrays, [run.begun for run in runs])
+    books: list[dict[str, float]] = [{} for _ in runs]
+    if runs[0].method.keeps_ledger:
+        with np.errstate(over="ignore", invalid="ignore"):  # a run that failed may have ended at any numbers
+            every = [run.arrays for run in runs]
+            books = balance(scenes, every, [run.before for run in runs], state, peaks, ledger)
+    ends = [_end(run, is_finite, book) for run, is_finite, book in zip(runs, finite.tolist(), books, strict=True)]
+    for row, (outcome, _) in enumerate(ends):
+        if outcome not in ENDS:  # no number of a run that failed is ever shown
+            for numbers in (*(each for each in peaks[1:-1] if each is not peaks.samples), state.u, state.v):
+                numbers[row].fill(np.nan)
+            runs[row].begun.peaks.samples.fill(np.nan)
+    unpacked = unpack(scenes, arrays, state, peaks)
+    final = list(zip(*(zip(state.u[:, span], state.v[:, span], strict=True) for span in arrays.floors), strict=True))
+    return [_response(*each) for each in zip(runs, ends, books, unpacked, final, strict=True)]
+
+
+def _end(run: Prepared, is_finite: bool, energy: dict[str, float]) -> tuple[str, str]:
+    """How a run ended, in words, and what to do about it."""
+    status = run.found[0]
+    if status == UNSTABLE:
+        advice = f"the motion would grow without bound: take a time step below {run.limit:.2g} s, or method: taylor"
+        return OUTCOMES[status][0], advice
+    if status == layout.DONE and not (is_finite and np.isfinite(run.begun.peaks.samples).all()):
+        status = layout.NOT_FINITE
+    end = OUTCOMES[status]
+    if end[0] in ENDS and abs(energy.get("residual", 0.0)) > max(run.accuracy, LEDGER_BOUND):
+        return OPEN_LEDGER
+    return end
+
+
+def _response(
+    run: Prepared,
+    end: tuple[str, str],
+    energy: dict[str, float],
+    unpacked: Unpacked,
+    final: tuple[tuple[np.ndarray, np.ndarray], ...],
+) -> Response:
+    """From what was read of a run."""
+    scene, (buildings, links, columns) = run.scene, unpacked
+    _, steps, events, orders, seconds = run.found
+    note = run.code.note(steps, events)
+    effects = effects_of(scene)
+    where = run.collapse() if end[0] == COLLAPSED else (nan, -1, 0)
+    takes_step, samples = run.method.takes_step, run.begun.peaks.samples
+    return Response(
+        buildings, links, *end, run.method.name, nan if takes_step else run.accuracy, steps, events,
+        seconds, orders=orders, time_step=run.setting if takes_step else nan, energy=energy,
+        flags=collapse_flag(scene, *where) + flags_of(scene, links) + ((note,) if note else ()),
+        effects=effects.kept, dropped=effects.dropped + run.condensing, final=final,
+        samples=tuple(samples[:, span].copy() for span in run.arrays.floors) if run.watch else (),
+        collapse_time=where[0], collapse_building=where[1], collapse_storey=where[2], columns=columns,
+    )  # fmt: skip
 
 
 def prepare(
@@ -215,7 +260,10 @@ def prepare(
         for span, u, v in zip(arrays.floors, *initial, strict=True):
             state.u[span], state.v[span] = u, v
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
-    before = AT_REST if initial is None else held(scene, arrays, begun.state)
+    before = AT_REST
+    if initial is not None:
+        kinetic, stored, in_links = held([scene], [arrays], stacked(arrays, [begun])[0])
+        before = float(kinetic[0]), float(stored[0]), float(in_links[0])
     limit = code.largest_step(arrays)
     return Prepared(scene, arrays, chosen, code, setting, accuracy, bounds, watch, begun, before, limit, condensing)
 

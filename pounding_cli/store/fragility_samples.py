@@ -174,6 +174,7 @@ class _Demands:
             demand = 0.0 * peaks[..., 0] if limit.quantity == COLLAPSE else over_limit(limit, peaks, height)
             own = storey[..., building] > 0
             ended = own if both else fell
+            # fault: demand-over-a-collapse
             both.append(_Demand(np.where(ended, demand_of_collapse(limit, own), demand), ended))
         return both[0], both[1]
 

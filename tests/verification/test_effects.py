@@ -20,9 +20,10 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve, taylor
-from pounding_cli.solve.arrays import at_rest, pack, unpack
+from pounding_cli.solve.arrays import at_rest, pack, stacked
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.groups import GroupSolver
+from pounding_cli.solve.unpack import unpack
 from pounding_cli.study import expand, load_study
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -34,11 +35,11 @@ STIFF, SOFT = shear_building(0.36, 5), shear_building(0.60, 5)
 def kernel(scene: Scene, everything: bool) -> list[np.ndarray]:
     """Every number of a run that looks for what the scene needs, or for everything."""
     arrays = pack(scene)
-    state, peaks, ledger, _ = at_rest(arrays)
-    run = taylor.prepare(scene, arrays, state, ACCURACY, (10**6, 10**6), everything)
-    status, *counts, _ = run(state, peaks, ledger, *segments(scene))
+    begun = at_rest(arrays)
+    run = taylor.prepare(scene, arrays, begun.state, ACCURACY, (10**6, 10**6), everything)
+    status, *counts, _ = run(*begun[:3], *segments(scene))
     assert status == layout.DONE
-    buildings, found, _ = unpack(scene, arrays, state, peaks)
+    ((buildings, found, _),) = unpack([scene], arrays, *stacked(arrays, [begun])[:2])
     numbers = [np.atleast_1d(value) for b in buildings for value in dataclasses.astuple(b)]
     return [*numbers, *dataclasses.astuple(found), np.array(counts)]
 

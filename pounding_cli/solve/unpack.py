@@ -1,0 +1,69 @@
+"""From the peaks of the kernels to those of buildings, links and columns: those of several runs at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pounding_cli.kernels.layout import Peaks, State
+from pounding_cli.model.effects import effects_of
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve.arrays import Arrays, drift_of
+from pounding_cli.solve.places import struck_columns
+from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse
+
+Unpacked = tuple[tuple[BuildingResponse, ...], LinkResponse, ColumnResponse]
+
+_NO_COLUMNS = ColumnResponse()
+
+
+def unpack(scenes: Sequence[Scene], arrays: Arrays, state: State, peaks: Peaks) -> list[Unpacked]:
+    """Peaks by slot and link, a row a scene, as responses by building, link and struck column, which share their
+    memory. The scenes have the same buildings and analysis, and as many links."""
+    drift_now = drift_of(arrays, state.u)
+    yielding = effects_of(scenes[0]).yielding  # elsewhere the kernels track drifts alone
+    still = np.zeros(len(scenes))
+    buildings = []
+    for b, building in enumerate(scenes[0].buildings):
+        span, base, rock = arrays.floors[b], arrays.bases[b], arrays.rocks[b]
+        drift = peaks.drift[:, span]
+        sway = _furthest(peaks, base) if base >= 0 else still
+        rocking = _furthest(peaks, rock) / float(building.elevation[-1]) if rock >= 0 else still
+        rows = zip(
+            peaks.shear[:, span] if yielding else building.stiffness * drift,
+            drift,
+            drift / building.yield_drift,
+            peaks.acceleration[:, span],
+            peaks.displacement_max[:, span],
+            peaks.displacement_min[:, span],
+            drift_now[:, span],
+            sway.tolist(),
+            rocking.tolist(),
+            strict=True,
+        )
+        buildings.append([BuildingResponse(*row) for row in rows])
+    of_links = (peaks.impacts, peaks.force, peaks.closing, peaks.impulse, peaks.contact_time)
+    links = [LinkResponse(*row) for row in zip(*(each[:, : arrays.links.number] for each in of_links), strict=True)]
+    columns = [_NO_COLUMNS] * len(scenes)
+    if arrays.columns:
+        shears = peaks.shear[:, arrays.points.shears.slot]
+        columns = [columns_of(scene, *row.reshape(-1, 2).T) for scene, row in zip(scenes, shears, strict=True)]
+    return list(zip(zip(*buildings, strict=True), links, columns, strict=True))
+
+
+def _furthest(peaks: Peaks, slot: int) -> np.ndarray:
+    """Largest displacement of a slot, to either side [m], shape (scenes,)."""
+    return np.maximum(peaks.displacement_max[:, slot], -peaks.displacement_min[:, slot])
+
+
+def columns_of(scene: Scene, below: np.ndarray, above: np.ndarray) -> ColumnResponse:
+    """The response of struck columns from their largest shears below and above the blow [N], one for each link of the
+    scene that asks for them."""
+    columns = struck_columns(scene.links)
+    if not columns:
+        return _NO_COLUMNS
+    strength = [each.share * scene.buildings[each.building].yield_shear[each.storey - 1] for each in columns]
+    demand = np.maximum(below, above) / np.array(strength, float)
+    demand[np.isinf(strength)] = np.nan
+    return ColumnResponse(np.array([each.link for each in columns], np.int64), below, above, demand)
