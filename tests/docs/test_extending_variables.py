@@ -64,7 +64,7 @@ def folder(tmp_path):
 
 
 def test_one_entry_makes_a_variable_of_the_file_and_all_that_reads_it(folder):
-    """Fails where the writer, a table, units, expressions, figures or the page have a list of variables of their own."""
+    """Fails where the writer, a table, units, expressions, figures or the page keep a list of their own."""
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     command = [sys.executable, "walk.py"]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
