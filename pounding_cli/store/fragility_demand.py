@@ -18,13 +18,12 @@ from pounding_cli.study.fragility_rounds import (
     struck_columns,
 )
 from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
+from pounding_cli.variables import ALONE
 
 if TYPE_CHECKING:
     from pounding_cli.model.links import LinkPlace
     from pounding_cli.study import Plan
     from pounding_cli.study.fragility import Question
-
-_ALONE = {"mu": "mu0", "drift": "drift0", "acceleration": "acceleration0"}
 
 
 class Demand(NamedTuple):
@@ -59,11 +58,12 @@ class Demands:
         height = own_building.height
         both: list[Demand] = []
         quantity = "drift" if limit.quantity == COLLAPSE else limit.quantity
-        for name, storey in zip((quantity, _ALONE[quantity]), storeys, strict=True):
+        for name, storey in zip((quantity, ALONE[quantity]), storeys, strict=True):
             peaks = self._levels(name)[point, case, analysis, ..., building, : len(height)]
             demand = 0.0 * peaks[..., 0] if limit.quantity == COLLAPSE else over_limit(limit, peaks, height)
             own = storey[..., building] > 0
             ended = own if both else fell
+            # fault: demand-over-a-collapse
             both.append(Demand(np.where(ended, demand_of_collapse(limit, own), demand), ended))
         return both[0], both[1]
 

@@ -239,7 +239,7 @@ def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.nda
         for number in series.targets if response.has_result else ():
             limit, building = asked.targets[number].limit, asked.targets[number].building
             place = building if series.building < 0 else 0
-            if response.collapse_storey:
+            if response.collapse_storey:  # fault: collapse-in-rounds
                 demand[number] = demand_of_collapse(limit, response.collapse_building == place)
                 continue
             if limit.quantity == COLLAPSE:
