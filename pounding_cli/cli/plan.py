@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
     from pounding_cli.laws.law import LinkLaw
     from pounding_cli.numbers import Unit
-    from pounding_cli.study import Plan
+    from pounding_cli.study import Plan, Study
 
 
 WORTH_PROVING = 5.0
@@ -28,7 +28,8 @@ asked."""
 @click.option("--all-effects", is_flag=True, help="Show the plan of a run that leaves nothing out.")
 def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     """Show what STUDY would run and what not: scenes by method, effects kept and dropped with the reason, baselines
-    shared, rows answered by their buildings alone or by smaller groups of them, expected time.
+    shared, rows answered by their buildings alone or by smaller groups of them, expected time. Then the questions that
+    its sections ask (`fragility:`, `sensitivity:`, ...), with the scenes of their first round.
 
     Nothing is written. The buildings alone are run where that takes a few seconds, because whether a gap ever closes
     follows from them.
@@ -46,8 +47,36 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
     plan = dataclasses.replace(expand(read), all_effects=all_effects)
-    for line in _lines(plan, prove):
+    asked = _questions(read, all_effects)
+    for line in [*_lines(plan, prove), *asked]:
         click.echo(line)
+
+
+def _questions(study: Study, all_effects: bool) -> list[str]:
+    """What the sections of a study ask, with the scenes of the first round of each question and their time."""
+    import dataclasses
+
+    from pounding_cli.batch.forecast import forecast
+    from pounding_cli.workflows import WORKFLOWS
+
+    lines = []
+    for name, workflow in WORKFLOWS.items():
+        if not workflow.schema or study.resolver.root.get(name) is None:
+            continue
+        plan = dataclasses.replace(workflow.part("expand")(study), all_effects=all_effects)
+        later = ""
+        if plan.ahead:
+            later = f"; later rounds about {plan.ahead} more at most"
+        elif any(row.scene not in plan.scenes for row in plan.rows if row.scene):
+            later = f"; later rounds some of the {len(plan.rows)} rows' scenes, as the answers decide"
+        elif plan.state is not None:
+            later = "; later rounds follow from its answers"
+        first = "the first round has" if later else "it has"
+        time = _time(forecast(plan, prove=False).total)
+        lines.append(
+            f"  pound {name:<12} {first} {counted(len(plan.scenes), 'scene')}, about {time} on one core{later}"
+        )
+    return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
 
 def _lines(plan: Plan, prove: bool | None) -> list[str]:
