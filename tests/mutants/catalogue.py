@@ -948,7 +948,7 @@ FRAGILITY = [
     Mutant(
         "demand-over-a-collapse",
         "a collapsed scene counts by the peaks it reached",
-        "both.append(_Demand(demand, ended))",
+        "both.append(Demand(demand, ended))",
         f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
     ),
     Mutant(
