@@ -12,7 +12,7 @@ from pounding_cli.kernels.cells import at, at_link, of, of_link, of_link_integer
 from pounding_cli.kernels.clock import END, EVENT_GUARD, EVENT_LINK, INVERSE_H, ORDER, H
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import closing_at_end, difference
-from pounding_cli.kernels.polynomial import NEVER, first_crossing
+from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
 from pounding_cli.kernels.simd import (
     greater,
     load,
@@ -27,12 +27,25 @@ from pounding_cli.kernels.storey_law import guarded_drift
 from pounding_cli.kernels.summary import drift_series, may_turn_by_ends, rate_term
 
 MAX_STOREY_EVENTS_AT_INSTANT = 6
-"""Events of a storey at one instant after which it is asked nothing more until time goes on: at rest and without shear,
-a storey whose shear decides its branch would go round by the last digits of both for ever."""
+"""Events of a storey at one instant after which it leaves a branch only if that is left at the end of the step too: at
+rest and without shear, a storey whose shear decides its branch would go round by the last digits of both for ever.
+After twice as many it is asked nothing more until time goes on."""
+
+AT_ONCE = 1e-12
+"""Part of a step [-] in which a storey that leaves its branch leaves it at the start."""
 
 MAX_EVENTS_AT_INSTANT = 2
 """Events of a link at one instant after which some guards are asked no more until time goes on: an event that undoes
 itself at once is rounding (floors that part from rest at a high order of their motion, say)."""
+
+
+@njit(**PART)
+def storey_crossing(run, order, end, events):
+    """`first_crossing` of the polynomial in `scratch` for a storey with so many events at this instant."""
+    s = first_crossing(run.scratch, order, end)
+    if events >= MAX_STOREY_EVENTS_AT_INSTANT and s < AT_ONCE and value(run.scratch, order, 1.0) > 0.0:
+        return NEVER
+    return s
 
 
 @njit(**PART)
@@ -67,11 +80,12 @@ def _storey_crossing(run, i):
     earliest = NEVER
     first = 0
     b = run.storeys[of_storey(run, i, c.STOREY_BRANCH)]
-    if run.storeys[of_storey(run, i, c.STOREY_EVENTS)] >= MAX_STOREY_EVENTS_AT_INSTANT:
+    events = run.storeys[of_storey(run, i, c.STOREY_EVENTS)]
+    if events >= 2 * MAX_STOREY_EVENTS_AT_INSTANT:
         return earliest, first
     for g in range(int(t.branch(run, b, t.FIRST_GUARD)), int(t.branch(run, b, t.LAST_GUARD))):
         if _storey_guard(run, i, b, g):
-            s = first_crossing(run.scratch, run.tally[ORDER], min(1.0, earliest))
+            s = storey_crossing(run, run.tally[ORDER], min(1.0, earliest), events)
             if s < earliest:
                 earliest = s
                 first = g

@@ -19,7 +19,7 @@ from pounding_cli.kernels.clock import (
     SEGMENT_LENGTH,
     H,
 )
-from pounding_cli.kernels.crossings import MAX_EVENTS_AT_INSTANT, MAX_STOREY_EVENTS_AT_INSTANT
+from pounding_cli.kernels.crossings import MAX_EVENTS_AT_INSTANT, MAX_STOREY_EVENTS_AT_INSTANT, storey_crossing
 from pounding_cli.kernels.layout import CALLED, PART
 from pounding_cli.kernels.link_series import difference
 from pounding_cli.kernels.polynomial import NEVER, first_crossing, value
@@ -34,6 +34,9 @@ from pounding_cli.kernels.terms import end_points
 
 UNEVEN = 1e-14
 """Part of a segment [-] by which a step may miss its end."""
+
+SOONEST, LATER = 1e-9, 1e3
+"""Part of a step [-] in which a closing that is resolved is looked for first, and how much longer each next part is."""
 
 
 @njit(**PART)
@@ -70,7 +73,7 @@ def _storey_end(run, p, i):
             if run.storeys[of_storey(run, i, c.STOREY_PINNED)] == g:
                 run.scratch[0] = 0.0
                 run.scratch[1] = 0.0
-        s = first_crossing(run.scratch, order, min(1.0, earliest))
+        s = storey_crossing(run, order, min(1.0, earliest), run.storeys[of_storey(run, i, c.STOREY_EVENTS)])
         if s < earliest:
             earliest = s
             first = g
@@ -85,7 +88,7 @@ def _first_storey(run, p):
     for i in range(run.slot_start, run.slot_stop):
         run.slots[of(i, c.EVENT_ROOT)] = NEVER
         events = run.storeys[of_storey(run, i, c.STOREY_EVENTS)]
-        if run.storeys[of_storey(run, i, c.STOREY_BRANCH)] != t.NO_BRANCH and events < MAX_STOREY_EVENTS_AT_INSTANT:
+        if run.storeys[of_storey(run, i, c.STOREY_BRANCH)] != t.NO_BRANCH and events < 2 * MAX_STOREY_EVENTS_AT_INSTANT:
             s, guard = _storey_end(run, p, i)
             run.slots[of(i, c.EVENT_ROOT)] = s
             run.storeys[of_storey(run, i, c.STOREY_GUARD)] = guard
@@ -174,6 +177,18 @@ def _first_link(run, p):
     return found
 
 
+@njit(**PART)
+def _first_of_all(run, order, end):
+    """`first_crossing` of the polynomial in `scratch`, in ever longer intervals: it may be by a closing far below the
+    last digit of what the whole step brings."""
+    within = SOONEST * end
+    s = first_crossing(run.scratch, order, within)
+    while s == NEVER and within < end:
+        within = min(LATER * within, end)
+        s = first_crossing(run.scratch, order, within)
+    return s
+
+
 @njit(**CALLED)
 def _presses(run, p):
     """Whether the step ends where a force begins to be resolved; its place goes to END."""
@@ -191,7 +206,7 @@ def _presses(run, p):
                 row = k * run.padded
                 run.scratch[k] = p.U[row + right] - p.U[row + left]
             run.scratch[0] = 2.0 * least - register(p, e, CLOSING)[0]
-            s = first_crossing(run.scratch, order, min(1.0, run.clock[END]))
+            s = _first_of_all(run, order, min(1.0, run.clock[END]))
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
                 found = True

@@ -85,6 +85,9 @@ from pounding_cli.kernels.source import source_digest
 from pounding_cli.kernels.terms import room_for_terms, start_points, terms_frame
 from pounding_cli.kernels.transitions import initialise_branches, link_event, storey_events, unpin
 
+INSTANT = 1e-15
+"""Part of a step [-] in which time does not go on: velocities that are rounding turn round so soon."""
+
 
 @njit(**PART)
 def _count_step(run, finished, happened, settings):
@@ -93,7 +96,7 @@ def _count_step(run, finished, happened, settings):
     tally = run.tally
     tally[STEPS] += 1
     tally[ORDERS] += tally[ORDER]
-    if clock[END] > 0.0:
+    if clock[END] > INSTANT:
         tally[EVENTS_AT_INSTANT] = 0
     clock[ELAPSED] += clock[H] * clock[END]
     if finished or clock[ELAPSED] >= clock[SEGMENT_LENGTH]:
@@ -130,7 +133,7 @@ def _march(other_step, track_shears, run, terms, programs, settings, pinned_at_e
         if status >= 0:
             break
         renew_scale(run)
-        if pinned_at_event and clock[END] > 0.0:
+        if pinned_at_event and clock[END] > INSTANT:
             unpin(run)
             pinned_at_event = np.bool_(False)
         if link:

@@ -154,7 +154,7 @@ class Building:
     def collapse_drift(self) -> np.ndarray:
         """Drift at which every storey counts as collapsed [m], inf where that is not looked for, shape (n,)."""
         if self.collapse is not None:
-            return self.collapse * self.height
+            return self.collapse * self.height  # fault: drift-of-collapse
         softest = np.array([law.softest for law in self.laws])
         softens = np.isfinite(self.yield_shear) & (self.stability_coefficient > softest)
         return (COLLAPSE if softens.any() else np.inf) * self.height

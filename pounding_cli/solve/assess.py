@@ -126,6 +126,7 @@ def difference(first: Response, second: Response) -> float:
 
 def _end_alike(first: Response, second: Response) -> bool:
     """Whether both runs came to the end of the motion, or in both the same storey collapsed."""
+    # fault: ends-alike
     return (first.collapse_building, first.collapse_storey) == (second.collapse_building, second.collapse_storey)
 
 

@@ -52,7 +52,7 @@ class Header:
     @property
     def has_peaks(self) -> bool:
         """Whether its largest values are those of the whole motion."""
-        return self.facts["status"] == DONE
+        return self.facts["status"] == DONE  # fault: peaks-of-a-collapse
 
 
 def encode(response: Response) -> tuple[str, np.ndarray]:

@@ -28,11 +28,11 @@ from pounding_cli.store.files import damage_of, opened
 from pounding_cli.store.former import written_place
 from pounding_cli.store.histories import Kept, write_histories
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
-from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES, WRITTEN
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.sink import writing
 from pounding_cli.store.solutions import write_solutions
 from pounding_cli.store.swept import describe_unit
+from pounding_cli.variables import COORDINATES, RECORDS, VARIABLES, WRITTEN
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:

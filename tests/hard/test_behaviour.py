@@ -13,9 +13,10 @@ from pounding_cli.solve import solve
 from pounding_cli.study import expand, load_study
 
 from .catalogue import SCENES
+from .fuzz import FOUND
 from .make_motions import FOLDER, MOTIONS, text_of
 from .test_catalogue import distance, peaks
-from .verdict import scenes_of
+from .verdict import closes_to, scenes_of
 
 
 def written(tmp_path: Path, name: str, **changes) -> Path:
@@ -42,6 +43,15 @@ def test_leaning_without_chatter(case):
             links = solve(scene, accuracy).links
             assert links.contact_time.min() > 0.9 * scene.motion.duration
             assert links.impacts.max() <= 2
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_rest_without_strength(accuracy):
+    """Fails if a storey at rest turns round for ever, or is asked no more and so carried along a line it has left."""
+    for where, scene, _ in scenes_of(FOUND / "without-strength.yaml"):
+        found = solve(scene, accuracy, bounds=(1000, 1000))
+        assert found.status == "done", where
+        assert abs(found.energy["residual"]) <= closes_to(accuracy), where
 
 
 def test_nothing_is_lost_at_restitution_one():

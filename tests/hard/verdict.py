@@ -138,7 +138,7 @@ def faults_in(path: Path, tally: Tally) -> list[str]:
                     tally.worst_residual = max(tally.worst_residual, abs(response.energy["residual"]))
                     tally.over += abs(response.energy["residual"]) > 1e-8
                 fault = fault_of(response)
-                if response.status in ("stalled", "not finite"):
+                if response.status in ("stalled", "not finite", "energy does not close"):
                     fault = response.status
                 if not fault and response.steps == 0 and response.status == "done":
                     tally.not_simulated += 1

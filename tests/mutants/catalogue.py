@@ -21,6 +21,7 @@ THROW = f"{VERIFICATION}/test_hysteresis.py::test_throw_of_an_undamped_storey"
 EVENTS = f"{VERIFICATION}/test_event_reference.py::test_pounding"
 YIELDING = f"{VERIFICATION}/test_event_reference.py::test_yielding_connected_pair_with_a_tail"
 P_DELTA = f"{VERIFICATION}/test_p_delta.py"
+COLLAPSES, COLLAPSED_RUNS = f"{VERIFICATION}/test_collapse.py", "tests/cli/test_collapsed_runs.py"
 LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
 COLUMNS = f"{VERIFICATION}/test_columns.py::test_columns_that_strike_columns"
 SHEARS = f"{VERIFICATION}/test_column_shears.py"
@@ -110,6 +111,24 @@ LINKS = [
         "a Bouc-Wen storey that yields at twice its strength",
         ("1.0 - factor", "1.0 - 0.5 * factor"),
         f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
+    ),
+    Mutant(
+        "bouc-wen-gamma",
+        "gamma of a Bouc-Wen storey with the other sign",
+        ("+ self", "- self"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_unloading_by_gamma",
+    ),
+    Mutant(
+        "bouc-wen-exponent",
+        "the exponent of a Bouc-Wen storey is one less",
+        ("self.wen_exponent", "max(self.wen_exponent - 1, 1)"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
+    ),
+    Mutant(
+        "bouc-wen-stores",
+        "what the hysteretic part of a Bouc-Wen storey stores counts as lost",
+        ("Z**2", "0.0"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_a_closed_loop_loses_its_area",
     ),
     Mutant(
         "storey-pushes-below",
@@ -235,7 +254,61 @@ STOREYS = [
         "collapse-in-time",
         "a collapse is looked for where a link or storey has an event anyway",
         ("settings.watched > 0 and", "settings.watched > 0 and (storeys or link) and"),
-        f"{VERIFICATION}/test_collapse.py::test_time_in_closed_form",
+        f"{COLLAPSES}::test_time_in_closed_form",
+    ),
+    Mutant(
+        "where-it-collapses",
+        "a collapse is placed later in its step than the drift is passed",
+        ("= s", "= s + 0.02"),
+        f"{COLLAPSES}::test_time_in_closed_form",
+    ),
+    Mutant(
+        "collapse-on-program",
+        "a collapse is not looked for where a force is written as operations",
+        ("watched > 0", "watched > 1"),
+        f"{COLLAPSES}::test_during_contact",
+    ),
+    Mutant(
+        "drift-of-collapse",
+        "every storey collapses at 10 %, whatever is asked",
+        ("self.collapse *", "COLLAPSE *"),
+        f"{COLLAPSES}::test_where_it_is_looked_for",
+    ),
+    Mutant(
+        "stands-apart",
+        "buildings that stand apart do not end at the collapse of another",
+        (" and not watched", ""),
+        f"{COLLAPSES}::test_buildings_that_stand_apart_end_at_one_time",
+    ),
+    Mutant(
+        "ends-alike",
+        "runs that end with the collapse of different storeys are compared by their peaks",
+        "return True",
+        f"{COLLAPSES}::test_two_accuracies_that_disagree",
+    ),
+    Mutant(
+        "peaks-of-a-collapse",
+        "the peaks of a scene that collapsed count in the statistics",
+        ("== DONE", "in OUTCOMES"),
+        f"{COLLAPSED_RUNS}::test_run_show_and_compare",
+    ),
+    Mutant(
+        "collapses-counted",
+        "records with a collapse are not counted",
+        ("== COLLAPSED", '== ""'),
+        f"{COLLAPSED_RUNS}::test_run_show_and_compare",
+    ),
+    Mutant(
+        "another-outcome",
+        "a collapse in one of two results files is no difference",
+        ("!= other", "!= one"),
+        f"{COLLAPSED_RUNS}::test_run_show_and_compare",
+    ),
+    Mutant(
+        "a-collapse-is-no-failure",
+        "a collapse is told as a scene that failed",
+        ("isin(OUTCOMES)", "isin(OUTCOMES[:1])"),
+        f"{COLLAPSED_RUNS}::test_export_and_page",
     ),
     Mutant("storey-remembers", "plastic drift of the wrong side", ("DRIFT + limit", "DRIFT - limit"), THROW),
     Mutant(
@@ -302,6 +375,12 @@ MOTION = [
         "an island solved again keeps the energies of what was taken back",
         ("STOREY_MEMORY, SPRING_FORCE", "STOREY_MEMORY, INPUT_ENERGY"),
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
+    ),
+    Mutant(
+        "island-slots-restored",
+        "an island solved again keeps what its smooth storeys remember",
+        ("= STOREY_MEMORY", "= STOREY_MEMORY + 8"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_chain_of_ten",
     ),
     Mutant(
         "island-stencils-restored",
@@ -864,6 +943,18 @@ FRAGILITY = [
         "demand-of-collapse",
         "a scene that ended with a collapse counts as holding",
         ("np.inf", "0.0"),
+        f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
+    ),
+    Mutant(
+        "demand-over-a-collapse",
+        "a collapsed scene counts by the peaks it reached",
+        "both.append(Demand(demand, ended))",
+        f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
+    ),
+    Mutant(
+        "collapse-in-rounds",
+        "a search goes by the peaks that a collapsed scene reached",
+        "if False:",
         f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
     ),
     Mutant(

@@ -17,7 +17,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import METHODS, solve
-from pounding_cli.solve.assess import assess, difference
+from pounding_cli.solve.assess import assess, change, difference
 from pounding_cli.solve.histories import history
 
 THETA, SPEED = 0.25, 0.6
@@ -234,6 +234,20 @@ def test_chain_of_ten():
     )
 
 
+def test_buildings_that_stand_apart_end_at_one_time():
+    """Five buildings whose gaps stay open, so that each could take steps of its own. Fails if those beside the one that
+    comes down are run on to the end of a sample, or stop at its beginning."""
+    row = [shear_building(0.5 + 0.04 * n, 5, strength=2.0) for n in range(5)]
+    row[2] = dataclasses.replace(leaning(shear_building(0.9, 5, strength=0.3, damping=0.02), 0.06), collapse=0.1)
+    joined = tuple(link for left in range(4) for link in links("pounding", 2.0, (5,), left=left))
+    scene = Scene(tuple(row), joined, shake(8.0, 6.0), INELASTIC)
+    found, whole = solve(scene, 1e-10), solve(scene, 1e-10, all_effects=True)
+    assert (found.status, found.collapse_building, found.links.impacts.sum()) == ("collapsed", 2, 0)
+    assert found.collapse_time == pytest.approx(whole.collapse_time, rel=1e-8)
+    for (u, _), (expected, _) in zip(found.final, whole.final, strict=True):
+        assert u == pytest.approx(expected, abs=1e-9)
+
+
 def test_in_the_first_step():
     """Fails if what is passed in the first step of all is seen in the second."""
     jolt = Motion("jolt", 0.01, np.array([1e4, 1e4, 0.0]))
@@ -254,8 +268,23 @@ def test_hardly_any_stiffness(theta):
 
 
 def test_two_accuracies_that_disagree():
-    """Fails if a run that stands is taken to agree with one that collapses."""
+    """Fails if a run that stands, or in which another storey collapses, is taken to agree with one that collapses."""
     one, other = run(thrown()), run(thrown(collapse=np.inf))
-    assert difference(one, other) == np.inf
+    for unlike in (other, dataclasses.replace(one, collapse_storey=2), dataclasses.replace(one, collapse_building=1)):
+        assert difference(one, unlike) == change(one, unlike) == np.inf
+    assert change(one, one) == 0.0
     assert difference(one, run(thrown(collapse=0.09))) > 0.01
     assert layout.COLLAPSED not in (layout.DONE, layout.STALLED)
+
+
+def test_an_outcome_that_is_open_is_flagged():
+    """A collapse that a nudge of the motion decides, and one that no accuracy does. Fails if such a scene counts as
+    well-conditioned, or its error as the difference of two peaks."""
+    scene = thrown()
+    falls, stands = run(scene), run(thrown(collapse=np.inf))
+    nudged = assess(scene, falls, 1e-6, lambda asked, **_: falls if asked.motion is scene.motion else stands)
+    assert (nudged.sensitivity, nudged.error_estimate) == (np.inf, 0.0)
+    assert any("decides which storey collapses" in flag for flag in nudged.flags)
+    unsettled = assess(scene, falls, 1e-6, lambda _, accuracy, **__: falls if 1e-13 < accuracy < 1e-10 else stands)
+    assert unsettled.error_estimate == np.inf
+    assert any("which storey collapses, or whether one does, is open" in flag for flag in unsettled.flags)

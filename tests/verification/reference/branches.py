@@ -33,10 +33,21 @@ def hertz_damping(restitution: float) -> float:
     )
 
 
+def hertz_factor(law) -> float:
+    """zeta [-] of a law: as above, or by a formula as published."""
+    e, formula = law.restitution, str(law.damping_formula)
+    if formula == "muthukumar":
+        return 3 * (1 - e**2) / 4
+    return 8 * (1 - e) / (5 * e) if formula == "ye" else hertz_damping(e)
+
+
 @functools.cache
-def jankowski_damping(restitution: float) -> float:
+def jankowski_damping(restitution: float, formula: str = "exact") -> float:
     """xi [-] that gives e: with s = v^1.25 the approach is that of a damped oscillator of ratio b = sqrt(0.8) xi as
-    far as it turns; e is what its spring then holds; 0 < e < 1, b below one."""
+    far as it turns; e is what its spring then holds; 0 < e < 1, b below one. Or by his formula."""
+    if formula == "jankowski":
+        e = restitution
+        return 4.5 * math.sqrt(5) * (1 - e**2) / (e * (e * (9 * math.pi - 16) + 16))
 
     def left(b: float) -> float:
         damped = math.sqrt(1 - b * b)
@@ -140,10 +151,10 @@ class Laws:
             if link.name == "hertz":
                 return spring
             if link.name == "jankowski":
-                xi = jankowski_damping(link.restitution)
+                xi = jankowski_damping(link.restitution, str(link.damping_formula))
                 c = 2 * xi * np.sqrt(link.hertz_stiffness * np.sqrt(np.maximum(v, 0.0)) * self.reduced[e])
                 return spring + c * rate if branch == "on" else spring
-            zeta = hertz_damping(link.restitution)
+            zeta = hertz_factor(link)
             return spring * (1 + zeta * (1.0 if branch == "gaining" else rate / (speed or {})[e]))
         if link.name == "damper":
             return link.damping_coefficient * rate + 0.0 * v
@@ -287,7 +298,7 @@ class Laws:
         contact would pull."""
         if b.link[e] == "gaining":
             return [(("link", e, "on"), -(self.c.closing[e] @ acceleration()))]
-        pulls = -v_rate - b.speed[e] / hertz_damping(self.scene.links[e].law.restitution)
+        pulls = -v_rate - b.speed[e] / hertz_factor(self.scene.links[e].law)
         if b.link[e] == "cut":
             return [(("link", e, "press"), -pulls)]
         return [(("link", e, "gaining"), v_rate - b.speed[e]), (("link", e, "cut"), pulls)]
