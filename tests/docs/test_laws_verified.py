@@ -25,4 +25,5 @@ def test_the_tests_are_there():
     found = re.findall(r"`([a-z_]+)::(\w+)`", SECTION)
     assert len(found) > 50
     for module, name in found:
-        assert f"def test_{name}(" in (ROOT / "tests" / "verification" / f"test_{module}.py").read_text(), (module, name)
+        text = (ROOT / "tests" / "verification" / f"test_{module}.py").read_text()
+        assert f"def test_{name}(" in text, (module, name)
