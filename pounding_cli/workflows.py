@@ -33,7 +33,7 @@ class Workflow:
     expand : (Study) -> Plan, the scenes of the first round
     refine : (Plan, responses by digest) -> Plan of the next round, which holds the scenes of all rounds before;
         None when nothing is left to ask
-    tables : (Plan, read) -> list of `store.answers.Table`; `read(name)` gives a variable of `store.layout` over the
+    tables : (Plan, read) -> list of `store.answers.Table`; `read(name)` gives a variable of `variables` over the
         whole study, shape (swept axes, dimensions of the variable)
     page : (Results, Evidence of the point shown, with_figures) -> `report.answer_page.AnswerPage`: what the report says
         and draws in place of the ratios to the building alone

@@ -47,7 +47,7 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
             click.echo(point.label)
         click.echo(f"  |R1| at most {result.peak1:.3f} at Omega/omega10 = {result.at1:.3f}")
         click.echo(f"  |R2| at most {result.peak2:.3f} at Omega/omega10 = {result.at2:.3f}")
-        click.echo(f"  coupled frequencies over omega10: {low:.4f}, {high:.4f} (alone: 1, {point.pair.p:.4f})")
+        click.echo(f"  coupled frequencies over omega10: {low:.4f}, {high:.4f} (alone: 1, {point.model.p:.4f})")
         bands = ", ".join(f"{a:.3f}-{b:.3f}" for a, b in result.both_above)
         click.echo(f"  both ratios exceed 1 in: {bands or 'nowhere'}")
     for file in files:

@@ -14,20 +14,25 @@ import click
 from pounding_cli import __version__
 from pounding_cli.cli import streams
 from pounding_cli.errors import InputError
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+
+def _asking(*names: str) -> dict[str, tuple[str, str]]:
+    """The commands of workflows; without names all that are answered by time histories."""
+    chosen = names or [each.name for each in WORKFLOWS.values() if each.expand]
+    return {name: (f"pounding_cli.cli.{name}", WORKFLOWS[name].title) for name in chosen}
+
+
 COMMANDS = {
     "init": ("pounding_cli.cli.init", "Write a commented study to start from."),
     "check": ("pounding_cli.cli.check", "Validate a study file only."),
-    "run": ("pounding_cli.cli.run", "Run a study and print its summary."),
+    **_asking("run"),
     "show": ("pounding_cli.cli.show", "Print a table of a results file."),
     "report": ("pounding_cli.cli.report", "Draw the figures and write the tables and the claims."),
-    "gap": ("pounding_cli.cli.gap", "How wide must the gap be?"),
-    "fragility": ("pounding_cli.cli.fragility", "How likely is a limit passed?"),
-    "sensitivity": ("pounding_cli.cli.sensitivity", "What decides the numbers?"),
-    "optimise": ("pounding_cli.cli.optimise", "What is best?"),
+    **_asking(),
     "animate": ("pounding_cli.cli.animate", "Show a scene over time as a film."),
     "plan": ("pounding_cli.cli.plan", "Show what would run and what would not, before running."),
     "export": ("pounding_cli.cli.export", "Write tables as CSV, Parquet, Excel or netCDF."),
@@ -35,9 +40,9 @@ COMMANDS = {
     "cite": ("pounding_cli.cli.cite", "List the references of what a study used."),
     "schema": ("pounding_cli.cli.schema", "Print the JSON Schema of study files, for editors."),
     "records": ("pounding_cli.cli.records", "List, show, import and synthesize ground motions."),
-    "connector": ("pounding_cli.cli.connector", "Two connected oscillators in closed form (Figs 4 and 5)."),
+    **_asking("connector"),
     "accuracy": ("pounding_cli.cli.accuracy", "Error against time of every method; the cheapest for a wanted error."),
-    "wall": ("pounding_cli.cli.wall", "The bumper wall of Fig. 8."),
+    **_asking("wall"),
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from pounding_cli.study.wall_study import WallPoint
+    from pounding_cli.study.system_study import Point
     from pounding_cli.wall.analysis import WallResponse
+    from pounding_cli.wall.model import WallModel
 
 
 @click.command("wall", short_help="The bumper wall of Fig. 8.")
@@ -50,7 +51,7 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
         click.echo(f"wrote {path}" + (f" and {len(files) - 1} figures and fields" if len(files) > 1 else ""))
 
 
-def _summary(point: WallPoint, response: WallResponse) -> None:
+def _summary(point: Point[WallModel], response: WallResponse) -> None:
     if point.label:
         click.echo(point.label)
     left = f"{1e3 * response.separation:.1f} ms" if math.isfinite(response.separation) else "not reached"

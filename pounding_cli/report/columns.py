@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from pounding_cli.numbers import Unit
-from pounding_cli.store.layout import COORDINATES, VARIABLES
+from pounding_cli.variables import COORDINATES, VARIABLES
 
 
 @dataclass(frozen=True)
@@ -31,21 +31,9 @@ _COUNTS = ("impacts", "steps", "events", "orders", "storey", "floor", "place", "
 _LARGE = ("height", "window", "period", "pga", "arias")
 """Columns whose SI unit is already the one they are read in."""
 
-_LABELS = {
-    "V": "V", "V0": "V₀", "V_ratio": "V/V₀", "mu": "μ", "mu0": "μ₀", "mu_ratio": "μ/μ₀",
-    "drift0": "drift alone", "acceleration0": "acceleration alone", "acceleration_ratio": "a/a₀",
-    "displacement_max": "displacement, right", "displacement_min": "displacement, left",
-    "max_closing": "largest closing", "peak_force": "peak force", "impacts": "contacts",
-    "error_estimate": "error", "seconds": "solver time", "pga": "peak", "arias": "Arias intensity",
-    "window": "duration", "right_floor": "floor right", "shear_below": "column shear below the blow",
-    "shear_above": "column shear above the blow", "shear_demand": "column shear over strength",
-}  # fmt: skip
-_TEXTS = {
-    "V_ratio": "storey shear over that alone", "mu": "ductility",
-    "mu_ratio": "ductility over that alone", "drift": "largest storey drift",
-    "acceleration_ratio": "floor acceleration over that alone", "displacement": "largest, either way",
-    "impacts": "times the link closed", "V_ratio_mean": "mean over the motions",
-}  # fmt: skip
+_LABELS = {v.name.removeprefix("record_"): v.label for v in VARIABLES.values() if v.label}
+_LABELS |= {"right_floor": "floor right"}
+_TEXTS = {v.name: v.brief for v in VARIABLES.values() if v.brief} | {"V_ratio_mean": "mean over the motions"}
 _ASIDE = {
     "seconds": ("ms", 1e3), "contact_time": ("ms", 1e3), "error_estimate": ("–", 1.0), "sensitivity": ("–", 1.0),
 }  # fmt: skip

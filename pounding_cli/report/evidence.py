@@ -14,7 +14,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.flagged import FlagGroup, failed_scenes, flag_groups_of
-from pounding_cli.store.layout import OF_COLUMNS, VARIABLES
+from pounding_cli.variables import LINK, OF_COLUMNS, RESPONSES, VARIABLES
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
 """The tables of a results file, named as its methods and as the CSV files."""
@@ -219,7 +219,7 @@ def by_floor(link: pd.DataFrame) -> pd.DataFrame:
     place = [*axis_keys(link), "case", "analysis", "record", "left", "right", "floor"]
     if not any(", " in label for label in link["link"].unique()) or not link.duplicated(place).any():
         return link
-    numbers = ("impacts", "peak_force", "max_closing", "impulse", "contact_time", *OF_COLUMNS)
+    numbers = dict.fromkeys((*(v.name for v in RESPONSES if v.dims == LINK), *OF_COLUMNS))
     largest = dict.fromkeys((name for name in numbers if name in link.columns), "max")
     others = [name for name in link.columns if name not in (*place, *largest)]
     return link.groupby(place, sort=False, as_index=False).agg(dict.fromkeys(others, "first") | largest)

@@ -16,7 +16,7 @@ from pounding_cli.report.axes import SweptAxis, swept_axes
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Tables, names
 from pounding_cli.store.flagged import flagged_scenes
-from pounding_cli.store.layout import OF_COLUMNS, RESPONSES, VARIABLES
+from pounding_cli.variables import OF_COLUMNS, RESPONSES, VARIABLES
 
 LEVELS = {
     "storey": ("case", "analysis", "building", "storey"),

@@ -29,7 +29,7 @@ _AT_ONCE = 1 << 16
 """Numbers of a column that are read together."""
 
 Read = Callable[[str], np.ndarray]
-"""read(variable of `store.layout`) -> its values over the study, shape (swept axes, dimensions of the variable)."""
+"""read(variable of `variables`) -> its values over the study, shape (swept axes, dimensions of the variable)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,9 +13,9 @@ import numpy as np
 from pounding_cli.solve.response import COLLAPSED, DONE
 from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, empty
-from pounding_cli.store.layout import RESPONSES, SCENES, STATISTICS
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.statistics import over_records, ratio, trust_of_means
+from pounding_cli.variables import RATIOS, RESPONSES, SCENES, STATISTICS
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan, Row
@@ -23,12 +23,15 @@ if TYPE_CHECKING:
 BLOCK_BYTES = 8 << 20
 """Numbers gathered at a time [bytes], about."""
 
-STOREY_FIELDS = {"V": "shear", "mu": "ductility", "drift": "drift", "residual_drift": "residual_drift"}
-FLOOR_FIELDS = {name: name for name in ("acceleration", "displacement_max", "displacement_min")}
-LINK_FIELDS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
-COLUMN_FIELDS = {"shear_below": "shear_below", "shear_above": "shear_above", "shear_demand": "demand"}
-ALONE = {"V0": "shear", "mu0": "ductility", "drift0": "drift", "acceleration0": "acceleration"}
-RATIOS = {"V": "V0", "mu": "mu0", "acceleration": "acceleration0"}
+
+def _fields(part: str, alone: bool = False) -> dict[str, str]:
+    """Variable -> its field, of one part of a response."""
+    found = ((v.name, *v.of.split(".")) for v in RESPONSES if v.of and v.alone == alone)
+    return {name: field for name, of, field in found if of == part}
+
+
+_BUILDING_FIELDS, _LINK_FIELDS, _COLUMN_FIELDS = map(_fields, ("building", "link", "columns"))
+_ALONE_FIELDS = _fields("building", alone=True)
 
 _OVER_RECORDS = frozenset(v.name for v in STATISTICS)
 
@@ -120,11 +123,15 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
                 _flag(arrays["flags"], numbers, f"{building} alone collapsed: its ratios are left out")
             elif status != DONE:
                 _flag(arrays["flags"], numbers, f"{building} alone: {status}, ratios refused")
-    arrays["displacement"][:] = np.maximum(arrays["displacement_max"], -arrays["displacement_min"])
-    for name, alone in RATIOS.items():
-        arrays[f"{name}_ratio"][:] = ratio(arrays[name], arrays[alone])
-        zero = (arrays[alone] == 0).any(axis=(-2, -1))
-        _flag(arrays["flags"], np.flatnonzero(zero).tolist(), f"{alone} = 0: ratio refused")
+    for variable in RESPONSES:
+        if variable.ratio:
+            value, alone = variable.ratio
+            arrays[variable.name][:] = ratio(arrays[value], arrays[alone])
+            zero = (arrays[alone] == 0).any(axis=(-2, -1))
+            _flag(arrays["flags"], np.flatnonzero(zero).tolist(), f"{alone} = 0: ratio refused")
+        elif variable.formula is not None:
+            with np.errstate(all="ignore"):
+                arrays[variable.name][:] = variable.formula(arrays)
     return arrays | _statistics(arrays, alone_errors, shape)
 
 
@@ -149,20 +156,17 @@ def _put_peaks(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarra
     if not header.has_peaks:
         return
     for place, spans in enumerate(header.buildings):
-        for name, field in (STOREY_FIELDS | FLOOR_FIELDS).items():
-            found = values[:, spans[field]]
-            arrays[name][numbers, place, : found.shape[1]] = found
-        for name in ("sway", "rocking"):
-            arrays[name][numbers, place] = values[:, spans[name].start]
+        for name, field in _BUILDING_FIELDS.items():
+            _put(arrays[name], numbers, place, values[:, spans[field]])
 
 
 def _put_links(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray, chosen: list[int]) -> None:
     header = parse(line)
     if header.has_peaks and chosen:
-        for name in LINK_FIELDS:
-            arrays[name][numbers[:, None], chosen] = values[:, header.links[name]]
+        for name, field in _LINK_FIELDS.items():
+            arrays[name][numbers[:, None], chosen] = values[:, header.links[field]]
         struck = [chosen[int(link)] for link in values[0, header.columns_struck["link"]]]
-        for name, field in COLUMN_FIELDS.items() if struck else ():
+        for name, field in _COLUMN_FIELDS.items() if struck else ():
             arrays[name][numbers[:, None], struck] = values[:, header.columns_struck[field]]
 
 
@@ -171,9 +175,16 @@ def _put_alone(arrays: Arrays, numbers: np.ndarray, place: int, line: str, value
     if header.facts["status"] == COLLAPSED:
         arrays["collapsed0"][numbers, place] = values[:, header.columns["collapse_storey"]]
     if header.has_peaks:
-        for name, field in ALONE.items():
-            found = values[:, header.buildings[0][field]]
-            arrays[name][numbers, place, : found.shape[1]] = found
+        for name, field in _ALONE_FIELDS.items():
+            _put(arrays[name], numbers, place, values[:, header.buildings[0][field]])
+
+
+def _put(array: np.ndarray, numbers: np.ndarray, place: int, found: np.ndarray) -> None:
+    """What a building has: a number, or one of every storey or floor."""
+    if array.ndim == 2:
+        array[numbers, place] = found[:, 0]
+    else:
+        array[numbers, place, : found.shape[1]] = found
 
 
 def _flag(flags: np.ndarray, numbers: list[int], sentence: str) -> None:
@@ -188,7 +199,7 @@ def _statistics(arrays: Arrays, alone_errors: np.ndarray, shape: Shape) -> Array
     # a ratio is at most as wrong as both of its peaks together
     errors = (arrays["error_estimate"][:, None] + alone_errors).reshape(-1, records, len(alone_errors[0]), 1)
     sensitivities = arrays["sensitivity"].reshape(-1, records, 1, 1)
-    for name in (f"{ratio_name}_ratio" for ratio_name in RATIOS):
+    for name in RATIOS:
         values = arrays[name].reshape(-1, records, *arrays[name].shape[1:])
         found |= {f"{name}_{statistic}": v for statistic, v in over_records(values, axis=1).items()}
         trust = trust_of_means(values, errors, sensitivities, axis=1)

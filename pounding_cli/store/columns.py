@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pounding_cli.store.layout import COORDINATES, VARIABLES
+from pounding_cli.variables import COORDINATES, VARIABLES
 
 TABLES = ("storey", "floor", "link", "scene", "flagged", "accuracy", "summary", "records", "buildings")
 """The tables of `Results`."""

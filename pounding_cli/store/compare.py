@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.store.results import Results
+from pounding_cli.variables import COUNTED, ITSELF, RESPONSES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,22 +21,6 @@ ROUNDING = 1e-12
 SOFTWARE = ("pounding_cli", "solver", "python", "numpy", "scipy", "numba", "h5py", "platform", "machine")
 
 _SCENE = ("case", "analysis", "record")
-
-_ESTIMATED = ("V", "mu", "drift", "shear_below", "shear_above")
-"""Peaks the error estimate of a scene speaks of, each relative to itself."""
-
-_ALONE = ("V0", "mu0", "drift0")
-"""The same of the buildings alone, whose own estimate no table holds: no worse than the accuracy asked."""
-
-_SHARED = {
-    "residual_drift": "drift",
-    "acceleration": "acceleration", "acceleration0": "acceleration0",
-    "displacement_max": "displacement", "displacement_min": "displacement",
-    "peak_force": "peak_force", "max_closing": "max_closing", "impulse": "impulse", "contact_time": "contact_time",
-}  # fmt: skip
-"""Numbers judged against the largest of their kind in the scene: near zero they have no relative error."""
-
-_COUNTED = ("impacts",)
 
 _TABLES: dict[str, tuple[str, ...]] = {
     "storey": ("building", "storey"),
@@ -146,16 +131,19 @@ def _numbers(first: Results, second: Results, carried: pd.DataFrame) -> Iterator
         one, other = one.reindex(rows), other.reindex(rows)
         errors = carried.loc[rows.droplevel(inner)]
         group = [rows.get_level_values(name) for name in scene]
-        for column in (*_ESTIMATED, *_ALONE, *_SHARED, *_COUNTED):
+        for variable in (v for v in RESPONSES if v.judged):
+            column = variable.name
             if column not in one and column not in other:
                 continue
             a, b = (np.asarray(each.get(column, np.full(len(rows), np.nan)), float) for each in (one, other))
             size = np.fmax(np.abs(a), np.abs(b))
-            error = errors["estimated" if column in _ESTIMATED else "asked"].to_numpy()
-            if column in _COUNTED:
+            # The estimate of a building alone stands in no table: it is no worse than the accuracy asked.
+            estimated = variable.judged == ITSELF and not variable.alone
+            error = errors["estimated" if estimated else "asked"].to_numpy()
+            if variable.judged == COUNTED:
                 error = np.zeros_like(error)
-            elif column in _SHARED:
-                kinds = one[_SHARED[column]].abs().combine(other[_SHARED[column]].abs(), np.fmax)
+            elif variable.judged != ITSELF:  # near zero it has no relative error
+                kinds = one[variable.judged].abs().combine(other[variable.judged].abs(), np.fmax)
                 size = kinds.groupby(group).transform("max").to_numpy(float)
             yield _differing(table, column, rows, a, b, size, error), len(rows)
     for table, (places, columns) in _GIVEN.items():

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.connector.findings import Findings, find
-from pounding_cli.connector.oscillators import response_ratios
+from pounding_cli.connector.oscillators import Oscillators, response_ratios
 from pounding_cli.store.swept import create, write_array, write_axes, write_head, write_scale
-from pounding_cli.study.connector_study import ConnectorStudy
+from pounding_cli.study.system_study import SystemStudy
 
 
-def write_connector(study: ConnectorStudy, path: Path) -> list[Findings]:
+def write_connector(study: SystemStudy[Oscillators], path: Path) -> list[Findings]:
     """Compute every point of a study and write it; returns what was found at each point, in its order.
 
     Over the swept dimensions and `frequency` (Omega / omega10): R1, R2 (sizes), R1_real, R1_imag, ...;
@@ -20,9 +20,10 @@ def write_connector(study: ConnectorStudy, path: Path) -> list[Findings]:
     bands in which both ratios exceed one: both_above (band, edge), padded with NaN.
     """
     shape = tuple(len(axis.nodes) for axis in study.axes)
-    ratio = np.linspace(study.low, study.high, study.count)
-    found = [find(p.pair, study.low, study.high, max(study.count, 4001)) for p in study.points]
-    curves = np.array([response_ratios(p.pair, ratio * p.pair.omega10) for p in study.points])
+    low, high, count = study.spec.frequencies.low, study.spec.frequencies.high, study.spec.frequencies.points
+    ratio = np.linspace(low, high, count)
+    found = [find(p.model, low, high, max(count, 4001)) for p in study.points]
+    curves = np.array([response_ratios(p.model, ratio * p.model.omega10) for p in study.points])
     with create(path) as file:
         write_head(file, "connector", study, path)
         dims = write_axes(file, study.axes, [(p.index, p.values) for p in study.points])
@@ -40,7 +41,7 @@ def write_connector(study: ConnectorStudy, path: Path) -> list[Findings]:
         for place, name in enumerate(("frequency_low", "frequency_high")):
             values = np.array([f.frequencies[place] for f in found]).reshape(shape)
             write_array(file, name, values, dims, "1", "coupled frequency over omega10")
-        values = np.array([p.pair.p for p in study.points]).reshape(shape)
+        values = np.array([p.model.p for p in study.points]).reshape(shape)
         write_array(file, "p", values, dims, "1", "omega20 / omega10")
         most = max((len(f.both_above) for f in found), default=0)
         bands = np.full((len(found), most, 2), np.nan)

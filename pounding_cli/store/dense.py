@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.model.links import APART, LinkPlace, ends_on_columns
-from pounding_cli.store.layout import BUILDINGS, LINKS, OF_COLUMNS, PLACE, RECORDS, Variable
+from pounding_cli.variables import BUILDINGS, LINKS, OF_COLUMNS, PLACE, RECORDS, Variable
 
 if TYPE_CHECKING:
     from pounding_cli.store.parts import PartStore

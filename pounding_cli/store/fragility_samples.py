@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +19,9 @@ from pounding_cli.fragility import (
 )
 from pounding_cli.fragility.hunt import found
 from pounding_cli.store.answers import Read
+from pounding_cli.store.fragility_demand import Demands
 from pounding_cli.study.fragility import intensities
-from pounding_cli.study.fragility_rounds import Layout, by_level, demand_of_collapse, over_gap, over_limit
-from pounding_cli.study.limits import COLLAPSE, CONTACT, Target
+from pounding_cli.study.fragility_rounds import Layout
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
 ALONE = "0"
 """Ends the name of a column of the buildings alone."""
-
-_ALONE = {"mu": "mu0", "drift": "drift0", "acceleration": "acceleration0"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,8 +123,8 @@ class Place:
 def samples_of(
     plan: Plan, read: Read, question: Question, layout: Layout
 ) -> Iterator[tuple[Place, Sample, Sample | None]]:
-    """Every curve: with pounding, and alone (None: contact, which takes two)."""
-    demands = _Demands(plan, read, question, layout)
+    """Every curve: with pounding, and alone (None: what takes a neighbour)."""
+    demands = Demands(plan, read, question, layout)
     x, method = intensities(plan, question), question.spec.method
     is_asked = np.frompyfunc(plan.scenes.__contains__, 1, 1)
     asked, asked_alone = is_asked(layout.linked).astype(bool), is_asked(layout.alone).astype(bool)
@@ -140,61 +138,6 @@ def samples_of(
             here = asked[point, case, analysis]
             one = Sample(method, x[point], with_pounding.demand, here, with_pounding.ended)
             yield Place(point, case, analysis, number), one, alone
-
-
-class _Demand(NamedTuple):
-    """Demand over limit, and whether a collapse ended the scene; shapes (motions, levels)."""
-
-    demand: np.ndarray
-    ended: np.ndarray
-
-
-class _Demands:
-    """Demand over limit, read from the tables of the file."""
-
-    def __init__(self, plan: Plan, read: Read, question: Question, layout: Layout) -> None:
-        self.plan, self.read, self.question, self.layout = plan, read, question, layout
-        self._read: dict[str, np.ndarray] = {}
-
-    def of(self, target: Target, point: int, case: int, analysis: int) -> tuple[_Demand, _Demand | None]:
-        """With pounding and alone; None alone: contact, which takes two."""
-        limit, building = target.limit, target.building
-        storeys = [self._levels(name)[point, case, analysis] for name in ("collapsed", "collapsed0")]
-        fell = (storeys[0] > 0).any(axis=-1)
-        if limit.quantity == CONTACT:
-            links = self.layout.links[point, case]
-            mine = [self._link(link.place) for link in links if link.left == building]
-            gaps = np.array([link.gap for link in links if link.left == building])
-            closing = self._levels("max_closing")[point, case, analysis] if mine else np.zeros((*self._shape(), 0))
-            return _Demand(over_gap(closing[..., mine], gaps), fell), None
-        height = self.plan.study.building(self.layout.points[point], building).height
-        both: list[_Demand] = []
-        quantity = "drift" if limit.quantity == COLLAPSE else limit.quantity
-        for name, storey in zip((quantity, _ALONE[quantity]), storeys, strict=True):
-            peaks = self._levels(name)[point, case, analysis, ..., building, : len(height)]
-            demand = 0.0 * peaks[..., 0] if limit.quantity == COLLAPSE else over_limit(limit, peaks, height)
-            own = storey[..., building] > 0
-            ended = own if both else fell
-            # fault: demand-over-a-collapse
-            both.append(_Demand(np.where(ended, demand_of_collapse(limit, own), demand), ended))
-        return both[0], both[1]
-
-    def _levels(self, name: str) -> np.ndarray:
-        if name not in self._read:
-            axis, axes = self.question.axis, self.plan.axes
-            self._read[name] = by_level(self.read(name), len(axes), axis, self.layout.order)
-        return self._read[name]
-
-    def _shape(self) -> tuple[int, ...]:
-        return self.layout.linked.shape[3:]
-
-    def _link(self, place: Any) -> int:
-        if not hasattr(self, "_places"):
-            self._places = {
-                each: number
-                for number, each in enumerate(sorted({link.place for row in self.plan.rows for link in row.links}))
-            }
-        return self._places[place]
 
 
 def fits_of(rows: pd.DataFrame, suffix: str, method: str, times: np.ndarray) -> Fits:

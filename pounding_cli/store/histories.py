@@ -11,9 +11,9 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.solve.histories import ENERGIES, History
-from pounding_cli.store.layout import COORDINATES, PLACE
 from pounding_cli.store.structure import check_links, expect, refused, strings
 from pounding_cli.texts import plain
+from pounding_cli.variables import COORDINATES, PLACE
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan, Row

@@ -12,11 +12,11 @@ from pounding_cli.store.answers import Column, Read, Table
 from pounding_cli.store.blocks import blocks
 from pounding_cli.store.dense import empty, shape_of
 from pounding_cli.store.flagged import counts_of_flags
-from pounding_cli.store.layout import VARIABLES
 from pounding_cli.store.quantities import Get, error_of, needed, values_of
 from pounding_cli.study.optimise import Hunt, Question, Rounds, plan_of
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.varied import Factor
+from pounding_cli.variables import VARIABLES
 
 if TYPE_CHECKING:
     from pounding_cli.store.parts import PartStore

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.study.expression import FLOOR, LINK, Expression, Quantity
+from pounding_cli.variables import RATIOS, VARIABLES
 
 Get = Callable[[str], np.ndarray]
-"""get(variable of `store.layout`) -> its values, shape (..., motions, building, storey) or (..., motions, links)."""
+"""get(variable of `variables`) -> its values, shape (..., motions, building, storey) or (..., motions, links)."""
 
 
 def values_of(expression: Expression, get: Get, over_motions: str | None = None) -> np.ndarray:
@@ -24,7 +25,7 @@ def values_of(expression: Expression, get: Get, over_motions: str | None = None)
 
 
 def needed(expression: Expression) -> tuple[str, ...]:
-    """The variables of `store.layout` that the values of an expression and their errors rest on."""
+    """The variables of `variables` that the values of an expression and their errors rest on."""
     found = dict.fromkeys(["drift", "acceleration", "max_closing", "error_estimate"])
     for quantity in expression.quantities:
         found[quantity.name] = None
@@ -62,11 +63,8 @@ class _Shifted:
 
 def _ratio_of(name: str) -> str:
     """The ratio to the building alone whose error a variable has; "" where it is none."""
-    if name.endswith("_ratio"):
-        return name
-    return {"V0": "V_ratio", "mu0": "mu_ratio", "drift0": "mu_ratio", "acceleration0": "acceleration_ratio"}.get(
-        name, ""
-    )
+    alone = "mu0" if name == "drift0" else name  # a ductility is a drift over the yield drift
+    return next((ratio for ratio in RATIOS if name == ratio or alone == VARIABLES[ratio].ratio[-1]), "")
 
 
 def _error(name: str, get: Get) -> np.ndarray:

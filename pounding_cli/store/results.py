@@ -21,30 +21,36 @@ from pounding_cli.store.columns import meaning
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_history
-from pounding_cli.store.layout import ADDED, FORMERLY, LINKS, OF_COLUMNS, PLACE, SCENES, WRITTEN
 from pounding_cli.store.solutions import stored_methods
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import written
 from pounding_cli.texts import plain, plain_tree
+from pounding_cli.variables import (
+    FLOOR,
+    FORMERLY,
+    LINK,
+    LINKS,
+    OF_COLUMNS,
+    PLACE,
+    RATIOS,
+    RESPONSES,
+    SCENES,
+    STOREY,
+    VARIABLES,
+    WRITTEN,
+)
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import pandas as pd
 
-_STOREY = (
-    "V", "V0", "V_ratio", "mu", "mu0", "mu_ratio", "drift", "drift0", "residual_drift",
-)  # fmt: skip
-_FLOOR = (
-    "acceleration", "acceleration0", "acceleration_ratio",
-    "displacement", "displacement_max", "displacement_min",
-)  # fmt: skip
+_STOREY, _FLOOR, _OF_LINKS = (
+    tuple(v.name for v in RESPONSES if v.dims == dims and v.name not in OF_COLUMNS) for dims in (STOREY, FLOOR, LINK)
+)
 _LINK_FACTS = ("left", "right", "floor")
-_LINK = ("kind", "gap", "impacts", "peak_force", "max_closing", "impulse", "contact_time")
+_LINK = ("kind", "gap", *_OF_LINKS)
 _FACTS_OF_LINKS = tuple(variable.name for variable in LINKS)
-_SCENE = (
-    "status", "advice", "collapse_time", "method", "accuracy", "time_step", "steps", "events", "seconds",
-    "energy_residual", "error_estimate", "sensitivity", "effects", "dropped", "flags",
-)  # fmt: skip
+_SCENE = tuple(v.name for v in SCENES if v.name not in ("orders", "scene"))
 _ACCURACY = (
     "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity", "energy_residual",
     "steps", "events", "orders", "seconds",
@@ -52,7 +58,6 @@ _ACCURACY = (
 _RECORD = ("source", "digest", "scale", "window", "pga", "arias")
 _STUDY: dict[str, type] = {"buildings": dict, "cases": dict, "group": list, "records": dict}
 """What a resolved study is made of."""
-_RATIOS = ("V_ratio", "mu_ratio", "acceleration_ratio")
 _MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
 
 
@@ -164,7 +169,7 @@ class Results:
             shape = self._shape(file["impacts"])
             facts = {name: self._spread(self._values(file[f"link_{name}"]), shape) for name in _LINK_FACTS}
             columns = self._index(file, dims, shape) | facts
-            columns |= {name: self._by_scene(file, name, shape).ravel() for name in _LINK}
+            columns |= {name: self._by_scene(file, name, shape).ravel() for name in _held(file, _LINK)}
             columns["right_floor"] = self._spread(self._values(file["link_right_floor"]), shape)
             solved = self._spread(self._solved(file)[..., None], shape)
             for name in OF_COLUMNS if OF_COLUMNS[0] in file else ():
@@ -186,7 +191,6 @@ class Results:
             shape = self._shape(file["status"])
             columns = self._index(file, (*self._dims, *PLACE), shape)
             columns |= {name: self._asked(file, name).ravel() for name in _SCENE}
-            columns |= {v.name: self._values(file[v.name]).ravel() for v in SCENES if v.name.startswith("energy_")}
         frame = _frame(columns)
         return frame[frame["status"] != ""].reset_index(drop=True)
 
@@ -212,8 +216,8 @@ class Results:
         return frame[frame["status"] != ""].reset_index(drop=True)
 
     def _asked(self, file: h5py.File, name: str) -> np.ndarray:
-        """A variable of SCENES, as `FORMERLY` where the file is of before, NaN where it has none (ADDED)."""
-        if name in ADDED and name not in file:
+        """A variable of SCENES, as `FORMERLY` where the file is of before, NaN where it has none."""
+        if not VARIABLES[name].always and name not in file:
             return np.full(file["status"].shape, np.nan)
         if name in file or name not in FORMERLY:
             return self._values(file[name])
@@ -232,7 +236,7 @@ class Results:
             dims = (*self._dims, "case", "analysis", "building", "storey")
             shape = self._shape(file["V_ratio_mean"])
             columns = self._index(file, dims, shape)
-            for ratio in _RATIOS:
+            for ratio in RATIOS:
                 for measure in _MEASURES:
                     columns[f"{ratio}_{measure}"] = self._values(file[f"{ratio}_{measure}"]).ravel()
             columns["records_used"] = self._values(file["V_ratio_count"]).ravel()
@@ -310,9 +314,7 @@ class Results:
             columns |= {"place": np.broadcast_to(places, shape).ravel(), "storey": storey}
             for name in ("mass", "height", "stiffness", "yield_shear"):
                 columns[name] = self._values(file[name]).ravel()
-            for name in ("period", "base_shear_ratio", "slab", "separation"):
-                if name in ADDED and name not in file:
-                    continue
+            for name in _held(file, ("period", "base_shear_ratio", "slab", "separation")):
                 columns[name] = np.broadcast_to(self._values(file[name])[..., None], shape).ravel()
         frame = _frame(columns)
         return frame[frame["mass"].notna()].reset_index(drop=True)
@@ -383,7 +385,7 @@ class Results:
         with opened(self.path) as file:
             shape = self._shape(file[names[0]])
             columns = self._index(file, (*self._dims, *PLACE, "building", level), shape)
-            columns |= {name: self._values(file[name]).ravel() for name in names}
+            columns |= {name: self._values(file[name]).ravel() for name in _held(file, names)}
             there = self._there(file, 3) & self._spread(self._solved(file)[..., None, None], shape)
         return _frame(columns)[there].reset_index(drop=True)
 
@@ -417,6 +419,11 @@ class Results:
     @staticmethod
     def _spread(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         return np.broadcast_to(values, shape).ravel()
+
+
+def _held(file: h5py.File, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Without those that files of before, or of other studies, do not have."""
+    return tuple(name for name in names if name in file or VARIABLES[name].always)
 
 
 def _dimensions(dataset: h5py.Dataset) -> list[str]:

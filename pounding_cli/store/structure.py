@@ -14,8 +14,8 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.store.layout import ADDED, BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
 from pounding_cli.texts import plain, plain_all
+from pounding_cli.variables import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
 
 _UNPACKED = 1100
 """Deflate makes at most 1032 bytes of one."""
@@ -88,7 +88,7 @@ def check_structure(file: h5py.File) -> list[list[str]]:
         for name, kind in _OF_LINK.items():
             expect(forms, name, (sizes["link"],), kind)
     for variable in (*RESPONSES, *SCENES, *STATISTICS, *LINKS):
-        if variable.name in ADDED and variable.name not in forms:
+        if not variable.always and variable.name not in forms:
             continue
         if linked or "link" not in variable.dims:
             name = variable.name if variable.name in forms else FORMERLY.get(variable.name, variable.name)
@@ -98,7 +98,7 @@ def check_structure(file: h5py.File) -> list[list[str]]:
         if not set(own) <= set(axes):
             raise refused(first.name, "has dimensions that are no swept keys")
         for variable in (first, *rest):
-            if variable.name in ADDED and variable.name not in forms:
+            if not variable.always and variable.name not in forms:
                 continue
             expect(forms, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
     for name in ("study/text", "study/resolved"):

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -21,19 +21,7 @@ from pounding_cli.store.structure import number, refused, strings
 
 if TYPE_CHECKING:
     from pounding_cli.study.points import PointAxis
-
-
-class SystemStudy(Protocol):
-    """A study of `pound connector` or `pound wall`."""
-
-    @property
-    def path(self) -> Path: ...
-    @property
-    def title(self) -> str: ...
-    @property
-    def text(self) -> str: ...
-    @property
-    def resolved(self) -> dict[str, Any]: ...
+    from pounding_cli.study.system_study import SystemStudy
 
 
 @contextmanager
@@ -51,7 +39,7 @@ def create(path: Path) -> Iterator[h5py.File]:
         ) from error
 
 
-def write_head(file: h5py.File, kind: str, study: SystemStudy, path: Path) -> None:
+def write_head(file: h5py.File, kind: str, study: SystemStudy[Any], path: Path) -> None:
     """The study as written and as resolved, where it stands, and the version that wrote the file."""
     file.attrs["kind"] = kind
     file.attrs["title"] = study.title

@@ -9,8 +9,9 @@ import h5py
 import numpy as np
 
 from pounding_cli.store.swept import create, write_array, write_axes, write_head, write_scale
-from pounding_cli.study.wall_study import WallPoint, WallStudy
+from pounding_cli.study.system_study import Point, SystemStudy
 from pounding_cli.wall.analysis import WallResponse, strike
+from pounding_cli.wall.model import WallModel
 
 NUMBERS = {
     "peak_force": ("N", "largest contact force"),
@@ -53,7 +54,7 @@ def point_group(index: tuple[int, ...]) -> str:
 
 
 def write_wall(
-    study: WallStudy, path: Path, progress: Callable[[WallPoint, WallResponse], None] | None = None
+    study: SystemStudy[WallModel], path: Path, progress: Callable[[Point[WallModel], WallResponse], None] | None = None
 ) -> list[WallResponse]:
     """Solve every point of a study and write it; returns the responses in the points' order."""
     shape = tuple(len(axis.nodes) for axis in study.axes)
@@ -73,7 +74,7 @@ def write_wall(
     return responses
 
 
-def _write_point(group: h5py.Group, point: WallPoint, response: WallResponse) -> None:
+def _write_point(group: h5py.Group, point: Point[WallModel], response: WallResponse) -> None:
     run, fields, model = response.transient, response.fields, point.model
     group.attrs["flags"] = list(response.flags) or ""
     group.attrs["contact"] = model.patch

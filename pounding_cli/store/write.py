@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import platform
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -21,16 +22,17 @@ from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
 from pounding_cli.store import answers
 from pounding_cli.store.blocks import blocks
+from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import damage_of, opened
 from pounding_cli.store.former import written_place
 from pounding_cli.store.histories import Kept, write_histories
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
-from pounding_cli.store.layout import COORDINATES, RECORDS, VARIABLES, WRITTEN
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.sink import writing
 from pounding_cli.store.solutions import write_solutions
 from pounding_cli.store.swept import describe_unit
+from pounding_cli.variables import COORDINATES, RECORDS, VARIABLES, WRITTEN
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
@@ -228,10 +230,12 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             **({} if plan.time_step is None else {"time_step": plan.time_step}),
             "method": plan.method,
             "scenes": len(plan.scenes),
-            "scenes_failed": sum(not responses.header(digest).is_done for digest in plan.scenes),
+            "scenes_failed": sum(
+                count for line, count in Counter(responses.lines(plan.scenes)).items() if not parse(line).is_done
+            ),
             "scenes_solved_last": run.solved,
             "scenes_reused_last": run.reused,
-            "solver_seconds": sum(responses.seconds(digest) for digest in plan.scenes),
+            "solver_seconds": responses.seconds(plan.scenes),
             "wall_seconds_last": run.wall_seconds,
             "engine": run.engine,
             "workers": run.workers,

@@ -8,21 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
-from pounding_cli.errors import Problem
 from pounding_cli.study import units
 from pounding_cli.study.base import Model
 from pounding_cli.study.building_schema import Mass, Period
-from pounding_cli.study.kinds import refuse_other_kinds
-from pounding_cli.study.plausible import few
 from pounding_cli.study.plausible_systems import CONNECTOR, doubt_period, doubt_spec
-from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Problems
 from pounding_cli.study.source import Node
+from pounding_cli.study.system_study import SystemStudy, load_system
 from pounding_cli.study.units import LONGEST, NUMBER, Quantity, TextForm, limited, whole_number
-from pounding_cli.study.yaml_file import read_source
 
 _TIMES_K1 = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*k1\s*\Z")
 _STIFFNESS = limited(units.STIFFNESS, example="0.2 k1", open_low=False)
@@ -116,79 +112,14 @@ class ConnectorStudyModel(Model):
     )
 
 
-@dataclass(frozen=True)
-class ConnectorPoint:
-    """One point of the sweep: its indices, what each swept key is there (SI), the same in words, and the pair."""
-
-    index: tuple[int, ...]
-    values: dict[str, float | str]
-    label: str
-    pair: Oscillators
-
-
-@dataclass(frozen=True)
-class ConnectorStudy:
-    """A validated study; low, high : range of Omega / omega10 [-]; points with the last axis fastest."""
-
-    path: Path
-    text: str
-    title: str
-    axes: tuple[PointAxis, ...]
-    points: tuple[ConnectorPoint, ...]
-    low: float
-    high: float
-    count: int
-    resolved: dict[str, Any]
-    warnings: tuple[Problem, ...] = ()
-
-
-def load_connector_study(path: Path) -> ConnectorStudy:
+def load_connector_study(path: Path) -> SystemStudy[Oscillators]:
     """Read and validate a study of two oscillators.  Raises `InputError` with every problem."""
-    text, root = read_source(path)
-    refuse_other_kinds(root, str(path), "connector")
-    problems = Problems(str(path))
-    axes = read_point_axes(root, ConnectorStudyModel, problems)
-    for axis in axes:
-        for name in axis.names:
-            if name.startswith("frequencies"):
-                problems.at(
-                    root,
-                    ("sweep", name),
-                    f"'{name}' cannot be an axis",
-                    "give one range for the study",
-                    key=True,
-                )
-    problems.refuse()
-    points = []
-    spec, notes = None, Problems(str(path))
-    for index, tree in points_of(root, axes):
-        try:
-            spec = ConnectorStudyModel.model_validate(tree.plain())
-        except ValidationError as error:
-            problems.validation(tree, error, ConnectorStudyModel)
-            continue
-        before = len(problems.found)
-        _alternatives(spec, tree, problems)
-        if len(problems.found) == before:
-            values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
-            points.append(ConnectorPoint(index, values, point_label(axes, values), _pair(spec)))
-            _doubt(spec, points[-1].pair, tree, notes)
-    problems.refuse()
-    assert spec is not None  # a study has at least one point, and a refused one did not come this far
-    resolved = ConnectorStudyModel.model_validate(points_of(root, axes)[0][1].plain()).model_dump(mode="json")
-    span = spec.frequencies
-    return ConnectorStudy(
-        path,
-        text,
-        spec.title,
-        axes,
-        tuple(points),
-        span.low,
-        span.high,
-        span.points,
-        resolved,
-        tuple(few(notes.found)),
-    )
+    return load_system(path, "connector", ConnectorStudyModel, _build, _doubt, fixed=("frequencies",))
+
+
+def _build(spec: ConnectorStudyModel, tree: Node, where: str, problems: Problems) -> Oscillators | None:
+    _alternatives(spec, tree, problems)
+    return None if problems.found else _pair(spec)
 
 
 def _doubt(spec: ConnectorStudyModel, pair: Oscillators, tree: Node, notes: Problems) -> None:
@@ -222,16 +153,6 @@ def _alternatives(spec: ConnectorStudyModel, tree: Node, problems: Problems) -> 
             problems.at(tree, (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period")
     if spec.frequencies.low >= spec.frequencies.high:
         problems.at(tree, ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}")
-
-
-def _value(spec: Any, name: str, tree: Node) -> float | str:
-    value = spec
-    for step in name.split("."):
-        value = getattr(value, step)
-    if isinstance(value, TimesK1):
-        node = tree.get(*name.split("."))
-        return node.text if node is not None else f"{value.factor} k1"
-    return float(value)
 
 
 def _pair(spec: ConnectorStudyModel) -> Oscillators:

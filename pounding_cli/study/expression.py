@@ -8,15 +8,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pounding_cli import variables
 from pounding_cli.study.problems import nearest
 from pounding_cli.study.units import NUMBER
 
-STOREY = {
-    "V": "N", "V0": "N", "V_ratio": "", "mu": "", "mu0": "", "mu_ratio": "", "drift": "m", "drift0": "m",
-    "residual_drift": "m",
-}  # fmt: skip
-FLOOR = {"acceleration": "m/s2", "acceleration0": "m/s2", "acceleration_ratio": "", "displacement": "m"}
-LINK = {"impacts": "", "peak_force": "N", "max_closing": "m", "impulse": "N s", "contact_time": "s"}
+STOREY, FLOOR, LINK = (
+    {
+        v.name: v.unit.removeprefix("1")
+        for v in variables.RESPONSES
+        if v.dims == dims and v.name not in variables.OF_COLUMNS
+    }
+    for dims in (variables.STOREY, variables.FLOOR, variables.LINK)
+)
 QUANTITIES = STOREY | FLOOR | LINK
 """What an expression may name, as the tables do, and the SI unit of each."""
 

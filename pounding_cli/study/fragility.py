@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,12 +13,13 @@ from pounding_cli import records
 from pounding_cli.numbers import Unit
 from pounding_cli.study.expand import expand
 from pounding_cli.study.fragility_keys import FragilitySpec, Measure
-from pounding_cli.study.fragility_rounds import Asked, Layout
-from pounding_cli.study.limits import COLLAPSE, CONTACT, Target
+from pounding_cli.study.fragility_rounds import Asked, Layout, struck_columns
+from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
 from pounding_cli.study.load import Study
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.resolve import places
+from pounding_cli.study.scenes import seen
 
 if TYPE_CHECKING:
     from pounding_cli.records import Motion
@@ -107,6 +109,13 @@ def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Tar
         if mine and not tall:
             most = max(study.building((0,) * len(study.axes), place).storeys for place in mine)
             problems.at(root, path, f"'{limit}': the highest is {most}", f"write a number from 1 to {most}")
+        if limit.quantity == SHEAR_DEMAND and tall:
+            tall = [place for place in tall if _can_be_struck(study, Target(limit, place))]
+            if not tall:
+                where = f"storey {limit.level} of " * bool(limit.level) + " and ".join(names[place] for place in mine)
+                what = f"'{limit}': no slab strikes columns of {where} whose strength is known"
+                hint = "write `columns:` in a building that yields; `pound plan` lists where slabs strike columns"
+                problems.at(root, path, what, hint)
         for place in tall:
             target = Target(limit, place)
             if target in found:
@@ -116,12 +125,25 @@ def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Tar
 
 
 def _can_collapse(study: Study, place: int) -> bool:
-    """Whether a building may collapse, at the first point of the sweep or where one axis has another value."""
+    """Whether a building may collapse, at any of `_some_points`."""
+    return any(np.isfinite(study.building(point, place).collapse_drift).any() for point in _some_points(study))
+
+
+def _can_be_struck(study: Study, target: Target) -> bool:
+    """Whether a slab strikes columns of the target in any case, at any of `_some_points`."""
+    return any(
+        struck_columns(target, seen(study.resolver.links(point, case) or ()), study.building(point, target.building))
+        for point in _some_points(study)
+        for case in study.model.cases
+    )
+
+
+def _some_points(study: Study) -> Iterator[tuple[int, ...]]:
+    """The first point of the sweep, and those where one axis has another value."""
     first = [0] * len(study.axes)
-    points = [tuple(first)]
+    yield tuple(first)
     for number, axis in enumerate(study.axes):
-        points += [(*first[:number], value, *first[number + 1 :]) for value in range(1, len(axis.values))]
-    return any(np.isfinite(study.building(point, place).collapse_drift).any() for point in points)
+        yield from ((*first[:number], value, *first[number + 1 :]) for value in range(1, len(axis.values)))
 
 
 def _intensity(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[int | None, Measure | None]:

@@ -69,7 +69,8 @@ class FragilitySpec(Model):
     limits: Limits = optional(
         (),
         description="limits in words, one or a list: `mu > 4`, `drift > 2 %` (of the storey height) or `drift > 6 cm`, "
-        "`acceleration > 1 g`, `contact`; of each building, or with `in BUILDING`, `in BUILDING storey N` of one",
+        "`acceleration > 1 g`, `shear_demand > 1` (of columns that slabs strike), `contact`, `collapse`; of each "
+        "building, or with `in BUILDING`, `in BUILDING storey N` of one",
     )
     method: Literal["ida", "stripes", "cloud"] = optional(
         "ida",

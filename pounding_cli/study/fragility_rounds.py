@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
@@ -11,10 +11,11 @@ import numpy as np
 
 from pounding_cli.fragility.hunt import next_levels
 from pounding_cli.model.scene import Scene
-from pounding_cli.study.limits import COLLAPSE, CONTACT, Limit, Target
-from pounding_cli.study.plan import Plan
+from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
+from pounding_cli.study.plan import LinkSeen, Plan
 
 if TYPE_CHECKING:
+    from pounding_cli.model.building import Building
     from pounding_cli.solve.response import Response
 
 FIELDS = {"mu": "ductility", "drift": "drift", "acceleration": "acceleration"}
@@ -109,6 +110,27 @@ def over_gap(closing: np.ndarray, gap: np.ndarray) -> np.ndarray:
     return np.fmax.reduce(parts, axis=-1)
 
 
+def struck_columns(target: Target, links: Sequence[LinkSeen], building: Building) -> list[int]:
+    """Numbers of the links that strike columns of the target's building, of its only storey if the limit names one;
+    those of storeys that cannot yield are left out: nothing says what they can carry."""
+    return [
+        number
+        for number, link in enumerate(links)
+        if link.columns is not None
+        and link.columns[0] == target.building
+        and target.limit.level in (0, link.columns[1])
+        and building.yield_shear[link.columns[1] - 1] < np.inf
+    ]
+
+
+def over_demand(limit: Limit, demand: np.ndarray) -> np.ndarray:
+    """Shear demand over limit [-], above 1 where the limit is passed; 0 without struck columns, NaN where unknown.
+
+    demand : of every link that strikes the columns, shape (..., links)
+    """
+    return np.fmax.reduce(demand, axis=-1) / limit.value if demand.shape[-1] else np.zeros(demand.shape[:-1])
+
+
 class Series(NamedTuple):
     """The scenes of one motion over the levels, and the targets that they tell of.
 
@@ -198,7 +220,7 @@ def _series(layout: Layout, targets: tuple[Target, ...]) -> Iterator[Series]:
         for building in range(layout.alone.shape[-1]):
             mine = tuple(
                 number for number, target in enumerate(targets)
-                if target.building == building and target.limit.quantity != CONTACT
+                if target.building == building and target.limit.quantity not in TAKES_NEIGHBOUR
             )  # fmt: skip
             for analysis, motion in np.ndindex(analyses, motions):
                 scenes = tuple(layout.alone[point, analysis, motion, :, building])
@@ -209,7 +231,7 @@ def _series(layout: Layout, targets: tuple[Target, ...]) -> Iterator[Series]:
 
 def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.ndarray]:
     """Demand over limit in every scene whose response was waited for."""
-    heights: dict[tuple[int, int], np.ndarray] = {}
+    buildings: dict[tuple[int, int], Building] = {}
     found: dict[str, np.ndarray] = {}
     for digest, response in responses.read(asked.waiting):
         series = asked.waiting[digest]
@@ -230,9 +252,16 @@ def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.nda
                 demand[number] = over_gap(response.links.max_closing[mine], gaps)
                 continue
             key = series.point, building
-            if key not in heights:
-                heights[key] = plan.study.building(asked.layout.points[series.point], building).height
+            if key not in buildings:
+                buildings[key] = plan.study.building(asked.layout.points[series.point], building)
+            if limit.quantity == SHEAR_DEMAND:
+                links = asked.layout.links[series.point, series.case]
+                shear_demand = np.full(len(links), np.nan)
+                shear_demand[response.columns.link] = response.columns.demand
+                struck = struck_columns(asked.targets[number], links, buildings[key])
+                demand[number] = over_demand(limit, shear_demand[struck])
+                continue
             peaks = getattr(response.buildings[place], FIELDS[limit.quantity])
-            demand[number] = over_limit(limit, peaks, heights[key])
+            demand[number] = over_limit(limit, peaks, buildings[key].height)
         found[digest] = demand
     return found

@@ -1,4 +1,5 @@
-"""Limits in words: `mu > 4`, `drift > 2 %`, `acceleration > 1 g in soft floor 5`, `contact`, `collapse`."""
+"""Limits in words: `mu > 4`, `drift > 2 %`, `acceleration > 1 g in soft floor 5`, `shear_demand > 1`, `contact`,
+`collapse`."""
 
 from __future__ import annotations
 
@@ -12,21 +13,25 @@ from pounding_cli.study import units
 from pounding_cli.study.problems import nearest
 from pounding_cli.study.units import Quantity, limited, refuse, written_unit
 
-CONTACT, COLLAPSE = "contact", "collapse"
-LIMITS = ("mu", "drift", "acceleration", CONTACT, COLLAPSE)
+CONTACT, COLLAPSE, SHEAR_DEMAND = "contact", "collapse", "shear_demand"
+LIMITS = ("mu", "drift", "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE)
 """What may be limited."""
 
-FORM = "write e.g. `mu > 4`, `drift > 2 %`, `acceleration > 1 g`, `contact` or `collapse`"
+TAKES_NEIGHBOUR = (CONTACT, SHEAR_DEMAND)
+"""Limits that a building alone cannot pass."""
+
+FORM = "write e.g. `mu > 4`, `drift > 2 %`, `acceleration > 1 g`, `shear_demand > 1`, `contact` or `collapse`"
 
 _QUANTITIES = {
     "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
+    SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
     "acceleration": limited(units.ACCELERATION, example="acceleration > 1 g"),
     "drift": limited(units.LENGTH, name="drift", example="drift > 6 cm"),
     "drift ratio": Quantity("drift ratio", "", "drift > 2 %", 0.0, 1.0, open_low=True, open_high=True),
 }
 _MEANT = {
     "ductility": "mu", "idr": "drift", "acc": "acceleration", "pfa": "acceleration", "impact": CONTACT,
-    "impacts": CONTACT, "pounding": CONTACT, "collapsed": COLLAPSE,
+    "impacts": CONTACT, "pounding": CONTACT, "collapsed": COLLAPSE, "shear": SHEAR_DEMAND, "shear demand": SHEAR_DEMAND,
 }  # fmt: skip
 _FORM = re.compile(r"(?P<quantity>[^<>=]*?)\s*(?:(?P<sign>[<>=]+)\s*(?P<value>.*?))?\s*\Z", re.DOTALL)
 _WHERE = re.compile(r"(?P<what>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
@@ -111,7 +116,7 @@ def read_limit(value: Any) -> Limit:
 def _with_value(text: str, quantity: str, written: str, building: str, level: int) -> Limit:
     unit = written_unit(written)
     of_height = quantity == "drift" and unit in ("%", "percent", "pct")
-    if quantity != "mu" and not unit:
+    if quantity not in ("mu", SHEAR_DEMAND) and not unit:
         example = "`drift > 2 %` (of the storey height) or `drift > 6 cm`" if quantity == "drift" else ""
         example = example or f"`{_QUANTITIES[quantity].example}`"
         raise refuse(f"'{text}': the limit has no unit", f"write e.g. {example}")

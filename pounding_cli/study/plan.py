@@ -54,6 +54,13 @@ class LinkSeen(NamedTuple):
         """Its place in tables."""
         return self[:4]
 
+    @property
+    def columns(self) -> tuple[int, int] | None:
+        """Building from 0 and storey from 1 whose columns it strikes; None between two floors."""
+        if self.left_at == self.right_at:
+            return None
+        return (self.left, self.left_floor) if self.left_at < 1.0 else (self.left + 1, self.right_floor)
+
 
 class Row(NamedTuple):
     """One place in the tables: its index on every axis, keys of Plan.scenes for scene and baselines, its links."""

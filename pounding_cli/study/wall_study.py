@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 from pounding_cli.study import units
 from pounding_cli.study.base import Model
 from pounding_cli.study.building_schema import Length, Mass
-from pounding_cli.study.kinds import refuse_other_kinds
-from pounding_cli.study.plausible import few
 from pounding_cli.study.plausible_systems import WALL, doubt_spec
-from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Problems
 from pounding_cli.study.source import Node
+from pounding_cli.study.system_study import SystemStudy, load_system
 from pounding_cli.study.units import Quantity, TextForm, limited, refuse, whole_number
-from pounding_cli.study.yaml_file import read_source
 from pounding_cli.wall import model as wall
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
@@ -139,56 +135,22 @@ class WallStudyModel(Model):
     )
 
 
-@dataclass(frozen=True)
-class WallPoint:
-    """One point of the sweep: its indices, what each swept key is there (SI), the same in words, and the model."""
-
-    index: tuple[int, ...]
-    values: dict[str, float | str]
-    label: str
-    model: wall.WallModel
-
-
-@dataclass(frozen=True)
-class WallStudy:
-    """A validated study: axes (names, points) and every point's model, the last axis fastest."""
-
-    path: Path
-    text: str
-    title: str
-    axes: tuple[PointAxis, ...]
-    points: tuple[WallPoint, ...]
-    resolved: dict[str, Any]
-    warnings: tuple[Problem, ...] = ()
-
-
-def load_wall_study(path: Path) -> WallStudy:
+def load_wall_study(path: Path) -> SystemStudy[wall.WallModel]:
     """Read and validate a study of the wall.  Raises `InputError` with the place of every problem."""
-    text, root = read_source(path)
-    refuse_other_kinds(root, str(path), "wall")
-    problems = Problems(str(path))
-    axes = read_point_axes(root, WallStudyModel, problems)
-    problems.refuse()
-    points = []
-    resolved: dict[str, Any] = {}
-    title, notes = "", Problems(str(path))
-    for index, tree in points_of(root, axes):
-        try:
-            spec = WallStudyModel.model_validate(tree.plain())
-        except ValidationError as error:
-            problems.validation(tree, error, WallStudyModel)
-            continue
-        title = spec.title
-        doubt_spec(spec, WALL, tree, notes)
-        resolved = resolved or spec.model_dump(mode="json")
-        values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
-        try:
-            points.append(WallPoint(index, values, point_label(axes, values), _model(spec)))
-        except InputError as refused:
-            where = f" ({point_label(axes, values)})" if values else ""
-            problems.extend(Problem(p.message + where, p.hint, str(path), *_mark(p, tree)) for p in refused.problems)
-    problems.refuse()
-    return WallStudy(path, text, title, axes, tuple(points), resolved, tuple(few(notes.found)))
+    return load_system(path, "wall", WallStudyModel, _build, _doubt)
+
+
+def _build(spec: WallStudyModel, tree: Node, where: str, problems: Problems) -> wall.WallModel | None:
+    try:
+        return _model(spec)
+    except InputError as refused:
+        for problem in refused.problems:
+            problems.add(_mark(problem, tree), problem.message + where, problem.hint)
+    return None
+
+
+def _doubt(spec: WallStudyModel, model: wall.WallModel, tree: Node, notes: Problems) -> None:
+    doubt_spec(spec, WALL, tree, notes)
 
 
 def _mark(problem: Problem, tree: Node) -> tuple[int, int]:
@@ -205,16 +167,6 @@ def _mark(problem: Problem, tree: Node) -> tuple[int, int]:
             }.get(word, ("concrete",))
             return tree.locate(path)
     return tree.mark
-
-
-def _value(spec: Any, name: str, tree: Node) -> float | str:
-    value = spec
-    for step in name.split("."):
-        value = getattr(value, step)
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return float(value)
-    node = tree.get(*name.split("."))
-    return node.text if node is not None and node.text else str(value)
 
 
 def _model(spec: WallStudyModel) -> wall.WallModel:

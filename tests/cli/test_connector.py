@@ -87,14 +87,14 @@ def test_the_connector_in_newtons_and_with_a_dashpot_of_its_own(tmp_path):
         "title: t\nfirst: {mass: 1 kg, stiffness: 4 N/m}\nsecond: {mass: 2 kg, stiffness: 6 N/m}\n"
         "sweep:\n  - {connector.stiffness: [3 N/m, 1/2 k1]}\n"
     )
-    pairs = [point.pair for point in load_connector_study(study).points]
+    pairs = [point.model for point in load_connector_study(study).points]
     assert [pair.stiffness for pair in pairs] == [3.0, 2.0]
     assert pairs[0].p == pytest.approx(np.sqrt(3.0 / 4.0))
     study.write_text("title: t\nconnector: {dashpot: 5 kN s/m}\nfirst: {damping: 1 %}\nsecond: {frequency_ratio: 2}\n")
-    pair = load_connector_study(study).points[0].pair
+    pair = load_connector_study(study).points[0].model
     assert (pair.dashpot, pair.zeta1, pair.zeta2) == (5000.0, 0.01, 0.05)
     study.write_text("title: t\nconnector: {damping_ratio: 0.1}\nsecond: {frequency_ratio: 2}\n")
-    pair = load_connector_study(study).points[0].pair
+    pair = load_connector_study(study).points[0].model
     assert pair.dashpot == pytest.approx(0.2 * np.sqrt(pair.stiffness * 100e3))
 
 

@@ -145,3 +145,54 @@ def test_every_meeting_is_listed(tmp_path):
         "  A|B  12 m: floor 4 meets floor 3",
     ]
     assert "2 x slab against columns, gap 1 cm" in said[1]
+
+
+SWEPT = """\
+records: {use: [elcentro, taft], duration: 1 s}
+buildings: {A: {storeys: 2, period: 0.5 s}, B: {storeys: 2, period: 0.3 s}}
+group: [A, B]
+cases: {gap: {link: pounding, gap: 0 cm}, none: {link: none}}
+analyses: [elastic]
+estimate: none
+sweep:
+  buildings.A.period: {from: 0.4 s, to: 0.6 s, count: 6}
+  cases.gap.gap: {from: 0 cm, to: 2 cm, count: 12}
+"""
+
+
+def test_of_a_large_sweep_some_points_are_looked_at(tmp_path, monkeypatch):
+    """Six periods and twelve gaps, of which four and four are looked at: counts are those of all, times are near
+    Fails if a building alone is counted once a gap, or the whole sweep is laid out."""
+    path = tmp_path / "swept.yaml"
+    path.write_text(SWEPT)
+
+    def plan() -> str:
+        result = CliRunner().invoke(cli, ["plan", str(path), "--no-prove"], catch_exceptions=False)
+        assert result.exit_code == 0
+        return result.stdout
+
+    def seconds(said: str) -> float:
+        number, unit = re.search(r"on one core about ([\d.]+) (ms|s)", said).groups()
+        return float(number) * {"ms": 0.001, "s": 1.0}[unit]
+
+    whole = plan()
+    assert re.search(r"scenes +170, on", whole)  # 2 motions x (6 x 12 linked, 6 without links, 6 A and 1 B alone)
+    assert "about" not in whole.split("shared")[1]
+    monkeypatch.setattr("pounding_cli.cli.plan.MOST_POINTS", 20)
+    monkeypatch.setattr("pounding_cli.cli.plan.FEW_POINTS", 16)
+    laid_out = []
+
+    def counted(study):
+        plan = expand(study)
+        laid_out.append(len(plan.rows))
+        return plan
+
+    monkeypatch.setattr("pounding_cli.study.expand", counted)
+    some = plan()
+    assert laid_out == [16 * 2 * 2]
+    assert re.search(r"rows +288: 6 x buildings.A.period, 12 x cases.gap.gap, 2 cases", some)
+    assert re.search(r"scenes +about 170, on", some)
+    assert re.search(r"shared +576 baselines asked for, about 14 run; about 132 rows repeat", some)
+    assert re.search(r"pounding links +kept in 144; dropped in 12", some)
+    assert "combinations of swept values that were not looked at are checked as the run begins" in some
+    assert seconds(some) == pytest.approx(seconds(whole), rel=0.1)

@@ -113,6 +113,24 @@ LINKS = [
         f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
     ),
     Mutant(
+        "bouc-wen-gamma",
+        "gamma of a Bouc-Wen storey with the other sign",
+        ("+ self", "- self"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_unloading_by_gamma",
+    ),
+    Mutant(
+        "bouc-wen-exponent",
+        "the exponent of a Bouc-Wen storey is one less",
+        ("self.wen_exponent", "max(self.wen_exponent - 1, 1)"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_throw_and_return",
+    ),
+    Mutant(
+        "bouc-wen-stores",
+        "what the hysteretic part of a Bouc-Wen storey stores counts as lost",
+        ("Z**2", "0.0"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_a_closed_loop_loses_its_area",
+    ),
+    Mutant(
         "storey-pushes-below",
         "what flows in a storey pushes both its floors the same way",
         ("+=", "-="),
@@ -375,6 +393,12 @@ MOTION = [
         "an island solved again keeps the energies of what was taken back",
         ("STOREY_MEMORY, SPRING_FORCE", "STOREY_MEMORY, INPUT_ENERGY"),
         f"{VERIFICATION}/test_islands.py::test_islands_equal_the_row",
+    ),
+    Mutant(
+        "island-slots-restored",
+        "an island solved again keeps what its smooth storeys remember",
+        ("= STOREY_MEMORY", "= STOREY_MEMORY + 8"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_chain_of_ten",
     ),
     Mutant(
         "island-stencils-restored",
@@ -942,7 +966,7 @@ FRAGILITY = [
     Mutant(
         "demand-over-a-collapse",
         "a collapsed scene counts by the peaks it reached",
-        "both.append(_Demand(demand, ended))",
+        "both.append(Demand(demand, ended))",
         f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
     ),
     Mutant(

@@ -8,6 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 from reference import events
+from reference.rows import islands_equal_the_whole, row_of_ten, weaker
 from reference.scenes import (
     ELASTIC,
     FOUNDATION,
@@ -156,7 +157,7 @@ def test_pair_of_five_storeys(gap):
     its floors alone, or a plain contact beside it is left without its force."""
     two = tuple(bouc_wen(shear_building(period, 5, strength=2.5)) for period in (0.36, 0.60))
     scene = Scene(two, links("pounding", gap, (1, 2, 3, 4, 5)), shake(3.0, 5.0, seed=6), INELASTIC)
-    agree(scene, 1e-7)
+    assert agree(scene, 1e-7).impacts.sum() > 0
     run = solve(scene, 1e-6)
     assert max(b.ductility.max() for b in run.buildings) > 5
     assert abs(run.energy["residual"]) < 1e-8
@@ -243,15 +244,10 @@ def test_hard_scenes(n):
     assert abs(run.energy["residual"]) < 1e-8
 
 
-def test_chain_of_ten():
+@pytest.mark.parametrize("n", [1, 2])
+def test_chain_of_ten(n):
     """Fails if islands restore some of what a storey remembers."""
-    row = tuple(bouc_wen(shear_building(0.3 + 0.05 * n, 2, strength=1.2), 1 + n % 3) for n in range(10))
-    joined = tuple(link for left in range(9) for link in links("pounding", 0.01, (1, 2), left=left))
-    scene = Scene(row, joined, shake(3.0, 4.0), INELASTIC)
-    coarse, fine = solve(scene, 1e-7), solve(scene, 1e-10)
-    assert coarse.status == fine.status == "done"
-    assert difference(coarse, fine) < 1e-6
-    assert abs(fine.energy["residual"]) < 1e-9
+    islands_equal_the_whole(row_of_ten(changed=lambda b: bouc_wen(weaker(b), n)))
 
 
 def test_a_still_start_and_a_long_rest():

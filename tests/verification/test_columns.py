@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from reference.rows import islands_equal_the_whole, row_of_ten
+from reference.rows import struck as struck_floors
 from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, gather, links, pair, shake, shear_building
 from test_event_reference import agree
 
@@ -15,6 +17,7 @@ from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from pounding_cli.solve.assess import assess, difference
 from pounding_cli.solve.groups import GroupSolver
 
 ROCKS = Foundation(inertia=1e7, rocking_stiffness=1e11, rocking_damping=1e8, sways=False)
@@ -33,6 +36,27 @@ def struck(kind: str, analysis, foundation=None, left_at: float = 1.0, right_at:
 def test_floors_that_strike_columns(kind, foundation, analysis):
     """Against the event-located reference. Fails if a force goes back by other weights than the closing."""
     agree(struck(kind, analysis, foundation))
+
+
+@pytest.mark.parametrize("analysis", [ELASTIC, INELASTIC])
+@pytest.mark.parametrize("gap", [0.0, 0.02])
+def test_pair_of_five_storeys(gap, analysis):
+    """Slabs of the left building strike columns at mid-height, whose shears are asked for. Fails if a column below the
+    lowest slab, or above the highest, is another's; or if the error estimate leaves the error open."""
+    two = shear_building(0.36, 5), shear_building(0.60, 5)
+    bridges = tuple(replace(link, right_at=0.5, columns=0.2) for link in links("pounding", gap, (1, 2, 3, 4, 5)))
+    scene = Scene(two, bridges, shake(1.2, 9.0, 3), analysis)
+    assert agree(scene, 1e-7).impacts.sum() > 0
+    run = solve(scene, 1e-6)
+    assert abs(run.energy["residual"]) < 1e-8
+    assert difference(run, solve(scene, 1e-11)) <= assess(scene, run, 1e-6).error_estimate <= 1e-6
+
+
+def test_chain_of_ten():
+    """Fails if an island that is put back forgets the points that its links end on."""
+    islands_equal_the_whole(
+        row_of_ten(lambda left: [replace(link, right_at=0.5, columns=0.2) for link in struck_floors(left)])
+    )
 
 
 def test_columns_that_strike_columns():

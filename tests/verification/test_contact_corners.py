@@ -5,17 +5,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.contacts import K, contact_pair, islands_equal_the_row
+from reference.contacts import K, contact_pair
+from reference.rows import islands_equal_the_whole, row_of_ten
 from reference.scenes import ELASTIC, INELASTIC, gather, shake, shear_building
 
 from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
 from pounding_cli.laws.hertz import Hertz, HertzDamp, HertzDamping
+from pounding_cli.laws.infill import Infill
 from pounding_cli.laws.jankowski import Jankowski, JankowskiDamping
 from pounding_cli.laws.pounding import Pounding
+from pounding_cli.laws.written import WrittenLaw
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.assess import assess
+
+_HERTZ = (1.0, -0.5, -2.0)
+"""N/m^1.5 in kg, m and s."""
 
 LAWS = {
     "pounding": lambda gap: Pounding(gap, 2e9, 0.2154),
@@ -23,10 +29,27 @@ LAWS = {
     "hertz-damp": lambda gap: HertzDamp(gap, K, 0.5),
     "jankowski": lambda gap: Jankowski(gap, K, 0.5),
     "bilinear": lambda gap: BilinearContact(gap, K, 0.002, 0.5),
+    "written": lambda gap: WrittenLaw(
+        gap, "own", "k*v**1.5*(1 + c*r)", (("k", K, _HERTZ), ("c", 0.3, (0.0, -1.0, 1.0)))
+    ),
 }
 """Each law across a gap [m]."""
 
+FILLED = LAWS | {"infill": lambda gap: Infill(gap + 0.01, 1.5e8, 2e10, 0.2154)}
+"""These, and the material that fills a gap, of 1 cm more."""
+
 EXTREMES = {
+    "pounding, soft": Pounding(0.0, 1.0, 0.2),
+    "pounding, hard": Pounding(0.0, 1e15, 0.2),
+    "pounding, no loss": Pounding(0.0, 2e9, 0.0),
+    "pounding, e 0.01, cut": Pounding(0.001, 2e9, 0.8261, True),
+    "infill, thin": Infill(1e-5, 1.5e8, 2e10, 0.2),
+    "infill, as soft pressed": Infill(0.02, 1e8, 1e8, 0.2),
+    "infill, soft to hard": Infill(0.001, 1.0, 1e14, 0.8261, True),
+    "written, soft": WrittenLaw(
+        0.0, "own", "k*v + k3*v**3", (("k", 1.0, (1.0, 0.0, -2.0)), ("k3", 1e15, (1.0, -2.0, -2.0)))
+    ),
+    "written, hard": WrittenLaw(0.001, "own", "k*v**1.5", (("k", 1e14, _HERTZ),)),
     "hertz, soft": Hertz(0.0, 1e-3),
     "hertz, hard": Hertz(0.0, 1e14),
     "hertz-damp, e 0.01": HertzDamp(0.0, K, 0.01),
@@ -81,21 +104,22 @@ def test_a_grazing_contact(law):
         assert found.links.max_closing.max() == pytest.approx(most, rel=2 * part)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", FILLED)
 @pytest.mark.parametrize("gap", [0.0, 0.01])
 def test_the_error_estimate_covers_the_error(gap, law):
     """Fails if the estimate is that of one storey, or is taken from a run as coarse."""
-    scene = contact_pair(LAWS[law](gap), shake(1.5), INELASTIC)
+    scene = contact_pair(FILLED[law](gap), shake(1.5), INELASTIC)
     found, fine = assess(scene, solve(scene, 1e-6), 1e-6), solve(scene, 1e-12)
     errors = [np.abs(gather(found, n) / gather(fine, n) - 1).max() for n in ("drift", "acceleration", "shear")]
     assert found.error_estimate >= max(errors)
     assert found.error_estimate < 1e-5
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.01])
-def test_bilinear_in_islands_equals_the_row(gap):
-    """Five buildings. Fails if an island that waits on a contact forgets where it would yield."""
-    islands_equal_the_row(LAWS["bilinear"](gap))
+@pytest.mark.parametrize("law", FILLED)
+@pytest.mark.parametrize("gap", [0.0, 0.004])
+def test_a_row_of_ten_in_islands(gap, law):
+    """Fails if an island that waits on a contact forgets its branch, or the speed or force that it goes by."""
+    islands_equal_the_whole(row_of_ten(lambda left: [Link(left, j, j, FILLED[law](gap)) for j in (1, 2, 3, 4)]))
 
 
 @pytest.mark.parametrize("law", LAWS)

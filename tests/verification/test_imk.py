@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from reference import events
 from reference.drawn import shears
+from reference.rows import islands_equal_the_whole, row_of_ten, weaker
 from reference.scenes import INELASTIC, links, oscillator, shake, shear_building, still
 from test_event_reference import agree
 
@@ -117,7 +118,7 @@ def test_pair_of_five_storeys(law, gap):
     softly = LOST | {"capping_ductility": 4.0, "post_capping_slope": 0.05}
     two = tuple(imk(shear_building(period, 5, strength=2.5), law, **softly) for period in (0.36, 0.60))
     scene = Scene(two, links("pounding", gap, (1, 2, 3, 4, 5)), shake(3.0, 5.0, seed=6), INELASTIC)
-    agree(scene, 1e-7)
+    assert agree(scene, 1e-7).impacts.sum() > 0
     run = solve(scene, 1e-6)
     assert run.events > 300
     assert max(b.ductility.max() for b in run.buildings) < 40
@@ -227,10 +228,4 @@ def test_hard_scenes(law, n):
 @BOTH
 def test_chain_of_ten(law):
     """Fails if islands restore some of what a storey remembers."""
-    row = tuple(imk(shear_building(0.3 + 0.05 * n, 2, strength=1.2), law, **LOST) for n in range(10))
-    joined = tuple(link for left in range(9) for link in links("pounding", 0.01, (1, 2), left=left))
-    scene = Scene(row, joined, shake(3.0, 4.0), INELASTIC)
-    coarse, fine = solve(scene, 1e-7), solve(scene, 1e-10)
-    assert coarse.status == fine.status == "done"
-    assert difference(coarse, fine) < 1e-6
-    assert abs(fine.energy["residual"]) < 1e-9
+    islands_equal_the_whole(row_of_ten(changed=lambda b: imk(weaker(b), law, **LOST)))

@@ -15,7 +15,6 @@ from reference.contacts import (
     blow,
     contact_pair,
     history_reaches_the_peak,
-    islands_equal_the_row,
     keeps_its_accuracy,
 )
 from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, shake
@@ -93,12 +92,6 @@ def test_hard_contacts(gap, k, e, dt):
     """Soft as rubber to hard as rock, floors in touch from rest, samples far apart: an accuracy of 1e-6 is kept. Fails
     if a run at 1e-13 does not find when floors at rest begin to press."""
     keeps_its_accuracy(jankowski_pair(gap, e, shake(2.0, dt=dt), INELASTIC, k=k), 1e-13)
-
-
-@pytest.mark.parametrize("gap", [0.0, 0.005])
-def test_a_chain_of_five_in_islands_equals_the_row(gap):
-    """Fails if an island that waits on a contact forgets on which branch it is."""
-    islands_equal_the_row(Jankowski(gap, K, 0.4))
 
 
 @pytest.mark.parametrize("method", ["rk4-events", "rk4", "newmark", "central-difference"])

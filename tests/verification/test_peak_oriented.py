@@ -6,14 +6,17 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference.scenes import INELASTIC, oscillator, shake, shear_building, still
+from reference.rows import islands_equal_the_whole, row_of_ten, weaker
+from reference.scenes import INELASTIC, links, oscillator, shake, shear_building, still
 from scipy.linalg import expm
 from scipy.optimize import brentq
+from test_event_reference import agree
 
 from pounding_cli.laws.peak_oriented import PeakOriented
 from pounding_cli.model.building import Building
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import METHODS, solve
+from pounding_cli.solve.assess import assess, difference
 from pounding_cli.solve.histories import history
 from tests.hard.random_scenes import random_scene
 
@@ -146,6 +149,42 @@ def exact_peaks(building: Building, motion, parts: int = 16) -> np.ndarray:
             if left < 1e-13:
                 break
     return peaks
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.02])
+def test_pair_of_five_storeys(gap):
+    """Against DOP853 from event to event, with the law of Ibarra, Medina & Krawinkler that never caps, which is this
+    one; and the error estimate covers the error. Fails if a blow in an inner loop sends it to another target."""
+    two = tuple(peak_oriented(shear_building(period, 5, strength=2.0)) for period in (0.36, 0.60))
+    scene = Scene(two, links("pounding", gap, (1, 2, 3, 4, 5)), shake(2.0, 6.0, seed=6), INELASTIC)
+    assert agree(scene, 1e-7).impacts.sum() > 0
+    run = solve(scene, 1e-6)
+    assert max(b.ductility.max() for b in run.buildings) > 2
+    assert difference(run, solve(scene, 1e-11)) <= assess(scene, run, 1e-6).error_estimate <= 1e-6
+
+
+def test_chain_of_ten():
+    """Fails if islands restore some of what a storey remembers."""
+    islands_equal_the_whole(row_of_ten(changed=lambda b: peak_oriented(weaker(b))))
+
+
+@pytest.mark.parametrize("n", range(8))
+def test_hard_scenes(n):
+    """Strengths from a millionth to a million times, hardening from nothing to nearly all. Fails if a storey that
+    yields at once, or one that reloads along next to no line, stops a run."""
+    rng = np.random.default_rng(n)
+    strength, hardening = rng.choice([1e-6, 1e-3, 1, 1e3, 1e6]), rng.choice([0, 1e-9, 0.05, 0.999])
+    scene, _ = random_scene(n)
+    buildings = tuple(
+        peak_oriented(dataclasses.replace(
+            b, hardening=np.full(b.storeys, hardening), collapse=np.inf,
+            yield_shear=strength * np.where(np.isfinite(b.yield_shear), b.yield_shear, 0.01 * b.stiffness),
+        ))
+        for b in scene.buildings
+    )  # fmt: skip
+    run = solve(dataclasses.replace(scene, buildings=buildings, analysis=INELASTIC), 1e-7, bounds=(300_000, 60_000))
+    assert run.status == "done"
+    assert abs(run.energy["residual"]) < 1e-8
 
 
 def test_against_exact_stepping():

@@ -13,6 +13,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.report.columns import Shown, shown
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys
 from pounding_cli.store import flagged_scenes
+from pounding_cli.variables import RESPONSES
 from pounding_cli.workflows import WORKFLOWS
 
 MOST_ROWS = 6000
@@ -52,6 +53,12 @@ _TITLES = {
     "records": "Motions",
     "buildings": "Buildings",
 }
+
+
+def charted(chart: str) -> dict[str, tuple[str, ...]]:
+    """The variables that a chart offers (`Variable.charts`), by the table that holds them, ratios first."""
+    offered = sorted((v for v in RESPONSES if chart in v.charts), key=lambda v: not v.ratio)
+    return {level: tuple(v.name for v in offered if v.dims[-1] == level) for level in ("storey", "floor", "link")}
 
 
 def chosen_points(evidences: Sequence[Evidence], shown_point: Evidence) -> list[Evidence]:

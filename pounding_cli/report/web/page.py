@@ -25,12 +25,13 @@ from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer
 from pounding_cli.report.web.beside import accuracy_beside
-from pounding_cli.report.web.data import as_json, chosen_points, point_of, tables
+from pounding_cli.report.web.data import as_json, charted, chosen_points, point_of, tables
 from pounding_cli.report.web.limits import limits
 from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, SPECTRUM, pictures
 from pounding_cli.report.web.sweep import sweep_data
 from pounding_cli.store import flag_groups_of
+from pounding_cli.variables import ALONE
 from pounding_cli.workflows import WORKFLOWS
 
 PAGE = "report.html"
@@ -84,6 +85,8 @@ def write_page(
         "buildings": shown.group,
         "building": _main(shown),
         "periods": shown.periods,
+        "charted": charted("height"),
+        "alone": ALONE,
     }
     images = pictures(figures, shown, own.words if own else {})
     content = {

@@ -14,14 +14,10 @@ from pounding_cli.report.axes import SweptAxis, swept_axes
 from pounding_cli.report.columns import Shown, shown
 from pounding_cli.report.evidence import Tables, by_floor, names
 from pounding_cli.report.quantity import largest, over_motions, point_numbers
-from pounding_cli.report.web.data import numbers
+from pounding_cli.report.web.data import charted, numbers
 from pounding_cli.store import flagged_scenes
 
-QUANTITIES = {
-    "storey": ("V_ratio", "mu_ratio", "V", "mu", "drift", "residual_drift"),
-    "floor": ("acceleration_ratio", "acceleration", "displacement"),
-    "link": ("peak_force", "max_closing", "impacts", "shear_demand"),
-}
+QUANTITIES = charted("sweep")
 """Quantities by the table that holds them; those that it does not have are left out."""
 MOST_VALUES = 200_000
 """Numbers the page carries; of more, only the largest over the height, then only some points of the longest axis."""

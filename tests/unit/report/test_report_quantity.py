@@ -96,11 +96,12 @@ def test_a_part_of_the_sweep(swept):
 
 
 def test_every_quantity_named_is_a_column_of_its_table(tmp_path):
-    from pounding_cli.store import layout, results
+    from pounding_cli import variables
+    from pounding_cli.store import results
 
-    columns = {*results._STOREY, *results._FLOOR, *results._LINK, *results._SCENE, *layout.OF_COLUMNS}
+    columns = {*results._STOREY, *results._FLOOR, *results._LINK, *results._SCENE, *variables.OF_COLUMNS}
     assert set(quantities()) <= columns
-    assert set(quantities()) <= set(layout.VARIABLES)
+    assert set(quantities()) <= set(variables.VARIABLES)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from study_plans import Axis, FakeStudy, known, small_plan
 from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.keys import FORMAT_VERSION
-from pounding_cli.store.layout import OF_COLUMNS, VARIABLES
+from pounding_cli.variables import OF_COLUMNS, VARIABLES
 
 xarray = pytest.importorskip("xarray")
 

@@ -187,6 +187,8 @@ def pen_of(law) -> ImkPen | WenPen | None:
     """The pen of a storey's law; None of a bilinear one."""
     if law.name == "bouc-wen" and np.isfinite(law.yield_shear):
         return WenPen(law.stiffness, law.yield_shear, law.hardening, law.wen_exponent, law.wen_gamma)
+    if law.name == "peak-oriented" and np.isfinite(law.yield_shear):
+        return ImkPen(law.stiffness, law.yield_shear, law.hardening, 1e6, 1.0)
     if not law.name.startswith("imk"):
         return None
     capacities = [getattr(law, f"{name}_capacity") for name in ("strength", "capping", "unloading", "reloading")]

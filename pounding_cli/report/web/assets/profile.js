@@ -1,14 +1,9 @@
 // Storey by storey: one quantity of one building, a line a case.
 
-const QUANTITIES = {
-  storey: ['V_ratio', 'V', 'mu_ratio', 'mu', 'drift', 'residual_drift'],
-  floor: ['acceleration_ratio', 'acceleration', 'displacement'],
-  link: ['peak_force', 'impacts', 'max_closing', 'impulse', 'contact_time', 'shear_demand', 'shear_below', 'shear_above'],
-};
 const MEAN = '*mean*';
-const ALONE = { V: 'V0', mu: 'mu0', drift: 'drift0', acceleration: 'acceleration0' };
 
 function profileView() {
+  const { charted: QUANTITIES, alone: ALONE } = data;
   const controls = document.getElementById('explore-controls');
   const legend = document.getElementById('explore-legend');
   const box = document.getElementById('explore-chart');

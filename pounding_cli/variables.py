@@ -1,0 +1,237 @@
+"""Every variable of a results file, in one list: the writer, tables, units, expressions of a study, `compare`, the page
+and its charts are made from it, and a test holds docs/results.md to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+PLACE = ("case", "analysis", "record")
+"""The dimensions of one scene, after the swept axes."""
+
+BUILDING = (*PLACE, "building")
+STOREY = (*BUILDING, "storey")
+FLOOR = (*BUILDING, "floor")
+LINK = (*PLACE, "link")
+
+ITSELF, COUNTED = "itself", "counted"
+"""See `Variable.judged`."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A data variable; the swept axes come before `dims`.
+
+    unit : SI, "1" for a pure number, "" for text
+    kind : "f" doubles (NaN where there is nothing), "i" integers, "s" text ("" where there is nothing)
+    of : the field of a response that it is read from, such as "building.shear"; "" where it follows from others
+    alone : whether it is that of the building alone, under the same motion
+    ratio : (value, value of the building alone) that it is the ratio of; its statistics over the motions are kept too
+    formula : the values of variables that responses have, by name -> its own; shapes (rows, dimensions after PLACE)
+    judged : what a difference is relative to when two files are compared: ITSELF, the largest of another variable in
+        the scene, or COUNTED (no difference is allowed); "" for one that is not compared, as it follows from others
+    charts : charts of the page that offer it: "height" (storey by storey, link by link), "sweep"
+    label, brief : what pages and figures call it, and its meaning in short; name and `text` unless given
+    always : whether every file has it; not so where it came later, or where only some studies have it
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    unit: str
+    text: str
+    kind: str = "f"
+    of: str = ""
+    alone: bool = False
+    ratio: tuple[str, ...] = ()
+    formula: Callable[[Mapping[str, np.ndarray]], np.ndarray] | None = None
+    judged: str = ""
+    charts: tuple[str, ...] = ()
+    label: str = ""
+    brief: str = ""
+    always: bool = True
+
+
+_HEIGHT, _BOTH = ("height",), ("height", "sweep")
+
+RESPONSES = (
+    Variable("V", STOREY, "N", "largest storey shear, without damping force",
+             of="building.shear", judged=ITSELF, charts=_BOTH),
+    Variable("V0", STOREY, "N", "largest storey shear of the building alone",
+             of="building.shear", alone=True, judged=ITSELF, label="V₀"),
+    Variable("V_ratio", STOREY, "1", "V / V0",
+             ratio=("V", "V0"), charts=_BOTH, label="V/V₀", brief="storey shear over that alone"),
+    Variable("mu", STOREY, "1", "ductility, largest drift over yield drift",
+             of="building.ductility", judged=ITSELF, charts=_BOTH, label="μ", brief="ductility"),
+    Variable("mu0", STOREY, "1", "ductility of the building alone",
+             of="building.ductility", alone=True, judged=ITSELF, label="μ₀"),
+    Variable("mu_ratio", STOREY, "1", "mu / mu0",
+             ratio=("mu", "mu0"), charts=_BOTH, label="μ/μ₀", brief="ductility over that alone"),
+    Variable("drift", STOREY, "m", "largest storey drift", of="building.drift", judged=ITSELF, charts=_BOTH),
+    Variable("drift0", STOREY, "m", "largest storey drift of the building alone",
+             of="building.drift", alone=True, judged=ITSELF, label="drift alone"),
+    Variable("residual_drift", STOREY, "m", "storey drift at the end",
+             of="building.residual_drift", judged="drift", charts=_BOTH),
+    Variable("acceleration", FLOOR, "m/s2", "largest total floor acceleration",
+             of="building.acceleration", judged="acceleration", charts=_BOTH),
+    Variable("acceleration0", FLOOR, "m/s2", "largest total floor acceleration of the building alone",
+             of="building.acceleration", alone=True, judged="acceleration0", label="acceleration alone"),
+    Variable("acceleration_ratio", FLOOR, "1", "acceleration / acceleration0",
+             ratio=("acceleration", "acceleration0"), charts=_BOTH, label="a/a₀",
+             brief="floor acceleration over that alone"),
+    Variable("displacement", FLOOR, "m", "largest floor displacement relative to the ground, either way",
+             formula=lambda of: np.maximum(of["displacement_max"], -of["displacement_min"]), charts=_BOTH,
+             brief="largest, either way"),
+    Variable("displacement_max", FLOOR, "m", "largest floor displacement to the right",
+             of="building.displacement_max", judged="displacement", label="displacement, right"),
+    Variable("displacement_min", FLOOR, "m", "smallest floor displacement (to the left: negative)",
+             of="building.displacement_min", judged="displacement", label="displacement, left"),
+    Variable("sway", BUILDING, "m", "largest translation of the foundation", of="building.sway"),
+    Variable("rocking", BUILDING, "rad", "largest rotation of the foundation", of="building.rocking"),
+    Variable("collapsed", BUILDING, "1", "storey that collapsed, from 1; 0 where none did", kind="i", always=False),
+    Variable("collapsed0", BUILDING, "1", "likewise of the building alone", kind="i", alone=True, always=False),
+    Variable("impacts", LINK, "1", "number of times the link closed",
+             of="link.impacts", judged=COUNTED, charts=_BOTH, label="contacts", brief="times the link closed"),
+    Variable("peak_force", LINK, "N", "largest link force",
+             of="link.peak_force", judged="peak_force", charts=_BOTH, label="peak force"),
+    Variable("max_closing", LINK, "m", "largest closing of the two floors, gap not subtracted",
+             of="link.max_closing", judged="max_closing", charts=_BOTH, label="largest closing"),
+    Variable("impulse", LINK, "N s", "link force summed over time, pulling negative",
+             of="link.impulse", judged="impulse", charts=_HEIGHT),
+    Variable("contact_time", LINK, "s", "time with a force in the link",
+             of="link.contact_time", judged="contact_time", charts=_HEIGHT),
+    Variable("shear_below", LINK, "N", "largest shear in the struck columns below the blow, without damping force",
+             of="columns.shear_below", judged=ITSELF, charts=_HEIGHT,
+             label="column shear below the blow", always=False),
+    Variable("shear_above", LINK, "N", "largest shear in the struck columns above the blow, without damping force",
+             of="columns.shear_above", judged=ITSELF, charts=_HEIGHT,
+             label="column shear above the blow", always=False),
+    Variable("shear_demand", LINK, "1", "the larger of both over the columns' share of the storey's yield shear",
+             of="columns.demand", charts=_BOTH, label="column shear over strength", always=False),
+)  # fmt: skip
+"""What responses say, and what follows from it."""
+
+SCENES = (
+    Variable("status", PLACE, "", "outcome of the scene: done, collapsed, or what stopped it", "s"),
+    Variable("advice", PLACE, "", "what to do about an outcome other than done", "s"),
+    Variable("collapse_time", PLACE, "s", "when a storey collapsed; NaN where none did", always=False),
+    Variable("method", PLACE, "", "method of solution, of a row that fell into groups theirs", "s"),
+    Variable("accuracy", PLACE, "1", "accuracy asked; NaN for a method that takes a time step"),
+    Variable("time_step", PLACE, "s", "time step of a method that takes one; NaN for the others"),
+    Variable("steps", PLACE, "1", "time steps", "i"),
+    Variable("events", PLACE, "1", "events located", "i"),
+    Variable("orders", PLACE, "1", "Taylor orders computed in all", "i"),
+    Variable("seconds", PLACE, "s", "time inside the solver", label="solver time"),
+    Variable("energy_residual", PLACE, "1", "energy not accounted for, over the input"),
+    Variable(
+        "error_estimate", PLACE, "1", "numerical error of the peaks, relative: about so much at most", label="error"
+    ),
+    Variable("sensitivity", PLACE, "1", "change of the peaks under a small change of the motion, relative"),
+    Variable("effects", PLACE, "", "effects simulated, one a line", "s"),
+    Variable("dropped", PLACE, "", "effects left out with the reason, one a line", "s"),
+    Variable("flags", PLACE, "", "what a reader of the numbers should know, one a line", "s"),
+    Variable("energy_input", PLACE, "J", "energy put in by the ground"),
+    Variable("energy_kinetic", PLACE, "J", "kinetic energy at the end"),
+    Variable("energy_stored", PLACE, "J", "elastic energy at the end"),
+    Variable("energy_damping", PLACE, "J", "energy lost in structural damping"),
+    Variable("energy_hysteresis", PLACE, "J", "energy lost in yielding storeys"),
+    Variable("energy_links", PLACE, "J", "energy lost in links"),
+    Variable("scene", PLACE, "", "digest of the scene", "s"),
+)
+
+FORMERLY = {"accuracy": "tolerance", "time_step": "tolerance"}
+"""What files of before call a variable: accuracy or time step were one, the study says which."""
+
+OF_COLUMNS = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
+"""What files have where some link strikes columns."""
+
+# The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
+
+LINKS = (
+    Variable("kind", ("case", "link"), "", "law of the link; empty where there is none", "s"),
+    Variable("gap", ("case", "link"), "m", "initial distance of the two floors"),
+    Variable(
+        "left_at",
+        ("case", "link"),
+        "1",
+        "left end: part of the height of the storey below its floor, 1 at it",
+        always=False,
+    ),
+    Variable(
+        "right_at",
+        ("case", "link"),
+        "1",
+        "right end: part of the height of the storey below its floor, 1 at it",
+        always=False,
+    ),
+)
+
+BUILDINGS = (
+    Variable("mass", ("building", "storey"), "kg", "floor mass"),
+    Variable("height", ("building", "storey"), "m", "storey height"),
+    Variable("stiffness", ("building", "storey"), "N/m", "initial storey stiffness"),
+    Variable("yield_shear", ("building", "storey"), "N", "storey yield shear"),
+    Variable("period", ("building",), "s", "fundamental period on a fixed base"),
+    Variable("base_shear_ratio", ("building",), "1", "yield shear of the lowest storey over the weight, V/W"),
+    Variable("slab", ("building",), "m", "thickness of the floor slabs", always=False),
+    Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
+)
+
+RECORDS = (
+    Variable("record_source", ("record",), "", "real, stand-in or user", "s"),
+    Variable("record_digest", ("record",), "", "SHA-256 of the motion as used", "s"),
+    Variable("record_scale", ("record",), "1", "factor on the motion as read"),
+    Variable("record_window", ("record",), "s", "duration used", label="duration"),
+    Variable("record_pga", ("record",), "m/s2", "peak ground acceleration as used", label="peak"),
+    Variable("record_arias", ("record",), "m/s", "Arias intensity as used", label="Arias intensity"),
+)
+
+STATISTICS = tuple(
+    Variable(
+        f"{ratio.name}_{statistic}",
+        ("case", "analysis", *ratio.dims[-2:]),
+        "1",
+        f"{words} over the records of {ratio.name}",
+        "i" if statistic == "count" else "f",
+    )
+    for ratio in RESPONSES
+    if ratio.ratio
+    for statistic, words in (
+        ("mean", "mean"),
+        ("std", "standard deviation (n - 1)"),
+        ("min", "smallest"),
+        ("max", "largest"),
+        ("count", "number"),
+        ("mean_error", "numerical error of the mean"),
+        ("mean_sensitivity", "mean relative change of the peaks under a small change of the motion"),
+    )
+)
+
+WRITTEN = {
+    "gap": "gap", "max_closing": "gap",
+    "acceleration": "acceleration", "acceleration0": "acceleration", "record_pga": "acceleration",
+}  # fmt: skip
+"""Variables that people read in the unit the study writes, and the quantity of `study.written.PLACES` they are."""
+
+VARIABLES = {v.name: v for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS, *RECORDS, *STATISTICS)}
+
+RATIOS = tuple(v.name for v in RESPONSES if v.ratio)
+
+ALONE = {v.name: w.name for v in RESPONSES for w in RESPONSES if v.of and v.of == w.of and w.alone and not v.alone}
+"""Variable -> the same of the building alone."""
+
+COORDINATES = {
+    "case": ("", "case of the study"),
+    "analysis": ("", "elastic or inelastic storeys"),
+    "record": ("", "ground motion"),
+    "building": ("", "building, left to right"),
+    "storey": ("1", "storey, from 1 at the ground"),
+    "floor": ("1", "floor, from 1 at the ground; the top of the storey of that number"),
+    "link": ("", "link between two neighbouring floors"),
+    "link_left": ("", "building left of the link"),
+    "link_right": ("", "building right of the link"),
+    "link_floor": ("1", "floor of the link in the left building"),
+    "link_right_floor": ("1", "floor of the link in the right building"),
+}
+"""Coordinate variables with unit and meaning; swept axes add theirs."""
