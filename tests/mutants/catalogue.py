@@ -179,6 +179,24 @@ LINKS = [
         f"{HERTZ}::test_hard_contacts[0.0-1000000000000.0-None-0.05]",
     ),
     Mutant(
+        "pressed-soon",
+        "where a force from rest begins to be resolved is looked for in the whole step at once",
+        "within = end",
+        f"{VERIFICATION}/test_jankowski.py::test_hard_contacts[0.0-1000000000000.0-0.01-0.05]",
+    ),
+    Mutant(
+        "end-decides",
+        "a storey that turned six times at one instant stays where it is, whatever the step brings",
+        "return s",
+        "tests/hard/test_behaviour.py::test_rest_without_strength",
+    ),
+    Mutant(
+        "no-time",
+        "time below the last digit of a step counts as time",
+        "if pinned_at_event and clock[END] > 0.0:",
+        "tests/hard/test_behaviour.py::test_rest_without_strength",
+    ),
+    Mutant(
         "contact-begins",
         "contact begins at the end of the step",
         "{line}; s = 1.0 if s <= end else s",
