@@ -18,7 +18,7 @@ CHUNK_SECONDS = 0.5
 MOST = 1000
 """Scenes in one bundle at most."""
 
-TOGETHER = 32
+TOGETHER = 64
 """Scenes that are taken step by step together (`Task.each`)."""
 
 _LATE = 2.0

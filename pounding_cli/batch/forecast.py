@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -17,9 +17,11 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.groups import GroupSolver, sure_parts
 from pounding_cli.solve.price import ASSESSED, BESIDE, method_of, price
 from pounding_cli.solve.response import Response
+from pounding_cli.study.thinned import times
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
+    from pounding_cli.study.load import Study
 
 MOST_SCENES = 2000
 """Scenes that are looked at; of more, as many spread evenly."""
@@ -37,14 +39,17 @@ class Forecast:
     scenes, seconds : (ALONE, PARTS, GROUP or APART, method) -> number of scenes and their expected time on one core [s]
     not_simulated : case -> scenes of the group that are answered by smaller groups, where that was looked into
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
+    all, alone : scenes of the study, and of buildings alone; about so many where it was thinned
     looked_at, proven : share of the scenes looked at; whether the buildings alone and the smaller groups were run
     """
 
-    scenes: Counter[tuple[str, str]] = field(default_factory=Counter)
+    scenes: defaultdict[tuple[str, str], float] = field(default_factory=lambda: defaultdict(float))
     seconds: defaultdict[tuple[str, str], float] = field(default_factory=lambda: defaultdict(float))
-    not_simulated: Counter[str] = field(default_factory=Counter)
-    kept: Counter[str] = field(default_factory=Counter)
-    dropped: Counter[str] = field(default_factory=Counter)
+    not_simulated: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
+    kept: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
+    dropped: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
+    all: int = 0
+    alone: int = 0
     looked_at: float = 1.0
     proven: bool = False
 
@@ -54,47 +59,66 @@ class Forecast:
         return sum(self.seconds.values())
 
 
-def forecast(plan: Plan, prove: bool) -> Forecast:
+def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
     """Look at the scenes of a plan, and, to prove that rows fall apart, run their buildings alone and smaller groups.
 
     Then everything is found as a run will find it; only the whole rows are not solved. Without proof every row counts
     as solved whole, and smaller groups only where a first movement closes their links.
+
+    whole : the study that will run, where the plan is that of a thinned one (`study.thinned`)
     """
     found = Forecast(proven=prove and not plan.all_effects)
     baselines = {digest for row in plan.rows for digest in row.baselines}
     cases = {row.scene: row.case for row in reversed(plan.rows)}
     digests = _looked_at(plan)
+    each, apart = _stands_for(plan, whole or plan.study)
+    found.all, found.alone = round(sum(each.values())), round(sum(each.get(digest, 0.0) for digest in baselines))
+    found.looked_at = len(digests) / max(1, found.all)
     every = _every(plan)
-    found.looked_at = len(digests) / max(1, len(plan.scenes))
     parts: set[str] = set()
     runs = {"none": 1.0, "sample": 1 + (ASSESSED - 1) / 8, "all": float(ASSESSED)}[plan.estimate]
 
-    def count(what: str, scene: Scene) -> None:
+    def count(what: str, scene: Scene, number: float) -> None:
         method = _method(plan, scene)
-        found.scenes[what, method] += every
-        found.seconds[what, method] += every * (runs * price(scene, method, plan.time_step) + BESIDE)
+        found.scenes[what, method] += number
+        found.seconds[what, method] += number * (runs * price(scene, method, plan.time_step) + BESIDE)
 
     def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:
             parts.add(scene.digest)
-            count(PARTS if all(link.law.can_close for link in scene.links) else APART, scene)
+            linked = all(link.law.can_close for link in scene.links)
+            count(PARTS if linked else APART, scene, every * (stands if linked else apart))
 
     solver = _prover(plan, count_part)
     for digest in digests:
-        scene = plan.scenes[digest]
+        scene, stands = plan.scenes[digest], each[digest]
         if digest in baselines:
-            count(ALONE, scene)
+            count(ALONE, scene, every * stands)
             continue
-        _count_effects(found, plan, scene)
+        _count_effects(found, plan, scene, every * stands)
         if solver is not None and found.proven:
             if solver.by_proof(scene) is not None:
-                found.not_simulated[cases[digest]] += every
+                found.not_simulated[cases[digest]] += every * stands
                 continue
         elif solver is not None:
             for part in sure_parts(scene):
                 count_part(part)
-        count(GROUP, scene)
+        count(GROUP, scene, every * stands)
     return found
+
+
+def _stands_for(plan: Plan, whole: Study) -> tuple[dict[str, float], float]:
+    """How many scenes of the whole study each scene of a plan stands for, and each row of neighbours kept apart."""
+    some, ground = plan.study, ("records", "tail")
+    if some is whole:
+        return dict.fromkeys(plan.scenes, 1.0), 1.0
+    alone = [times(whole, some, ("buildings", name), *ground) for name in some.model.group]
+    linked = {case: times(whole, some, "buildings", "impact", "laws", ("cases", case), *ground) for case in plan.cases}
+    found: dict[str, float] = {}
+    for row in plan.rows:
+        for digest, each in (*zip(row.baselines, alone, strict=True), (row.scene, linked[row.case])):
+            found.setdefault(digest, each)
+    return found, times(whole, some, "buildings", *ground)
 
 
 def methods_needed(plan: Plan) -> set[str]:
@@ -149,9 +173,11 @@ def _prover(plan: Plan, tell: Callable[[Scene], None] = lambda scene: None) -> G
     return GroupSolver(respond, free, plan.accuracy) if task.falls_apart() else None
 
 
-def _count_effects(found: Forecast, plan: Plan, scene: Scene) -> None:
+def _count_effects(found: Forecast, plan: Plan, scene: Scene, times: float) -> None:
     effects = effects_of(scene)
-    found.kept.update(effects.kept)
-    found.dropped.update(effects.dropped)
+    dropped = effects.dropped
     if not plan.all_effects and plan.time_step is None:
-        found.dropped.update(condensed(scene, plan.accuracy)[1])
+        dropped += condensed(scene, plan.accuracy)[1]
+    for counts, said in ((found.kept, effects.kept), (found.dropped, dropped)):
+        for text in said:
+            counts[text] += times

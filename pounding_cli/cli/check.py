@@ -56,4 +56,4 @@ def command(study: Path) -> None:
     ]
     click.echo(f"OK: {name}: {' x '.join(factors)} = {counted(rows, 'row')}{scenes}")
     if not scenes:
-        click.echo("Each value of the sweep was looked at, not their combinations: `pound plan` does that.")
+        click.echo("Each value of the sweep was looked at, not their combinations: `pound run` does that first.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +16,12 @@ if TYPE_CHECKING:
     from pounding_cli.laws.law import LinkLaw
     from pounding_cli.numbers import Unit
     from pounding_cli.study import Plan
+    from pounding_cli.study.load import Study
 
+
+MOST_POINTS, FEW_POINTS = 10_000, 2000
+"""Points of a sweep that are all looked at, and of a larger one so many, spread evenly: each takes a quarter of a
+millisecond."""
 
 WORTH_PROVING = 5.0
 """Buildings alone and smaller groups are run to prove what falls away if that takes no longer than this [s], or if
@@ -28,7 +34,8 @@ asked."""
 @click.option("--all-effects", is_flag=True, help="Show the plan of a run that leaves nothing out.")
 def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     """Show what STUDY would run and what not: scenes by method, effects kept and dropped with the reason, baselines
-    shared, rows answered by their buildings alone or by smaller groups of them, expected time.
+    shared, rows answered by their buildings alone or by smaller groups of them, expected time. Then the questions that
+    its sections ask (`fragility:`, `sensitivity:`, ...), with the scenes of their first round.
 
     Nothing is written. The buildings alone are run where that takes a few seconds, because whether a gap ever closes
     follows from them.
@@ -41,51 +48,87 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     import dataclasses
 
     from pounding_cli.study import expand, load_study
+    from pounding_cli.study.thinned import thinned
 
     read = load_study(study)
+    some = read if math.prod(len(axis.values) for axis in read.axes) <= MOST_POINTS else thinned(read, FEW_POINTS)
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
-    plan = dataclasses.replace(expand(read), all_effects=all_effects)
-    for line in _lines(plan, prove):
+    plan = dataclasses.replace(expand(some), all_effects=all_effects)
+    asked = _questions(read, some, all_effects)
+    for line in [*_lines(read, plan, prove), *asked]:
         click.echo(line)
 
 
-def _lines(plan: Plan, prove: bool | None) -> list[str]:
+def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
+    """What the sections of a study ask, with the scenes of the first round of each question and their time.
+
+    some : the study, or the thinned one that is looked at in its place
+    """
+    import dataclasses
+
+    from pounding_cli.batch.forecast import forecast
+    from pounding_cli.workflows import WORKFLOWS
+
+    times = math.prod(len(axis.values) / len(few.values) for axis, few in zip(study.axes, some.axes, strict=True))
+    about = "" if some is study else "about "
+    lines = []
+    for name, workflow in WORKFLOWS.items():
+        if not workflow.schema or study.resolver.root.get(name) is None:
+            continue
+        plan = dataclasses.replace(workflow.part("expand")(some), all_effects=all_effects)
+        later = ""
+        if plan.ahead:
+            later = f"; later rounds about {round(times * plan.ahead)} more at most"
+        elif any(row.scene not in plan.scenes for row in plan.rows if row.scene):
+            later = "; later rounds ask for more, as the answers decide"
+        elif plan.state is not None:
+            later = "; later rounds follow from its answers"
+        first = "the first round has" if later else "it has"
+        scenes = f"{about}{counted(round(times * len(plan.scenes)), 'scene')}"
+        time = _time(times * forecast(plan, prove=False).total)
+        lines.append(f"  pound {name:<12} {first} {scenes}, about {time} on one core{later}")
+    return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
+
+
+def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
     from pounding_cli.batch.forecast import GROUP, PARTS, forecast
 
-    found = forecast(plan, prove=bool(prove))
+    found = forecast(plan, bool(prove), study)
     proof = sum(seconds for (what, _), seconds in found.seconds.items() if what != GROUP)
     if prove is None and not plan.all_effects and proof < WORTH_PROVING:
-        found = forecast(plan, prove=True)
-    baselines = {digest for row in plan.rows for digest in row.baselines}
-    wanted = sum(len(row.baselines) for row in plan.rows)
-    repeated = len(plan.rows) - len({row.scene for row in plan.rows})
+        found = forecast(plan, True, study)
+    rows = math.prod((*(len(a.values) for a in study.axes), len(plan.cases), len(plan.analyses), len(plan.records)))
+    about = "" if plan.study is study else "about "
+    repeated = max(0, rows - (found.all - found.alone))
     step = "" if plan.time_step is None else f"time step {plan.study.unit('time step').text(plan.time_step)}"
     setting = step or f"accuracy {plan.accuracy:g}"
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
-        f"rows       {len(plan.rows)}: {_factors(plan)}",
+        f"rows       {rows}: {_factors(study, plan)}",
     ]
-    for axis in plan.axes:
+    for axis in study.axes:
         shown = [", ".join(axis.shown(place)) for place in range(len(axis.values))]
         listed = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
         lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
     lines += [
         f"method     {plan.method}, {setting}",
-        f"scenes     {len(plan.scenes)}, on one core about {_time(found.total)} with estimate: {plan.estimate}"
+        f"scenes     {about}{found.all}, on one core about {_time(found.total)} with estimate: {plan.estimate}"
         " (reference core; stiff links take longer)",
     ]
     if found.looked_at < 1:
         lines.append(f"           judged by one scene in {1 / found.looked_at:.0f}")
+    if about:
+        lines.append("           combinations of swept values that were not looked at are checked as the run begins")
     for (what, method), count in sorted(found.scenes.items()):
-        lines.append(f"  run      {count:6d} {what}, {method}, about {_time(found.seconds[what, method])}")
+        lines.append(f"  run      {round(count):6d} {what}, {method}, about {_time(found.seconds[what, method])}")
     who = "the buildings alone" + (" and smaller groups" if any(what == PARTS for what, _ in found.scenes) else "")
     for case, count in found.not_simulated.items():
-        lines.append(f"  not run  {count:6d} of {case}: gaps that {who} never close")
+        lines.append(f"  not run  {round(count):6d} of {case}: gaps that {who} never close")
     lines.append(
-        f"  shared   {counted(wanted, 'baseline')} asked for, {len(baselines)} run; "
-        f"{counted(repeated, 'row repeats', 'rows repeat')} another's scene"
+        f"  shared   {counted(rows * len(plan.buildings), 'baseline')} asked for, {about}{found.alone} run; "
+        f"{about}{counted(repeated, 'row repeats', 'rows repeat')} another's scene"
     )
     if not found.proven and not plan.all_effects and plan.time_step is None:
         lines.append("  more scenes may need no run: --prove runs the buildings alone to find out")
@@ -123,8 +166,8 @@ def _time(seconds: float) -> str:
     return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"
 
 
-def _factors(plan: Plan) -> str:
-    parts = [f"{len(axis.values)} x {', '.join(axis.names)}" for axis in plan.axes]
+def _factors(study: Study, plan: Plan) -> str:
+    parts = [f"{len(axis.values)} x {', '.join(axis.names)}" for axis in study.axes]
     parts += [
         counted(len(plan.cases), "case"),
         counted(len(plan.analyses), "analysis", "analyses"),
@@ -139,12 +182,12 @@ def _effects(found: Forecast) -> list[str]:
     lines = []
     for name in names:
         reasons = [
-            f"dropped in {count}: {text.split(': ', 1)[1]}"
+            f"dropped in {round(count)}: {text.split(': ', 1)[1]}"
             for text, count in found.dropped.items()
             if text.split(": ", 1)[0] == name
         ]
-        parts = [f"kept in {found.kept[name]}"] * bool(found.kept[name]) + reasons
-        lines.append(f"  {name:<30} {'; '.join(parts)}")
+        kept = [f"kept in {round(found.kept[name])}"] if name in found.kept else []
+        lines.append(f"  {name:<30} {'; '.join(kept + reasons)}")
     return lines
 
 

@@ -58,7 +58,12 @@ def memories_flow(scene: Scene) -> bool:
 @functools.lru_cache(maxsize=256)  # a run asks five times about one scene, and many scenes are laid out together
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""
-    return _effects(_of_buildings(scene.buildings), _of_links(scene.links), scene.analysis)
+    return _effects_of(scene.buildings, scene.links, scene.analysis)
+
+
+@functools.lru_cache(maxsize=64)  # the same for every motion
+def _effects_of(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Effects:
+    return _effects(_of_buildings(buildings), _of_links(links), analysis)
 
 
 @functools.lru_cache(maxsize=256)

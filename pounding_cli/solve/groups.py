@@ -211,7 +211,7 @@ def _move_alike(scene: Scene, link: Link) -> bool:
     """Whether the link joins the same floor of two equal buildings: as long as nothing else pushes them, it is not
     closed by anything."""
     a, b = scene.buildings[link.left], scene.buildings[link.left + 1]
-    return (link.left_floor, link.left_at) == (link.right_floor, link.right_at) and a.digest == b.digest
+    return a.digest == b.digest and (link.left_floor, link.left_at) == (link.right_floor, link.right_at)
 
 
 def _rests(scene: Scene, left: range, right: range, link: Link) -> bool:

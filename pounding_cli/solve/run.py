@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import gc
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import nan
+from typing import NamedTuple
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.kernels import kept, layout
 from pounding_cli.methods import AUTO, METHODS, Method
+from pounding_cli.model.building import Building
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
-from pounding_cli.model.scene import Scene
+from pounding_cli.model.links import Link
+from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import taylor
 from pounding_cli.solve.arrays import Arrays, Begun, at_rest, pack, stacked
@@ -253,7 +257,11 @@ def prepare(
 ) -> Prepared:
     """A scene laid out for its run; parameters and errors as of `solve`."""
     chosen, setting = chosen_method(method, accuracy, time_step)
-    scene, arrays, chosen, code, condensing = _what_runs(scene, chosen, accuracy, method == AUTO, all_effects)
+    buildings, links, analysis = tuple(scene.buildings), tuple(scene.links), scene.analysis
+    runs = _what_runs(buildings, links, analysis, scene.motion.dt, chosen, accuracy, method == AUTO, all_effects)
+    arrays = runs.arrays
+    if runs.buildings != buildings:
+        scene = dataclasses.replace(scene, buildings=runs.buildings)
     begun = at_rest(arrays, segments_of(scene) if watch else 0)
     if initial is not None:
         state, peaks, *_ = begun
@@ -264,14 +272,36 @@ def prepare(
     if initial is not None:
         kinetic, stored, in_links = held([scene], [arrays], stacked(arrays, [begun])[0])
         before = float(kinetic[0]), float(stored[0]), float(in_links[0])
-    limit = code.largest_step(arrays)
-    return Prepared(scene, arrays, chosen, code, setting, accuracy, bounds, watch, begun, before, limit, condensing)
+    return Prepared(
+        scene, arrays, runs.method, runs.code, setting, accuracy, bounds, watch, begun, before, runs.limit,
+        runs.condensing,
+    )  # fmt: skip
 
 
+class _Runs(NamedTuple):
+    """What runs of a scene: its buildings without what cannot matter, its arrays, method and code, what is left out in
+    words, and the longest stable time step [s]."""
+
+    buildings: tuple[Building, ...]
+    arrays: Arrays
+    method: Method
+    code: Integrator
+    condensing: tuple[str, ...]
+    limit: float
+
+
+@functools.lru_cache(maxsize=64)  # the same for every motion
 def _what_runs(
-    scene: Scene, chosen: Method, accuracy: float, free: bool, all_effects: bool
-) -> tuple[Scene, Arrays, Method, Integrator, tuple[str, ...]]:
-    """The scene without what cannot matter, its arrays, the method and its code, and what is left out in words.
+    buildings: tuple[Building, ...],
+    links: tuple[Link, ...],
+    analysis: Analysis,
+    dt: float,
+    chosen: Method,
+    accuracy: float,
+    free: bool,
+    all_effects: bool,
+) -> _Runs:
+    """What runs of scenes with motions of this time step [s].
 
     free : whether a cheaper method may take the place of the chosen one
 
@@ -279,6 +309,7 @@ def _what_runs(
     ------
     InputError : a scene that the method does not run
     """
+    scene = Scene(buildings, links, Motion("still", dt, np.zeros(2)), analysis)
     code = integrator_of(chosen)
     condensing: tuple[str, ...] = ()
     if all_effects and code is taylor.TAYLOR:
@@ -294,7 +325,7 @@ def _what_runs(
         condensing += ("event location: nothing in the scene can change its stiffness, so it is stepped exactly",)
     if code is taylor.TAYLOR and taylor.solved_in_islands(scene, arrays):
         condensing += ("the rest of the row, while a few touch or yield: what does not touch takes steps of its own",)
-    return scene, arrays, chosen, code, condensing
+    return _Runs(scene.buildings, arrays, chosen, code, condensing, code.largest_step(arrays))
 
 
 def _compile(code: Integrator, scene: Scene, setting: float) -> None:

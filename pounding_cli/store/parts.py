@@ -7,7 +7,7 @@ import os
 import shutil
 import uuid
 import zlib
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -23,6 +23,9 @@ _SPAN = 1 << 24
 
 _AT_ONCE = 1000
 """Responses read at a time."""
+
+_FEW = 4
+"""Where less than this part of a chunk is asked for, its numbers are copied."""
 
 
 class PartStore(Mapping[str, Response]):
@@ -113,45 +116,49 @@ class PartStore(Mapping[str, Response]):
         ((text, numbers),) = self.take([digest])
         return decode(text, numbers)
 
-    def line(self, digest: str) -> str:
-        """The header line of a response."""
-        chunk, place = divmod(self._where[digest], _SPAN)
-        return self._chunks[chunk].lines[place]
-
     def header(self, digest: str) -> Header:
         """What is known of a response without its numbers."""
-        return parse(self.line(digest))
+        return parse(self.lines([digest])[0])
 
-    def seconds(self, digest: str) -> float:
-        """Time of a scene in the solver [s]."""
-        chunk, place = divmod(self._where[digest], _SPAN)
-        return float(self._chunks[chunk].seconds[place])
+    def lines(self, digests: Iterable[str]) -> list[str]:
+        """The header lines of many responses."""
+        where, chunks = self._where, self._chunks
+        return [chunks[place // _SPAN].lines[place % _SPAN] for place in map(where.__getitem__, digests)]
+
+    def seconds(self, digests: Collection[str]) -> float:
+        """Time of scenes in the solver, all together [s]."""
+        return float(sum(held.seconds[places].sum() for held, _, places in self._by_chunk(digests)))
 
     def storeys(self, digests: Iterable[str]) -> int:
         """Storeys of the tallest building of some scenes."""
-        lines = {self.line(digest) for digest in digests}
-        spans = (spans["shear"] for line in lines for spans in parse(line).buildings)
+        spans = (spans["shear"] for line in {*self.lines(digests)} for spans in parse(line).buildings)
         return max((span.stop - span.start for span in spans), default=0)
 
-    def take(self, digests: Sequence[str]) -> list[tuple[str, np.ndarray]]:
+    def take(self, digests: Collection[str]) -> list[tuple[str, np.ndarray]]:
         """Header lines and numbers of many responses; every part is read once.
 
         Raises
         ------
         OSError : a part cannot be read any more, or was damaged since it was written
         """
-        by_chunk: dict[int, list[int]] = {}
-        for number, digest in enumerate(digests):
-            by_chunk.setdefault(self._where[digest] // _SPAN, []).append(number)
         found: list[tuple[str, np.ndarray]] = [("", np.zeros(0))] * len(digests)
-        for chunk, asked in sorted(by_chunk.items()):
-            held = self._chunks[chunk]
+        for held, asked, places in self._by_chunk(digests):
             numbers = held.numbers()
-            for number in asked:
-                place = self._where[digests[number]] % _SPAN
-                row = numbers[held.starts[place] : held.starts[place + 1]]
-                found[number] = held.lines[place], row.copy()
+            few = len(places) < len(held.lines) / _FEW  # that would hold all the numbers of the chunk
+            begins, ends = held.starts[places].tolist(), held.starts[places + 1].tolist()
+            for number, place, begin, end in zip(asked.tolist(), places.tolist(), begins, ends, strict=True):
+                row = numbers[begin:end]
+                found[number] = held.lines[place], row.copy() if few else row
         return found
+
+    def _by_chunk(self, digests: Collection[str]) -> Iterator[tuple[_Held, np.ndarray, np.ndarray]]:
+        """(chunk, which of the digests it has, their places in it), chunk by chunk."""
+        where = np.fromiter(map(self._where.__getitem__, digests), np.int64, len(digests))
+        chunks, places = np.divmod(where, _SPAN)
+        order = np.argsort(chunks, kind="stable")
+        for some in np.split(order, np.flatnonzero(np.diff(chunks[order])) + 1):
+            if some.size:
+                yield self._chunks[chunks[some[0]]], some, places[some]
 
     def read(self, digests: Iterable[str]) -> Iterator[tuple[str, Response]]:
         """Many responses with their digests; as `take`."""

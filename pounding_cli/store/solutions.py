@@ -33,11 +33,11 @@ def write_solutions(file: h5py.File, digests: Sequence[str], responses: PartStor
     group.attrs["long_name"] = "responses by scene digest, linked scenes and buildings alone; kept for reuse"
     group["digest"] = np.array(digests, dtype="S64")
     lines: dict[str, int] = {}
-    words = np.array([lines.setdefault(responses.line(digest), len(lines)) for digest in digests], np.int64)
+    words = np.array([lines.setdefault(line, len(lines)) for line in responses.lines(digests)], np.int64)
     group.create_dataset("line", data=list(lines), dtype=h5py.string_dtype())
     packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
     group.create_dataset("words", data=words, **packed)
-    total = sum(responses.header(digest).size for digest in digests)
+    total = int(np.array([parse(line).size for line in lines], np.int64)[words].sum())
     numbers = group.create_dataset("numbers", (total,), np.float64, chunks=(min(total, _NUMBERS),), **packed)
     end = 0
     for begin in range(0, len(digests), _SCENES):

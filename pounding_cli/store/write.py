@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import platform
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -21,6 +22,7 @@ from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
 from pounding_cli.store import answers
 from pounding_cli.store.blocks import blocks
+from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import damage_of, opened
 from pounding_cli.store.former import written_place
@@ -228,10 +230,12 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             **({} if plan.time_step is None else {"time_step": plan.time_step}),
             "method": plan.method,
             "scenes": len(plan.scenes),
-            "scenes_failed": sum(not responses.header(digest).is_done for digest in plan.scenes),
+            "scenes_failed": sum(
+                count for line, count in Counter(responses.lines(plan.scenes)).items() if not parse(line).is_done
+            ),
             "scenes_solved_last": run.solved,
             "scenes_reused_last": run.reused,
-            "solver_seconds": sum(responses.seconds(digest) for digest in plan.scenes),
+            "solver_seconds": responses.seconds(plan.scenes),
             "wall_seconds_last": run.wall_seconds,
             "engine": run.engine,
             "workers": run.workers,

@@ -80,10 +80,11 @@ class Rows(Sequence[Row]):
         )
 
     def __iter__(self) -> Iterator[Row]:
-        columns = zip(product(*map(range, self.frame.shape)), self._scenes, self._baselines, self._links, strict=True)
-        cases, analyses, records = self.frame.cases, self.frame.analyses, self.frame.records
-        for (*point, case, analysis, record), scene, baselines, links in columns:
-            yield Row(tuple(point), cases[case], analyses[analysis], records[record], scene, baselines, links)
+        frame, columns = self.frame, zip(self._scenes, self._baselines, self._links, strict=True)
+        names = list(product(frame.cases, frame.analyses, frame.records))
+        for point in product(*map(range, frame.shape[:-3])):
+            for name, column in zip(names, columns, strict=False):
+                yield Row(point, *name, *column)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Rows):

@@ -110,7 +110,7 @@ def test_a_store_gives_back_what_went_in_from_memory_and_from_disk(tmp_path, pla
     assert all(same(responses[name], found[name]) for name in names)
     taken = found.take(names[::-1])
     assert all(same(responses[name], decode(*each)) for name, each in zip(names[::-1], taken, strict=True))
-    assert found.seconds("odd") == 1 / 3
+    assert found.seconds(["odd"]) == 1 / 3
     assert found.storeys(responses) == 3
     assert found.storeys([name for name in responses if len(responses[name].buildings) == 1][-1:]) == 2
     assert set(found) == set(responses)
