@@ -42,12 +42,11 @@ def order_of(plan: Plan, solved: Container[str]) -> Order:
     families: dict[tuple[str, ...], list[str]] = {}
     seen: set[str] = set()
     for row in plan.rows:
-        family = families.setdefault(row.baselines, [])
         sorts = [*((digest, "") for digest in row.baselines), (row.scene, row.case)]
         for digest, case in sorts:
             if digest not in seen and digest not in solved and digest in plan.scenes:
                 seen.add(digest)
-                family.append(digest)
+                families.setdefault(row.baselines, []).append(digest)  # of a search most rows ask for nothing
                 order.put(digest, (case, row.analysis))
     order.digests = [digest for family in families.values() for digest in family]
     return order

@@ -34,7 +34,8 @@ asked."""
 @click.option("--all-effects", is_flag=True, help="Show the plan of a run that leaves nothing out.")
 def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     """Show what STUDY would run and what not: scenes by method, effects kept and dropped with the reason, baselines
-    shared, rows answered by their buildings alone or by smaller groups of them, expected time.
+    shared, rows answered by their buildings alone or by smaller groups of them, expected time. Then the questions that
+    its sections ask (`fragility:`, `sensitivity:`, ...), with the scenes of their first round.
 
     Nothing is written. The buildings alone are run where that takes a few seconds, because whether a gap ever closes
     follows from them.
@@ -54,8 +55,40 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
     plan = dataclasses.replace(expand(some), all_effects=all_effects)
-    for line in _lines(read, plan, prove):
+    asked = _questions(read, some, all_effects)
+    for line in [*_lines(read, plan, prove), *asked]:
         click.echo(line)
+
+
+def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
+    """What the sections of a study ask, with the scenes of the first round of each question and their time.
+
+    some : the study, or the thinned one that is looked at in its place
+    """
+    import dataclasses
+
+    from pounding_cli.batch.forecast import forecast
+    from pounding_cli.workflows import WORKFLOWS
+
+    times = math.prod(len(axis.values) / len(few.values) for axis, few in zip(study.axes, some.axes, strict=True))
+    about = "" if some is study else "about "
+    lines = []
+    for name, workflow in WORKFLOWS.items():
+        if not workflow.schema or study.resolver.root.get(name) is None:
+            continue
+        plan = dataclasses.replace(workflow.part("expand")(some), all_effects=all_effects)
+        later = ""
+        if plan.ahead:
+            later = f"; later rounds about {round(times * plan.ahead)} more at most"
+        elif any(row.scene not in plan.scenes for row in plan.rows if row.scene):
+            later = "; later rounds ask for more, as the answers decide"
+        elif plan.state is not None:
+            later = "; later rounds follow from its answers"
+        first = "the first round has" if later else "it has"
+        scenes = f"{about}{counted(round(times * len(plan.scenes)), 'scene')}"
+        time = _time(times * forecast(plan, prove=False).total)
+        lines.append(f"  pound {name:<12} {first} {scenes}, about {time} on one core{later}")
+    return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
 
 def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:

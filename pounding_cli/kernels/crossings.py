@@ -44,7 +44,7 @@ def storey_crossing(run, order, end, events):
     """`first_crossing` of the polynomial in `scratch` for a storey with so many events at this instant."""
     s = first_crossing(run.scratch, order, end)
     if events >= MAX_STOREY_EVENTS_AT_INSTANT and s < AT_ONCE and value(run.scratch, order, 1.0) > 0.0:
-        return NEVER
+        return NEVER  # fault: end-decides
     return s
 
 

@@ -181,7 +181,7 @@ def _first_link(run, p):
 def _first_of_all(run, order, end):
     """`first_crossing` of the polynomial in `scratch`, in ever longer intervals: it may be by a closing far below the
     last digit of what the whole step brings."""
-    within = SOONEST * end
+    within = SOONEST * end  # fault: pressed-soon
     s = first_crossing(run.scratch, order, within)
     while s == NEVER and within < end:
         within = min(LATER * within, end)

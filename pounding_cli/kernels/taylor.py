@@ -133,7 +133,7 @@ def _march(other_step, track_shears, run, terms, programs, settings, pinned_at_e
         if status >= 0:
             break
         renew_scale(run)
-        if pinned_at_event and clock[END] > INSTANT:
+        if pinned_at_event and clock[END] > INSTANT:  # fault: no-time
             unpin(run)
             pinned_at_event = np.bool_(False)
         if link:

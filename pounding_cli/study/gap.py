@@ -16,7 +16,7 @@ from pounding_cli.study.source import Node
 _BETWEEN = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
 
-_ASIDE = ("bracket", "keep", "report", "claims")
+_ASIDE = ("bracket", "keep", "report", "claims", "uncertain")
 """Sections without a meaning where no case is run."""
 
 

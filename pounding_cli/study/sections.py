@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Callable
 from typing import Any
@@ -26,11 +27,20 @@ MOST_KEPT = 10_000
 """Answers kept at a time: many points share one answer, but not the memory of all of them."""
 
 FEW_KEPT = 1000
-"""Answers kept where the fastest axis is so long that those at one of its points are gone before the next turn comes to
-it; two points in a row share some."""
+"""Answers kept of a sweep so long that those at its points are gone before the next turn comes to them; points in a row
+share some."""
 
 ANSWERS = 5
 """Answers that a point of an axis has for itself, at least."""
+
+
+def _most_kept(lengths: list[int]) -> int:
+    """Answers worth keeping of axes of these lengths, the slowest first: those of every value of every axis, which are
+    checked by themselves first, or else those that one value of the slowest axis asks for."""
+    if ANSWERS * sum(lengths) <= MOST_KEPT:
+        return MOST_KEPT
+    turn = ANSWERS * math.prod(lengths[1:])
+    return min(MOST_KEPT, max(FEW_KEPT, turn)) if turn <= MOST_KEPT else min(MOST_KEPT, FEW_KEPT)
 
 
 class Sections:
@@ -52,8 +62,7 @@ class Sections:
         buildings = root.get("buildings")
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self._met: dict[Problem, None] = {}
-        comes_back = not axes or ANSWERS * len(axes[-1]) <= MOST_KEPT
-        self.most_kept = MOST_KEPT if comes_back else FEW_KEPT
+        self.most_kept = _most_kept([len(axis) for axis in axes])
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
         """For every axis, whether it touches one of `subjects`."""

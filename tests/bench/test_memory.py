@@ -54,7 +54,7 @@ def held(command: str, count: int, folder: Path) -> tuple[int, int]:
 
 def test_little_is_held_of_every_scene(tmp_path, monkeypatch):
     """Fails if scenes or responses stay in memory: a response of two buildings of five storeys takes 10 kB."""
-    monkeypatch.setattr("pounding_cli.study.resolve.MOST_KEPT", 200)  # what is kept for scenes to come has a bound
+    monkeypatch.setattr("pounding_cli.study.sections.MOST_KEPT", 200)  # what is kept for scenes to come has a bound
     monkeypatch.setattr("pounding_cli.store.blocks.BLOCK_BYTES", 1 << 16)
     held("gap", 20, tmp_path)  # what is made once
     (few, low), (many, high) = (held("gap", count, tmp_path) for count in (200, 800))
@@ -64,7 +64,7 @@ def test_little_is_held_of_every_scene(tmp_path, monkeypatch):
 
 def test_a_worker_stops_growing(tmp_path, monkeypatch):
     """Scenes of which no two share a law: whatever is kept of them has a bound."""
-    monkeypatch.setattr("pounding_cli.study.resolve.MOST_KEPT", 200)
+    monkeypatch.setattr("pounding_cli.study.sections.MOST_KEPT", 200)
     path = tmp_path / "study.yaml"
     path.write_text(sweep.study_of("run", 900))
     plan = expansion("run")(load_study(path))

@@ -147,6 +147,54 @@ def test_every_meeting_is_listed(tmp_path):
     assert "2 x slab against columns, gap 1 cm" in said[1]
 
 
+QUESTIONS = """\
+title: All questions
+records: {use: [elcentro, taft], duration: 3 s, scale: {pga: 0.3 g}}
+buildings:
+  A: {storeys: 2, period: 0.3 s}
+  B: {like: A, storeys: 1, period: 0.5 s}
+group: [A, B]
+cases: {near: {link: pounding, gap: 3 mm}}
+analyses: [inelastic]
+sweep: {records.scale.pga: {from: 0.05 g, to: 1 g, step: 0.05 g}}
+gap: {contact: 10 %}
+fragility: {limits: [mu > 2, contact]}
+uncertain:
+  buildings.A.mass: {uniform: {from: 100 t, to: 200 t}}
+  cases.near.gap: {uniform: {from: 1 mm, to: 5 mm}}
+sensitivity: {outputs: [largest V_ratio], samples: 4}
+optimise: {least: largest V_ratio, over: {cases.near.gap: {from: 1 mm, to: 9 mm}}, population: 6, generations: 2}
+"""
+
+
+def test_the_questions_of_a_study(folder):  # noqa: F811
+    """By hand: 20 levels x 2 motions x 3 (the pair, each alone) for `gap`, the lowest level for the first round of
+    `fragility`. Fails if a question is not told, or with scenes that its command does not solve."""
+    (folder / "two.yaml").write_text(QUESTIONS)
+    said = planned().split("questions  ")[1]
+    counted = {line.split()[1]: int(re.search(r"has (\d+) scene", line)[1]) for line in said.splitlines()[1:]}
+    assert list(counted) == ["gap", "fragility", "sensitivity", "optimise"]
+    assert counted["gap"] == 20 * 2 * 3
+    assert counted["fragility"] == 2 * 3
+    assert re.search(r"pound gap +it has", said)
+    assert re.search(r"pound fragility +the first round has .*; later rounds ask for more", said)
+    assert re.search(r"pound optimise +the first round has .*; later rounds", said)
+    for name in ("gap", "sensitivity"):
+        ran = CliRunner().invoke(cli, [name, "two.yaml", "-o", f"{name}.h5"], catch_exceptions=False)
+        assert f"{counted[name]} solved" in ran.output
+
+
+def test_a_study_that_asks_nothing_has_no_questions(folder):  # noqa: F811
+    assert "questions" not in planned()
+
+
+def test_a_bad_question_is_refused_at_its_place(folder, pound):  # noqa: F811
+    (folder / "two.yaml").write_text(QUESTIONS.replace("mu > 2", "mu > 2 in C"))
+    code, out, err = pound("plan", "two.yaml", solve=None)
+    assert (code, out) == (2, "")
+    assert "two.yaml:11:22: 'mu > 2 in C': no building 'C' in the group" in err
+
+
 SWEPT = """\
 records: {use: [elcentro, taft], duration: 1 s}
 buildings: {A: {storeys: 2, period: 0.5 s}, B: {storeys: 2, period: 0.3 s}}

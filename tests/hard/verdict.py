@@ -21,6 +21,9 @@ from pounding_cli.study import expand, load_study
 BOUNDS = (2_000, 2_000)
 """Most steps and events of a fuzzed scene: it may end at a bound, but has to end."""
 
+UNBALANCED, FAR_OFF = "energy does not close", 100.0
+"""An outcome that a scene may have, but not by so many times what its accuracy allows."""
+
 DIGITS = 1e-12
 """Part of a displacement that is rounding."""
 
@@ -138,7 +141,8 @@ def faults_in(path: Path, tally: Tally) -> list[str]:
                     tally.worst_residual = max(tally.worst_residual, abs(response.energy["residual"]))
                     tally.over += abs(response.energy["residual"]) > 1e-8
                 fault = fault_of(response)
-                if response.status in ("stalled", "not finite", "energy does not close"):
+                far_off = abs(response.energy["residual"]) > FAR_OFF * closes_to(accuracy)
+                if response.status in ("stalled", "not finite") or (response.status == UNBALANCED and far_off):
                     fault = response.status
                 if not fault and response.steps == 0 and response.status == "done":
                     tally.not_simulated += 1

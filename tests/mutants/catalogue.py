@@ -131,6 +131,12 @@ LINKS = [
         f"{VERIFICATION}/test_bouc_wen.py::test_a_closed_loop_loses_its_area",
     ),
     Mutant(
+        "price-of-smooth-storeys",
+        "Bouc-Wen storeys are priced as bilinear ones",
+        ("memories_flow(scene)", "False"),
+        f"{UNIT}/batch/test_batch_forecast.py::test_smooth_storeys_cost_more_where_they_yield",
+    ),
+    Mutant(
         "storey-pushes-below",
         "what flows in a storey pushes both its floors the same way",
         ("+=", "-="),
@@ -171,6 +177,24 @@ LINKS = [
         "floors that rest in touch are asked whether they press in the last step of a segment only",
         "pressed = finished and _presses(run, p)",
         f"{HERTZ}::test_hard_contacts[0.0-1000000000000.0-None-0.05]",
+    ),
+    Mutant(
+        "pressed-soon",
+        "where a force from rest begins to be resolved is looked for in the whole step at once",
+        "within = end",
+        f"{VERIFICATION}/test_jankowski.py::test_hard_contacts[0.0-1000000000000.0-0.01-0.05]",
+    ),
+    Mutant(
+        "end-decides",
+        "a storey that turned six times at one instant stays where it is, whatever the step brings",
+        "return s",
+        "tests/hard/test_behaviour.py::test_rest_without_strength",
+    ),
+    Mutant(
+        "no-time",
+        "time below the last digit of a step counts as time",
+        "if pinned_at_event and clock[END] > 0.0:",
+        "tests/hard/test_behaviour.py::test_rest_without_strength",
     ),
     Mutant(
         "contact-begins",

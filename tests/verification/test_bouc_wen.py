@@ -157,7 +157,7 @@ def test_pair_of_five_storeys(gap):
     its floors alone, or a plain contact beside it is left without its force."""
     two = tuple(bouc_wen(shear_building(period, 5, strength=2.5)) for period in (0.36, 0.60))
     scene = Scene(two, links("pounding", gap, (1, 2, 3, 4, 5)), shake(3.0, 5.0, seed=6), INELASTIC)
-    agree(scene, 1e-7)
+    assert agree(scene, 1e-7).impacts.sum() > 0
     run = solve(scene, 1e-6)
     assert max(b.ductility.max() for b in run.buildings) > 5
     assert abs(run.energy["residual"]) < 1e-8

@@ -118,7 +118,7 @@ def test_pair_of_five_storeys(law, gap):
     softly = LOST | {"capping_ductility": 4.0, "post_capping_slope": 0.05}
     two = tuple(imk(shear_building(period, 5, strength=2.5), law, **softly) for period in (0.36, 0.60))
     scene = Scene(two, links("pounding", gap, (1, 2, 3, 4, 5)), shake(3.0, 5.0, seed=6), INELASTIC)
-    agree(scene, 1e-7)
+    assert agree(scene, 1e-7).impacts.sum() > 0
     run = solve(scene, 1e-6)
     assert run.events > 300
     assert max(b.ductility.max() for b in run.buildings) < 40

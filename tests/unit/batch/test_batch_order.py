@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+import tracemalloc
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from pounding_cli.batch.families import order_of
 from pounding_cli.solve import solve
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import parse
+from pounding_cli.study.plan import Row
 
 
 def test_families_stand_together_baselines_first():
@@ -45,6 +48,19 @@ def test_what_is_solved_is_left_out_and_sorts_are_counted():
     }
     assert all(len(digests) == 2 for digests in order.samples.values())
     assert not {row.scene for row in rows} & set(order.digests)
+
+
+def test_rows_that_ask_for_nothing_cost_no_memory():
+    """A round of a search asks for few of its rows, each with baselines of its own. Fails if every row has a family."""
+    names = [str(n) for n in range(20_000)]
+    rows = [Row((n,), "near", "elastic", "m", f"s{n}", (name,), ()) for n, name in enumerate(names)]
+    plan = SimpleNamespace(rows=rows, scenes={"s7": None, "7": None})
+    tracemalloc.start()
+    order = order_of(plan, ())
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert order.digests == ["7", "s7"]
+    assert peak < 100_000
 
 
 def test_a_queue_gives_everything_once_in_order():
