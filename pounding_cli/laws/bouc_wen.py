@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -32,6 +33,10 @@ class BoucWen(StoreyLaw):
         ("bouc1967", "smooth hysteresis of storeys"),
         ("wen1976", "smooth hysteresis of storeys, with the exponent n"),
     )
+
+    instead: ClassVar[Mapping[str, str]] = {
+        "wen_beta": "beta = 1 - gamma, so that the storey's stiffness and strength stay its own: write `wen_gamma`"
+    }
 
     wen_exponent: int = parameter(
         "exponent n, 1 to 20: how sharply the storey turns from the initial to the post-yield stiffness",

@@ -93,6 +93,7 @@ class Law:
 
     name : what a study file calls it
     citation : (key of `report/references.py`, what it is cited for), ...
+    instead : keys that it does not have and others write, and what to write in their place
 
     Raises
     ------
@@ -102,6 +103,7 @@ class Law:
     name: ClassVar[str]
     citation: ClassVar[tuple[tuple[str, str], ...]] = ()
     acts_on: ClassVar[str] = ""
+    instead: ClassVar[Mapping[str, str]] = {}
 
     def __post_init__(self) -> None:
         for each in fields(self):

@@ -140,8 +140,7 @@ REFERENCES = {
         Reference(
             "bouc1967", "inproceedings", "Bouc, R.", 1967,
             "Forced vibration of mechanical systems with hysteresis",
-            (("booktitle", "Proceedings of the Fourth Conference on Nonlinear Oscillation"), ("pages", "315"),
-             ("address", "Prague")),
+            (("booktitle", "Proceedings of the Fourth Conference on Nonlinear Oscillations"), ("address", "Prague")),
         ),
         _article(
             "wen1976", "Wen, Y.-K.", 1976,

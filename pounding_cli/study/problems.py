@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.laws import instead
 from pounding_cli.study.source import Mark, Node
 from pounding_cli.study.yaml_file import MISSING_BLANK
 
@@ -164,7 +165,7 @@ def _in_words(item: dict[str, Any], path: Path, model: type[BaseModel], root: No
     if kind == "refused":
         return f"{_owner(path, root)}{context['message']}", context["hint"], False
     if kind == "extra_forbidden":
-        return f"unknown key '{name}'", nearest(name, keys_at(model, path[:-1], root)), True
+        return f"unknown key '{name}'", instead().get(name) or nearest(name, keys_at(model, path[:-1], root)), True
     if kind == "missing":
         return f"'{name}' is missing", _example(model, path), False
     if kind in ("literal_error", "enum"):

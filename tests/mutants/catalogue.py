@@ -131,6 +131,12 @@ LINKS = [
         f"{VERIFICATION}/test_bouc_wen.py::test_a_closed_loop_loses_its_area",
     ),
     Mutant(
+        "price-of-smooth-storeys",
+        "Bouc-Wen storeys are priced as bilinear ones",
+        ("memories_flow(scene)", "False"),
+        f"{UNIT}/batch/test_batch_forecast.py::test_smooth_storeys_cost_more_where_they_yield",
+    ),
+    Mutant(
         "storey-pushes-below",
         "what flows in a storey pushes both its floors the same way",
         ("+=", "-="),

@@ -10,7 +10,8 @@ import pytest
 
 from pounding_cli.batch import run_plan
 from pounding_cli.batch.forecast import ALONE, APART, GROUP, PARTS, forecast, methods_needed
-from pounding_cli.model.scene import Scene
+from pounding_cli.laws.bouc_wen import BoucWen
+from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.price import BESIDE, price
 from pounding_cli.store import open_results
@@ -173,6 +174,16 @@ def test_without_proof_smaller_groups_are_counted_that_are_sure_to_run(shaken, m
     )
     assert found.seconds[PARTS, "taylor"] == price(pair, "taylor") + BESIDE
     assert found.seconds[GROUP, "taylor"] == 2 * (price(scene, "taylor") + BESIDE)
+
+
+def test_smooth_storeys_cost_more_where_they_yield(shaken):
+    """Fails if a row of Bouc-Wen storeys is promised in the time of a bilinear one, or an elastic one is not."""
+    plan, _ = shaken((TOUCHING, TOUCHING, TOUCHING))
+    scene = plan.scenes[plan.rows[0].scene]
+    smooth = tuple(replace(building, storey_law=BoucWen) for building in scene.buildings)
+    for analysis, least, most in ((Analysis.INELASTIC, 20.0, 200.0), (Analysis.ELASTIC, 1.0, 1.0)):
+        plain = replace(scene, analysis=analysis)
+        assert least <= price(replace(plain, buildings=smooth), "taylor") / price(plain, "taylor") <= most
 
 
 @pytest.mark.parametrize("prove", [False, True])

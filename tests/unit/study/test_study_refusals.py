@@ -18,6 +18,12 @@ CASES = {
         "'heigth'",
         "'height'",
     ),
+    "beta of a smooth storey": (
+        STIFF,
+        "stiff: {storeys: 3, period: 0.36 s, storey_law: bouc-wen, §wen_beta: 0.5}",
+        "unknown key 'wen_beta'",
+        "beta = 1 - gamma",
+    ),
     "unknown case key": (GAP, "gap: {link: pounding, gap: 5 cm, §flors: [1]}", "'flors'", "'floors'"),
     "unknown record file key": ("taft", "{file: x.txt, §dtt: 1}", "'dtt'", "'dt'"),
     "unknown key in elsewhere": (
