@@ -34,3 +34,7 @@ class InputError(ValueError):
             problems = [problems]
         self.problems: tuple[Problem, ...] = tuple(problems)
         super().__init__("\n".join(str(p) for p in self.problems))
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Problem, ...]]]:
+        """Whole, as it comes from a worker."""
+        return type(self), (self.problems,)

@@ -85,7 +85,7 @@ def run_plan(
     """
     begin = time.perf_counter()
     progress = progress or Quiet()
-    chosen = engine(engine_name, workers or _cores(), scheduler)
+    chosen = engine(engine_name, workers or cores(), scheduler)
     check_output(output, [plan.study.path], lambda path, _: is_results(path))
     key = solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step)
     parts = PartStore(output, key)
@@ -282,7 +282,7 @@ def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:
                 yield Failure(", ".join([*swept, what, row.analysis, row.record]), facts["status"], facts["advice"])
 
 
-def _cores() -> int:
+def cores() -> int:
     """Cores this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))

@@ -18,21 +18,29 @@ if TYPE_CHECKING:
 @click.argument("study", type=click.Path(path_type=Path), metavar="STUDY")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.h5", help="Results file.")
 @click.option("--replace", is_flag=True, help="Replace the results of another study.")
+@click.option(
+    "--workers", type=click.IntRange(min=1), metavar="N", help="Points solved side by side; all cores unless given."
+)
 @click.option("--no-figures", is_flag=True, help="Write the results file only.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
-def command(study: Path, output: Path | None, replace: bool, no_figures: bool, quiet: bool) -> None:
+def command(
+    study: Path, output: Path | None, replace: bool, workers: int | None, no_figures: bool, quiet: bool
+) -> None:
     """A floor strikes a concrete building on its bumper wall: force, separation, stresses.
 
     Prints peak force and stresses, writes FILE.h5 (results/STUDY.h5 unless -o is given), the figures beside it and
     the fields for ParaView in a folder named like it.
+    After Ctrl-C, a crash or a full disk the same command continues from the points that were solved.
 
     \b
     Example:
       pound wall configs/fig8.yaml -o results/fig8.h5
     """
+    from pounding_cli.batch.points import kept_points
     from pounding_cli.store import check_results
     from pounding_cli.store.wall_store import write_wall
     from pounding_cli.study.wall_study import load_wall_study
+    from pounding_cli.wall.analysis import WallResponse
 
     loaded = load_wall_study(study)
     for warning in () if quiet else loaded.warnings:
@@ -41,7 +49,8 @@ def command(study: Path, output: Path | None, replace: bool, no_figures: bool, q
     check_results(path, loaded, "wall", replace)
     if not quiet:
         click.echo(loaded.title)
-    write_wall(loaded, path, progress=None if quiet else _summary)
+    with kept_points(path, WallResponse, ("wall",), workers) as solve:
+        write_wall(loaded, path, None if quiet else _summary, solve)
     files = [path]
     if not no_figures:
         from pounding_cli.report.wall_figures import draw_wall

@@ -112,7 +112,7 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
     for number, link in enumerate(links):
         joined.setdefault(link.ends, []).append(number)
     names = [""] * len(links)
-    for several in joined.values():
+    for several in joined.values() if len(joined) < len(links) else ():
         strike = (number for number in several if links[number].law.subtracts_gap)  # fault: link-that-strikes
         plain = next(strike, several[0])
         count: Counter[str] = Counter()

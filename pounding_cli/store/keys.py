@@ -25,7 +25,7 @@ def package_version() -> str:
 
 
 @cache
-def solver_version() -> str:
+def solver_version(packages: tuple[str, ...] = _SOLVER_PACKAGES) -> str:
     """Package version and a digest of the solver's own source, laws of other packages included.
 
     Between two releases the version stands still while the solver changes; results of the old one must not be
@@ -33,7 +33,7 @@ def solver_version() -> str:
     """
     root = Path(__file__).parents[1]
     sha = hashlib.sha256()
-    own = (path for package in _SOLVER_PACKAGES for path in sorted((root / package).glob("*.py")))
+    own = (path for package in packages for path in sorted((root / package).glob("*.py")))
     for path in (*own, *sources_elsewhere()):
         sha.update(path.name.encode() + b"\0" + path.read_bytes())
     return f"{package_version()}+{sha.hexdigest()[:12]}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import h5py
@@ -54,16 +54,22 @@ def point_group(index: tuple[int, ...]) -> str:
 
 
 def write_wall(
-    study: SystemStudy[WallModel], path: Path, progress: Callable[[Point[WallModel], WallResponse], None] | None = None
+    study: SystemStudy[WallModel],
+    path: Path,
+    progress: Callable[[Point[WallModel], WallResponse], None] | None = None,
+    solve: Callable[..., Iterable[WallResponse]] = map,
 ) -> list[WallResponse]:
-    """Solve every point of a study and write it; returns the responses in the points' order."""
+    """Solve every point of a study and write it; returns the responses in the points' order.
+
+    solve : what takes `strike` and the models to their responses (`batch.points.kept_points`)
+    """
     shape = tuple(len(axis.nodes) for axis in study.axes)
     responses = []
     with create(path) as file:
         write_head(file, "wall", study, path)
         dims = write_axes(file, study.axes, [(p.index, p.values) for p in study.points])
-        for point in study.points:
-            response = strike(point.model)
+        solved = solve(strike, [point.model for point in study.points])
+        for point, response in zip(study.points, solved, strict=True):
             responses.append(response)
             _write_point(file.create_group(point_group(point.index)), point, response)
             if progress is not None:

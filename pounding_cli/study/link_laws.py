@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field
 from typing import Any
@@ -174,11 +175,7 @@ class LawReader:
         nearer = [] if isinstance(layers[place].spec, ListedLink) else layers[:place]
         said = [*nearer, layers[place], *(layer for layer in layers[place + 1 :] if layer.spec.link == named)]
         word = f"{named} of the law {law.name}" if named == Pounding.name and law is not Pounding else named
-        own = own_parameters(law)
-        others: dict[str, list[str]] = {}
-        for owner in link_laws().values():
-            for name in own_parameters(owner).keys() - own.keys():
-                others.setdefault(name, []).append(owner.name)
+        own, others = own_parameters(law), _keys_of_others(law, tuple(link_laws().values()))  # type: ignore[arg-type]
         unused = [name for name in ("stiffness", "tension_cut") if name not in law.parameters()]
         if not {"damping_ratio", "restitution"} & law.parameters().keys():
             unused += ["damping_ratio", "restitution"]
@@ -269,6 +266,16 @@ class LawReader:
             return None
         of = max if given.which == "stiffest" else _mean
         return given.factor * max(float(of(b.stiffness.tolist())) for b in buildings)
+
+
+@functools.cache
+def _keys_of_others(law: type[LinkLaw], laws: tuple[type[LinkLaw], ...]) -> dict[str, list[str]]:
+    """Keys that this law does not take, each with the names of the laws that it belongs to."""
+    others: dict[str, list[str]] = {}
+    for owner in laws:
+        for name in own_parameters(owner).keys() - own_parameters(law).keys():
+            others.setdefault(name, []).append(owner.name)
+    return others
 
 
 def _mean(values: list[float]) -> float:

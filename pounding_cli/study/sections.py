@@ -74,9 +74,11 @@ class Sections:
 
     def key(self, point: Point, subjects: tuple[Subject, ...]) -> Point:
         """`point` with the axes that touch none of `subjects` set aside."""
-        if not point:
-            return point
-        kept = self.touching(*subjects)
+        kept = self._kept.get(subjects)
+        if kept is None:
+            kept = self.touching(*subjects)
+        if True not in kept:
+            return self.base
         return tuple([place if keep else -1 for place, keep in zip(point, kept, strict=True)])
 
     def once(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Problems], Any]) -> Any:
