@@ -52,7 +52,7 @@ class Demands:
             return Demand(over_gap(self._of_links("max_closing", place, mine), gaps), fell), None
         own_building = self.plan.study.building(self.layout.points[point], building)
         if limit.quantity == SHEAR_DEMAND:
-            mine = struck_columns(target, links, own_building)
+            mine = struck_columns(target, links, own_building.yield_shear)
             demand = over_demand(limit, self._of_links("shear_demand", place, mine))
             return Demand(np.where(fell, demand_of_collapse(limit, fell), demand), fell), None
         height = own_building.height

@@ -132,7 +132,11 @@ def _can_collapse(study: Study, place: int) -> bool:
 def _can_be_struck(study: Study, target: Target) -> bool:
     """Whether a slab strikes columns of the target in any case, at any of `_some_points`."""
     return any(
-        struck_columns(target, seen(study.resolver.links(point, case) or ()), study.building(point, target.building))
+        struck_columns(
+            target,
+            seen(study.resolver.links(point, case) or ()),
+            study.building(point, target.building).yield_shear,
+        )
         for point in _some_points(study)
         for case in study.model.cases
     )

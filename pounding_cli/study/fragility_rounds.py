@@ -15,7 +15,6 @@ from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEI
 from pounding_cli.study.plan import LinkSeen, Plan
 
 if TYPE_CHECKING:
-    from pounding_cli.model.building import Building
     from pounding_cli.solve.response import Response
 
 FIELDS = {"mu": "ductility", "drift": "drift", "acceleration": "acceleration"}
@@ -110,16 +109,19 @@ def over_gap(closing: np.ndarray, gap: np.ndarray) -> np.ndarray:
     return np.fmax.reduce(parts, axis=-1)
 
 
-def struck_columns(target: Target, links: Sequence[LinkSeen], building: Building) -> list[int]:
+def struck_columns(target: Target, links: Sequence[LinkSeen], yield_shear: np.ndarray) -> list[int]:
     """Numbers of the links that strike columns of the target's building, of its only storey if the limit names one;
-    those of storeys that cannot yield are left out: nothing says what they can carry."""
+    those of storeys that cannot yield are left out: nothing says what they can carry.
+
+    yield_shear : of the building's storeys [N], shape (storeys,)
+    """
     return [
         number
         for number, link in enumerate(links)
         if link.columns is not None
         and link.columns[0] == target.building
         and target.limit.level in (0, link.columns[1])
-        and building.yield_shear[link.columns[1] - 1] < np.inf
+        and yield_shear[link.columns[1] - 1] < np.inf
     ]
 
 
@@ -231,7 +233,9 @@ def _series(layout: Layout, targets: tuple[Target, ...]) -> Iterator[Series]:
 
 def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.ndarray]:
     """Demand over limit in every scene whose response was waited for."""
-    buildings: dict[tuple[int, int], Building] = {}
+    storeys: dict[
+        tuple[int, int], tuple[np.ndarray, np.ndarray]
+    ] = {}  # height [m], yield shear [N]; no buildings: many
     found: dict[str, np.ndarray] = {}
     for digest, response in responses.read(asked.waiting):
         series = asked.waiting[digest]
@@ -252,16 +256,18 @@ def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.nda
                 demand[number] = over_gap(response.links.max_closing[mine], gaps)
                 continue
             key = series.point, building
-            if key not in buildings:
-                buildings[key] = plan.study.building(asked.layout.points[series.point], building)
+            if key not in storeys:
+                own = plan.study.building(asked.layout.points[series.point], building)
+                storeys[key] = own.height, own.yield_shear
+            height, yield_shear = storeys[key]
             if limit.quantity == SHEAR_DEMAND:
                 links = asked.layout.links[series.point, series.case]
                 shear_demand = np.full(len(links), np.nan)
                 shear_demand[response.columns.link] = response.columns.demand
-                struck = struck_columns(asked.targets[number], links, buildings[key])
+                struck = struck_columns(asked.targets[number], links, yield_shear)
                 demand[number] = over_demand(limit, shear_demand[struck])
                 continue
             peaks = getattr(response.buildings[place], FIELDS[limit.quantity])
-            demand[number] = over_limit(limit, peaks, buildings[key].height)
+            demand[number] = over_limit(limit, peaks, height)
         found[digest] = demand
     return found
