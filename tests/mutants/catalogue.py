@@ -131,6 +131,12 @@ LINKS = [
         f"{VERIFICATION}/test_bouc_wen.py::test_a_closed_loop_loses_its_area",
     ),
     Mutant(
+        "smooth-storeys-refused",
+        "methods that keep no memory run Bouc-Wen storeys on their first branch",
+        ("memories_flow(scene)", "False"),
+        f"{VERIFICATION}/test_bouc_wen.py::test_methods_that_keep_no_state_refuse_them",
+    ),
+    Mutant(
         "price-of-smooth-storeys",
         "Bouc-Wen storeys are priced as bilinear ones",
         ("memories_flow(scene)", "False"),
