@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
@@ -19,6 +20,7 @@ from pounding_cli.batch.bundles import Queue, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
 from pounding_cli.model.scene import Scene
 from pounding_cli.store.chunk import Chunk
+from pounding_cli.study.scenes import Placed
 
 _GRACE = 2.0
 """Time a worker has to end after it was told to [s]."""
@@ -28,6 +30,9 @@ _STOPPED = 30.0
 
 _LOOK = 1.0
 """Time between two looks at workers that say nothing [s]."""
+
+Told = Scene | int | str
+"""A scene as a worker is told of it: itself, or, where it inherits all, its place among them or its digest."""
 
 DIED = "the worker died"
 ADVICE = "memory may be short: use fewer workers; otherwise report it with the study file"
@@ -93,7 +98,13 @@ class _Staff:
         """Give an idle or a new worker a bundle."""
         worker = self.idle.pop() if self.idle else self._hired()
         self.busy[worker] = bundle
-        worker.give(bundle if self._forks else [(digest, self._scenes[digest]) for digest in bundle])
+        worker.give([(digest, self._told(digest)) for digest in bundle])
+
+    def _told(self, digest: str) -> Told:
+        """What a worker needs to know of a scene."""
+        if not self._forks:
+            return self._scenes[digest]
+        return self._scenes.place(digest) if isinstance(self._scenes, Placed) else digest
 
     def _hired(self) -> _Worker:
         others = [worker.line for worker in (*self.busy, *self.idle)]
@@ -201,8 +212,18 @@ def _work(
 
     with suppress(EOFError, OSError):  # the parent is gone
         while True:
-            bundle = line.recv()
-            at_hand = scenes if scenes is not None else dict(bundle)
-            digests = bundle if scenes is not None else list(at_hand)
-            chunk, seconds = solve_bundle(digests, at_hand.__getitem__, task, begins)
+            told: dict[str, Told] = dict(line.recv())
+            chunk, seconds = solve_bundle(list(told), partial(_scene, scenes, told), task, begins)
             line.send((chunk.to_bytes(key), seconds))
+
+
+def _scene(scenes: Mapping[str, Scene] | None, told: Mapping[str, Told], digest: str) -> Scene:
+    """A scene that a worker was told of."""
+    what = told[digest]
+    if isinstance(what, Scene):
+        return what
+    assert scenes is not None
+    if isinstance(what, str):
+        return scenes[what]
+    assert isinstance(scenes, Placed)
+    return scenes.at(what)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from sys import intern
 
@@ -108,13 +109,23 @@ def _accuracy(model: StudyModel) -> float:
 
 @dataclass(frozen=True)
 class _Around:
-    """What is around the links at a point: buildings, motions, tail [s], digests of the buildings alone by analysis and
-    record."""
+    """What is around the links at a point: buildings, motions, tail [s]; and what analyses and motions are asked."""
 
     buildings: tuple[Building, ...]
     motions: Mapping[str, Used]
     tail: float
-    alone: Mapping[tuple[Analysis, str], tuple[str, ...]]
+    asked: tuple[tuple[Analysis, str], ...]
+
+    @cached_property
+    def alone(self) -> dict[tuple[Analysis, str], tuple[str, ...]]:
+        """Digests of the buildings alone by analysis and motion. Who builds scenes needs none."""
+        free = [Digests((building,), ()) for building in self.buildings]
+        return {  # many points share a building: its digest is held once
+            (analysis, record): tuple(
+                intern(each.of(self.motions[record].motion, analysis, self.tail)) for each in free
+            )
+            for analysis, record in self.asked
+        }
 
 
 class _Builder:
@@ -131,6 +142,7 @@ class _Builder:
     ) -> None:
         self._resolver, self._links_of = resolver, links_of
         self._cases, self._analyses, self._records = cases, analyses, records
+        self._asked = tuple(product(analyses, records))
         self._around: dict[Point, _Around] = {}
         self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
 
@@ -148,13 +160,7 @@ class _Builder:
         assert group is not None
         assert motions is not None
         tail = self._resolver.section(point, "tail")
-        free = [Digests((building,), ()) for building in group.buildings]
-        alone = {  # many points share a building: its digest is held once
-            (analysis, record): tuple(intern(each.of(motions[record].motion, analysis, tail)) for each in free)
-            for analysis in self._analyses
-            for record in self._records
-        }
-        return _Around(tuple(group.buildings), motions, tail, alone)
+        return _Around(tuple(group.buildings), motions, tail, self._asked)
 
     def links(self, point: Point, case: str) -> tuple[Link, ...]:
         """The links of a case at a point."""

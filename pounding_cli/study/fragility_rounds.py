@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
@@ -13,6 +13,7 @@ from pounding_cli.fragility.hunt import next_levels
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
 from pounding_cli.study.plan import LinkSeen, Plan
+from pounding_cli.study.scenes import Placed
 
 if TYPE_CHECKING:
     from pounding_cli.solve.response import Response
@@ -146,7 +147,7 @@ class Series(NamedTuple):
     targets: tuple[int, ...]
 
 
-class Asked(Mapping[str, Scene]):
+class Asked(Placed):
     """The scenes asked so far, of all that a plan could ask, and what their responses said.
 
     demands : by digest, demand over limit of every target, shape (targets,)
@@ -156,7 +157,7 @@ class Asked(Mapping[str, Scene]):
 
     def __init__(
         self,
-        whole: Mapping[str, Scene],
+        whole: Placed,
         layout: Layout,
         targets: tuple[Target, ...],
         demands: dict[str, np.ndarray],
@@ -170,12 +171,18 @@ class Asked(Mapping[str, Scene]):
     def first(cls, plan: Plan, layout: Layout, targets: tuple[Target, ...]) -> Asked:
         """The first round: the lowest level of every series."""
         going = list(_series(layout, targets))
+        assert isinstance(plan.scenes, Placed)
         return cls(plan.scenes, layout, targets, {}, going, {each.scenes[0]: each for each in going})
 
-    def __getitem__(self, digest: str) -> Scene:
+    def place(self, digest: str) -> int:
+        """Its place among all that could be asked."""
         if digest not in self:
             raise KeyError(digest)
-        return self.whole[digest]
+        return self.whole.place(digest)
+
+    def at(self, place: int) -> Scene:
+        """The scene at a place."""
+        return self.whole.at(place)
 
     def __contains__(self, digest: object) -> bool:
         return digest in self.demands or digest in self.waiting

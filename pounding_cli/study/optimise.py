@@ -18,6 +18,7 @@ from pounding_cli.study.optimise_keys import OptimiseSpec
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.sampled import at_points
+from pounding_cli.study.scenes import Placed
 from pounding_cli.study.sensitivity import expressions
 from pounding_cli.study.source import Node
 from pounding_cli.study.varied import Factor, read_searched
@@ -77,20 +78,26 @@ class Hunt:
     void: set[Point] = field(default_factory=set)
 
 
-class Rounds(Mapping[str, Scene]):
+class Rounds(Placed):
     """The scenes of a round, and by digest alone those of the rounds before, which are solved.
 
     former : the scenes of the round before, which must not be used any more: both share one list of digests
     """
 
     def __init__(self, latest: Mapping[str, Scene], former: Mapping[str, Scene]) -> None:
+        assert isinstance(latest, Placed)
         self._latest = latest
         self._all: dict[str, None] = former._all if isinstance(former, Rounds) else dict.fromkeys(former)
         for digest in latest:
             self._all.setdefault(digest)
 
-    def __getitem__(self, digest: str) -> Scene:
-        return self._latest[digest]
+    def place(self, digest: str) -> int:
+        """Its place in the round."""
+        return self._latest.place(digest)
+
+    def at(self, place: int) -> Scene:
+        """The scene at a place."""
+        return self._latest.at(place)
 
     def __contains__(self, digest: object) -> bool:
         return digest in self._all

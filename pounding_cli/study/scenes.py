@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -99,7 +100,23 @@ class Rows(Sequence[Row]):
     __hash__ = None  # type: ignore[assignment]  # a list in all but name
 
 
-class Scenes(Mapping[str, Scene]):
+class Placed(Mapping[str, Scene]):
+    """Scenes by digest, built when asked for. A forked process that looks digests up would copy the memory in which
+    they stand, since Python counts who uses them: it is told the place of a scene instead, a number."""
+
+    @abstractmethod
+    def place(self, digest: str) -> int:
+        """Where a scene stands.  Raises `KeyError`."""
+
+    @abstractmethod
+    def at(self, place: int) -> Scene:
+        """The scene at a place."""
+
+    def __getitem__(self, digest: str) -> Scene:
+        return self.at(self.place(digest))
+
+
+class Scenes(Placed):
     """The scenes by digest, each once, in the order of the rows that need them first; built when asked for.
 
     Asking costs about as much as it took to expand the point; scenes of one point asked for together share that.
@@ -114,11 +131,16 @@ class Scenes(Mapping[str, Scene]):
         """The scene of the row numbered `row`, or its baseline at place `alone`, has this digest."""
         self._where.setdefault(digest, row * self._places + (0 if alone is None else alone + 1))
 
-    def __getitem__(self, digest: str) -> Scene:
-        row, place = divmod(self._where[digest], self._places)
+    def place(self, digest: str) -> int:
+        """Number of its row, and whether it is one of the baselines."""
+        return self._where[digest]
+
+    def at(self, place: int) -> Scene:
+        """The scene at a place."""
+        row, which = divmod(place, self._places)
         with self._lock:
             scene = self._build(*self._frame.place(row))
-        return scene.alone(place - 1) if place else scene
+        return scene.alone(which - 1) if which else scene
 
     def __contains__(self, digest: object) -> bool:
         return digest in self._where
