@@ -93,8 +93,8 @@ COMMANDS = ("run", "gap", "fragility", "sensitivity", "optimise")
 def study_of(command: str, count: int) -> str:
     """A study of about so many scenes; of `fragility` and `optimise` the answers decide how many."""
     motions = "elcentro"
-    if command == "fragility":  # about 40 scenes a period
-        text, many = FRAGILITY, numbers(0.5, 1.0, max(1, count // 40))
+    if command == "fragility":  # about 84 scenes a period
+        text, many = FRAGILITY, numbers(0.5, 1.0, max(1, count // 84))
         motions = "elcentro, taft, eureka, olympia, parkfield"
     elif command == "sensitivity":  # Sobol: five points and two periods for each base sample
         text, many = SENSITIVITY, str(2 ** max(1, round(math.log2(count / 7))))

@@ -6,6 +6,7 @@ import errno
 import multiprocessing
 import os
 import signal
+import sys
 import time
 from dataclasses import replace
 
@@ -16,6 +17,7 @@ from study_plans import Axis, FakeStudy, known, small_plan
 from pounding_cli.batch import run_plan
 from pounding_cli.errors import InputError
 from pounding_cli.store import PartStore, locked, open_results, solution_key
+from pounding_cli.study.scenes import Placed
 
 TIMES = {"seconds"}
 """Columns that are never the same twice."""
@@ -160,6 +162,34 @@ def test_every_engine_gives_the_same_rows_bit_for_bit(plan, tmp_path, name):
     with h5py.File(tmp_path / "s.h5") as a, h5py.File(tmp_path / "p.h5") as b:
         assert a["V"][()].tobytes() == b["V"][()].tobytes()
         assert (a["solutions/digest"][:] == b["solutions/digest"][:]).all()
+
+
+class OfThisProcess(Placed):
+    """Scenes whose digests only the process that made them may look up."""
+
+    def __init__(self, scenes):
+        self.scenes, self.process = list(scenes.items()), os.getpid()
+
+    def place(self, digest):
+        assert os.getpid() == self.process
+        return [key for key, _ in self.scenes].index(digest)
+
+    def at(self, place):
+        return self.scenes[place][1]
+
+    def __iter__(self):
+        return (key for key, _ in self.scenes)
+
+    def __len__(self):
+        return len(self.scenes)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="workers are forked on Linux alone")
+def test_forked_workers_look_up_no_digest(plan, output):
+    """Fails if they do: each page of the parent's memory in which a digest stands would be copied."""
+    plan = replace(plan, scenes=OfThisProcess(plan.scenes))
+    outcome = run_plan(plan, output, solve=known, workers=2)
+    assert (outcome.done, outcome.failed, outcome.engine) == (24, 0, "processes")
 
 
 def test_small_studies_stay_in_this_process_and_off_the_disk(plan, output, monkeypatch):
