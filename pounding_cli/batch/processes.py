@@ -18,9 +18,9 @@ from typing import Any
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import Queue, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
+from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.store.chunk import Chunk
-from pounding_cli.study.scenes import Placed
 
 _GRACE = 2.0
 """Time a worker has to end after it was told to [s]."""

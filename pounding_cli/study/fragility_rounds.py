@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from pounding_cli.fragility.hunt import next_levels
+from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
 from pounding_cli.study.plan import LinkSeen, Plan
-from pounding_cli.study.scenes import Placed
 
 if TYPE_CHECKING:
     from pounding_cli.solve.response import Response
@@ -240,9 +240,8 @@ def _series(layout: Layout, targets: tuple[Target, ...]) -> Iterator[Series]:
 
 def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.ndarray]:
     """Demand over limit in every scene whose response was waited for."""
-    storeys: dict[
-        tuple[int, int], tuple[np.ndarray, np.ndarray]
-    ] = {}  # height [m], yield shear [N]; no buildings: many
+    # height [m] and yield shear [N] of the storeys, not the buildings: there may be many
+    storeys: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
     found: dict[str, np.ndarray] = {}
     for digest, response in responses.read(asked.waiting):
         series = asked.waiting[digest]

@@ -9,6 +9,7 @@ from itertools import islice, product
 
 import numpy as np
 
+from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.optimise.search import Point, Search, Settings
 from pounding_cli.study.expand import expand
@@ -18,7 +19,6 @@ from pounding_cli.study.optimise_keys import OptimiseSpec
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.sampled import at_points
-from pounding_cli.study.scenes import Placed
 from pounding_cli.study.sensitivity import expressions
 from pounding_cli.study.source import Node
 from pounding_cli.study.varied import Factor, read_searched

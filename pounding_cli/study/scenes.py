@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import threading
-from abc import abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import overload
 
 from pounding_cli.model.links import Link, link_places
+from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.plan import LinkSeen, Row
 
@@ -98,22 +98,6 @@ class Rows(Sequence[Row]):
         )
 
     __hash__ = None  # type: ignore[assignment]  # a list in all but name
-
-
-class Placed(Mapping[str, Scene]):
-    """Scenes by digest, built when asked for. A forked process that looks digests up would copy the memory in which
-    they stand, since Python counts who uses them: it is told the place of a scene instead, a number."""
-
-    @abstractmethod
-    def place(self, digest: str) -> int:
-        """Where a scene stands.  Raises `KeyError`."""
-
-    @abstractmethod
-    def at(self, place: int) -> Scene:
-        """The scene at a place."""
-
-    def __getitem__(self, digest: str) -> Scene:
-        return self.at(self.place(digest))
 
 
 class Scenes(Placed):

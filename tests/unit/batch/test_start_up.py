@@ -33,6 +33,13 @@ def test_numba_does_without_scipys_linear_algebra(before, words):
     assert done.stdout.split() == words.split()
 
 
+def test_a_spawned_worker_reads_no_study():
+    """Fails if what a worker imports brings the schema of studies with it: a tenth of a second for each."""
+    program = "import sys, pounding_cli.batch.processes; print('pydantic' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.split() == ["False"]
+
+
 RUN = """
 import sys
 from pounding_cli.cli.main import main
