@@ -1,4 +1,4 @@
-"""`python -m tests.mutants [--only TEXT] [--write] [--list]`, from the repository root."""
+"""`python -m tests.mutants [--only TEXT] [--list]`, from the repository root."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 
 from .catalogue import MUTANTS
 from .markers import markers
-from .page import write
 from .runner import ROOT, try_all
 
 
@@ -18,11 +17,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
     parser.add_argument("--only", default="", help="faults whose words, marker, file or test contain this")
     parser.add_argument("--list", action="store_true", help="list the faults and try none")
-    parser.add_argument("--write", action="store_true", help="write the tables of docs/guards.md and try none")
     options = parser.parse_args()
-    if options.write:
-        write(MUTANTS)
-        return 0
     places = dict(markers(ROOT))
     file = {m: places[m.marker].file if m.marker in places else "nowhere" for m in MUTANTS}
     chosen = [m for m in MUTANTS if options.only in " ".join((m.fault, m.marker, file[m], m.test))]
