@@ -1,8 +1,9 @@
 """Builds the wheel and the sdist and tries them away from the source: `python -m tests.release` (`make dist`).
 
-Each is installed into a fresh environment of every Python named (3.11, 3.12 and 3.13 unless said otherwise), in an
-empty folder and with an empty home. There the first steps of the README are taken, and a study is run in workers that
-are forked and in workers that are spawned, as macOS and Windows start them: both must give the rows of this process."""
+The wheel is built from the sdist. It is installed into a fresh environment of every Python named (3.11, 3.12 and 3.13
+by default), the sdist into that of the first, in an empty folder and with an empty home. There the first steps of the
+README are run. A study is then run in this process, in forked workers and in spawned ones, which macOS and Windows use:
+all three must give the same rows."""
 
 from __future__ import annotations
 
@@ -88,8 +89,9 @@ def main() -> None:
     pythons = {version: _python(version) for version in wanted}
     with tempfile.TemporaryDirectory(prefix="pound-release-") as folder:
         archives = _built(Path(folder))
-        for version, python in pythons.items():
-            _try(version, python, archives, Path(folder) / version)
+        for number, (version, python) in enumerate(pythons.items()):
+            kinds = archives if number == 0 else {"wheel": archives["wheel"]}
+            _try(version, python, kinds, Path(folder) / version)
 
 
 def _python(version: str) -> str:
@@ -138,7 +140,7 @@ def _built(folder: Path) -> dict[str, Path]:
 
 
 def _try(version: str, python: str, archives: dict[str, Path], folder: Path) -> None:
-    """Install both archives by turns and use them."""
+    """Install the archives in turns and use them."""
     own = _environment(python, folder / "venv")
     keep = {name: os.environ[name] for name in ("PATH", "LANG", "PIP_INDEX_URL") if name in os.environ}
     for kind, archive in archives.items():

@@ -11,11 +11,19 @@ _EQUATION = re.compile(r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*
 
 
 def on_page_content(text: str, **_: object) -> str:
-    """Called by mkdocs with the HTML of every page, in which arithmatex has marked the equations."""
+    """Called by mkdocs with the HTML of every page, in which arithmatex has marked the equations.
+
+    Raises
+    ------
+    ValueError : an equation has a command or an environment that latex2mathml does not know
+    """
     return _EQUATION.sub(_drawn, text)
 
 
 def _drawn(found: re.Match[str]) -> str:
     display = "block" if found["tag"] == "div" else "inline"
-    drawn = convert(html.unescape(found["tex"]).strip(), display=display)
+    tex = html.unescape(found["tex"]).strip()
+    drawn = convert(tex, display=display)
+    if "<mi>&</mi>" in drawn or "\\" in drawn:
+        raise ValueError(f"not all of this equation could be typeset: {tex}")
     return f'<div class="equation">{drawn}</div>' if display == "block" else drawn

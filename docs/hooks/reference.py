@@ -1,4 +1,4 @@
-"""What the site takes from the code: commands, study keys, the API, the notebooks and the deliberate faults."""
+"""What the site takes from the code: commands, the API, the notebooks and the deliberate faults."""
 
 from __future__ import annotations
 
@@ -81,19 +81,6 @@ def _help(path: str, command: click.Command) -> str:
     return f"```text\n{command.get_help(context).rstrip()}\n```"
 
 
-def keys_page() -> str:
-    """Every key of a study file: what it takes, its default, what it is."""
-    from pounding_cli.study.keys import key_tables
-
-    about = """\
-# Keys of a study
-
-Written from the schema that reads the file; `pound schema --keys` prints the same.
-[The study file](../study-file.md) explains them.
-"""
-    return f"{about}\n{key_tables()}\n"
-
-
 def api_page() -> str:
     """The Python API, drawn from its docstrings."""
     parts = [
@@ -122,7 +109,6 @@ def pages() -> Iterator[tuple[str, str]]:
     for path in sorted(EXAMPLES.glob("*.ipynb")):
         yield f"examples/{path.stem}.md", notebook_page(path)
     yield "reference/commands.md", commands_page()
-    yield "reference/study-keys.md", keys_page()
     yield "reference/api.md", api_page()
 
 
