@@ -33,7 +33,6 @@ COMMANDS = {
     "show": ("pounding_cli.cli.show", "Print a table of a results file."),
     "report": ("pounding_cli.cli.report", "Draw the figures and write the tables and the claims."),
     **_asking(),
-    "animate": ("pounding_cli.cli.animate", "Show a scene over time as a film."),
     "plan": ("pounding_cli.cli.plan", "Show what would run and what would not, before running."),
     "export": ("pounding_cli.cli.export", "Write tables as CSV, Parquet, Excel or netCDF."),
     "compare": ("pounding_cli.cli.compare", "Say what changed between two results files."),

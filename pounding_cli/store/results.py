@@ -262,14 +262,6 @@ class Results:
         names = (*self.axes, *PLACE, "number", "scene", "every", "times")
         return _frame({name: [row[name] for row in self._places()] for name in names})
 
-    def kept(
-        self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
-    ) -> dict[str, Any]:
-        """The one kept scene that is meant, as a row of `histories`; arguments and errors as those of `history`."""
-        given = {"case": case, "analysis": analysis, "record": record, **swept}
-        wanted = {k: v for k, v in given.items() if v is not None}
-        return dict(chosen_place(self._places(), wanted, str(self.path)))
-
     def _places(self) -> list[dict[str, Any]]:
         """`kept_places`, looked for again when the file has changed: whoever reads all histories asks once for each."""
         found = self.path.stat() if self.path.exists() else None  # `opened` says what is wrong
@@ -293,7 +285,9 @@ class Results:
         ------
         InputError : no kept scene, or more than one, is meant
         """
-        number = self.kept(case, analysis, record, **swept)["number"]
+        given = {"case": case, "analysis": analysis, "record": record, **swept}
+        wanted = {k: v for k, v in given.items() if v is not None}
+        number = chosen_place(self._places(), wanted, str(self.path))["number"]
         with opened(self.path) as file:
             return read_history(file[f"{GROUP}/{number}"])
 

@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.scene import Scene
-from pounding_cli.study.plan import Plan, Row
+from pounding_cli.study.plan import Row
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.schema import HistoriesSpec, KeepSpec, StudyModel
 from pounding_cli.study.source import Node
@@ -162,25 +162,3 @@ def amount(value: Any) -> float | None:
         except (PydanticCustomError, TypeError, ValueError):
             continue
     return None
-
-
-def meant_rows(plan: Plan, place: Mapping[str, Any]) -> list[tuple[Row, dict[str, float | str]]]:
-    """The rows of a plan that stand at `place` (case, analysis, record, swept keys; what is not given does not
-    matter), each with its swept values."""
-    found = []
-    for row in plan.rows:
-        swept = {
-            name: value
-            for axis, number in zip(plan.axes, row.point, strict=True)
-            for name, value in zip(axis.names, axis.values[number], strict=True)
-        }
-        here = {"case": row.case, "analysis": row.analysis, "record": row.record, **swept}
-        if all(name in here and _equal(here[name], value) for name, value in place.items()):
-            found.append((row, swept))
-    return found
-
-
-def _equal(one: Any, other: Any) -> bool:
-    if isinstance(one, float) and isinstance(other, int | float):
-        return abs(one - other) <= 1e-9 * max(abs(one), abs(other))
-    return one == other

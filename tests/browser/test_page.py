@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import re
 
@@ -358,6 +359,26 @@ def pace(page) -> float:
     )
 
 
+FRAMES = """async (source) => {
+    const film = document.createElement('video');
+    film.muted = true;
+    film.src = source;
+    await new Promise((done, wrong) => { film.onloadeddata = done; film.onerror = () => wrong(film.error.message); });
+    const sheet = document.createElement('canvas');
+    [sheet.width, sheet.height] = [film.videoWidth, film.videoHeight];
+    const pictures = [];
+    for (const time of [0, 1e6]) {
+        const there = new Promise((done) => { film.onseeked = done; });
+        film.currentTime = time;
+        await there;
+        sheet.getContext('2d').drawImage(film, 0, 0);
+        pictures.push(sheet.toDataURL());
+    }
+    return [[film.videoWidth, film.videoHeight], pictures[0] !== pictures[1]];
+}"""
+"""The size of a film, and whether two of its pictures differ."""
+
+
 def test_player_plays_and_pauses(moving):
     player = moving.locator("#player")
     choose(moving, "Speed", "0.1")
@@ -384,6 +405,26 @@ def test_impacts_are_played_slowly_unless_told_otherwise(moving):
     assert pace(moving) > 0.2
     moving.get_by_role("button", name="Play").wait_for()
     assert readout(moving)["time"] == "2.000 s"
+
+
+def test_what_is_played_can_be_saved_as_a_film(moving, tmp_path):
+    """The film has the picture's size, and its pictures differ. Fails if the picture is not drawn while it plays."""
+    moving.locator("#player").press("Home")
+    moving.get_by_role("button", name="Record a film").click()
+    moving.get_by_role("button", name="Pause").wait_for()
+    while seconds(moving) < 0.1:
+        moving.wait_for_timeout(50)
+    with moving.expect_download() as saved:
+        moving.get_by_role("button", name="Save the film").click()
+    path = tmp_path / saved.value.suggested_filename
+    saved.value.save_as(path)
+    assert "touching, elastic, strong" in path.stem
+    source = f"data:video/{path.suffix[1:]};base64,{base64.b64encode(path.read_bytes()).decode()}"
+    shape, different = moving.context.new_page().evaluate(FRAMES, source)  # the page itself plays no films
+    width, height = moving.locator(".stage canvas").evaluate("canvas => [canvas.width, canvas.height]")
+    assert shape[0] == width
+    assert shape[1] > height
+    assert different
 
 
 def test_displacements_are_drawn_to_the_scale_chosen_and_told(moving):

@@ -43,7 +43,6 @@ WRITERS = {
     "export parquet": ("{results}", "storey", "-o", "{out}.parquet"),
     "export excel": ("{results}", "-o", "{out}.xlsx"),
     "export netcdf": ("{results}", "-o", "{out}.nc"),
-    "animate": ("{results}", "--analysis", "elastic", "-o", "{out}.gif", "--to", "0.1 s"),
     "schema": ("-o", "{out}"),
     "records show": ("taft", "-o", "{out}.png"),
 }

@@ -60,9 +60,7 @@ COMMANDS: tuple[Callable[[str, str], list[str]], ...] = (
     lambda file, out: ["export", file, "-o", f"{out}/r.nc"],
     lambda file, out: ["compare", file, f"{out}/../whole.h5"],
     lambda file, out: ["cite", file],
-    lambda file, out: ["animate", file, "--case", "gap", "--analysis", "elastic", "--record", "taft",
-                       "--at", "impact.restitution=0.5", "-o", f"{out}/x.png"],
-)  # fmt: skip
+)
 
 ODD = (
     "", "\x1b[31mred", "../../../PWNED", "=1+1", "$\\frac{1}$", "<script>alert(1)</script>", "a\0b", "x" * 10_000,

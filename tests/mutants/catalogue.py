@@ -823,22 +823,10 @@ HISTORIES = [
         f"{UNIT}/solve/test_histories.py::test_the_largest_values_are_the_peaks",
     ),
     Mutant(
-        "film-struck-point",
-        "films: a slab that strikes columns touches the floor above",
-        ("+ at * height", "+ height"),
-        f"{UNIT}/report/test_report_animation.py::test_a_slab_that_strikes_columns_touches_them",
-    ),
-    Mutant(
         "inset-struck-point",
         "insets: a slab that strikes columns touches the floor above",
         ('row[f"{side}_at"] * ', ""),
         f"{UNIT}/report/test_report_figures.py::test_storeys_of_several_heights_are_drawn_to_one_scale",
-    ),
-    Mutant(
-        "film-gap",
-        "film: gaps at another scale than displacements",
-        ("film.scale * gap", "0.5 * film.scale * gap"),
-        f"{UNIT}/report/test_report_animation.py::test_floors_touch_in_the_film_when_they_touch_in_the_scene",
     ),
 ]
 

@@ -170,7 +170,7 @@ def test_all_histories_are_looked_for_once_and_again_when_the_file_has_changed(k
     )
     found = open_results(path)
     for place in found.histories().to_dict("records"):
-        found.kept(**{name: place[name] for name in (*found.axes, "case", "analysis", "record")})
+        found.history(**{name: place[name] for name in (*found.axes, "case", "analysis", "record")})
     assert len(looked) == 1
     fewer = replace(plan, kept=plan.kept[:1])
     responses = {digest: known(scene) for digest, scene in plan.scenes.items()}

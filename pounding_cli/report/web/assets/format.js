@@ -62,6 +62,13 @@ function choice(label, options, chosen, changed) {
   return { element: field(label, select), select };
 }
 
+/** Let the reader save a file. */
+function saveAs(name, blob) {
+  const link = h('a', { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
 let saying = 0;
 /** Tell readers who do not see the page; of many sentences in a row only the last is said. */
 function say(text) {

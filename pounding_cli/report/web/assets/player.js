@@ -7,6 +7,10 @@ const SLOW = 0.01;
 const AROUND = 0.012;
 /** In this time the light of an impact falls to a third [s]. */
 const FADE = 0.15;
+/** Pictures a second of a film. */
+const RATE = 30;
+/** Height of the line above the picture of a film [px]. */
+const HEAD = 28;
 
 function playerView() {
   const root = document.getElementById('player');
@@ -22,6 +26,7 @@ function playerView() {
   const before = h('button', { type: 'button', onclick: () => toImpact(-1) }, 'Previous impact');
   const after = h('button', { type: 'button', onclick: () => toImpact(1) }, 'Next impact');
   const hardest = h('button', { type: 'button', onclick: () => toHardest() }, 'Largest impact');
+  const film = h('button', { type: 'button', hidden: !window.MediaRecorder, onclick: () => (state.film ? state.film.stop() : record()) }, 'Record a film');
   const slow = h('input', { type: 'checkbox', checked: true, onchange: () => {
     state.slow = slow.checked;
   } });
@@ -41,7 +46,7 @@ function playerView() {
   root.append(
     h('div', { class: 'bar' }, which.element, scale.element, span.element),
     h('div', { class: 'stage' }, canvas, tip),
-    h('div', { class: 'bar' }, play, before, after, hardest, speed.element, h('label', { class: 'check' }, slow, 'slow at impacts')),
+    h('div', { class: 'bar' }, play, before, after, hardest, speed.element, h('label', { class: 'check' }, slow, 'slow at impacts'), film),
     scrub, strip, readout,
     h('p', { class: 'note key' }),
     h('p', { class: 'note keys' }, ...[['Space', 'plays and pauses'], ['←', ''], ['→', 'one sample, with'], ['Shift', '0.1 s'], ['P', ''], ['N', 'previous and next impact']]
@@ -113,6 +118,7 @@ function playerView() {
 
   function pause() {
     cancelAnimationFrame(state.frame);
+    state.film?.stop();
     state.playing = false;
     state.clock = undefined;
     play.textContent = 'Play';
@@ -135,11 +141,40 @@ function playerView() {
     else state.frame = requestAnimationFrame(tick);
   }
 
+  /** Play from here, and save what is shown as a film when it ends or pauses. */
+  function record() {
+    const { scene, at, ink } = state, dense = canvas.width / at.width, head = HEAD * dense;
+    const sheet = h('canvas', { width: canvas.width, height: canvas.height + strip.height + head });
+    const pen = sheet.getContext('2d'), parts = [], recorder = new MediaRecorder(sheet.captureStream(RATE));
+    state.picture = () => {
+      pen.fillStyle = ink.card;
+      pen.fillRect(0, 0, sheet.width, sheet.height);
+      pen.fillStyle = ink.ink;
+      pen.font = `${14 * dense}px system-ui, sans-serif`;
+      pen.fillText(`${scene.label}; displacements × ${at.scale}; ${state.time.toFixed(3)} s`, 0.3 * head, 0.7 * head);
+      pen.drawImage(canvas, 0, head);
+      pen.drawImage(strip, 0, head + canvas.height);
+    };
+    recorder.ondataavailable = ({ data: part }) => {
+      if (part.size) parts.push(part);
+      film.disabled = recorder.state !== 'inactive' && !parts.length; // nothing to save before the first pictures
+    };
+    recorder.onstop = () => {
+      [state.film, state.picture, film.textContent] = [null, null, 'Record a film'];
+      if (parts.length) saveAs(`${scene.label}.${recorder.mimeType.includes('mp4') ? 'mp4' : 'webm'}`, new Blob(parts, { type: recorder.mimeType }));
+    };
+    state.film = { stop: () => recorder.state === 'inactive' || recorder.stop() };
+    [film.textContent, film.disabled] = ['Save the film', true];
+    recorder.start(200);
+    if (!state.playing) toggle();
+  }
+
   function draw() {
     const { scene, at, time, ink } = state;
     drawStage(canvas, scene, at, time, state.glow, ink);
     const [from, to] = shownSpan();
     drawStrips(strip, scene, state.strips, from, to, time, at.width, ink);
+    state.picture?.();
     scrub.value = Math.round(time / scene.dt);
     scrub.setAttribute('aria-valuetext', `${asText(time)} s`);
     const now = performance.now();

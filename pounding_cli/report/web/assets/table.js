@@ -109,9 +109,7 @@ function tableView() {
     const heads = table.columns.map((column) => asCell(withUnit(column)));
     const lines = [heads, ...rows.map((row) => table.columns.map((column) => cell(column, row)))];
     const text = lines.map((line) => line.map((one) => quoted(String(one))).join(',')).join('\r\n');
-    const link = h('a', { href: URL.createObjectURL(new Blob([`${text}\r\n`], { type: 'text/csv' })), download: `${state.name}.csv` });
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    saveAs(`${state.name}.csv`, new Blob([`${text}\r\n`], { type: 'text/csv' }));
   }
 
   open(names[0]);
