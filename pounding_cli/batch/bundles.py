@@ -36,24 +36,28 @@ class Queue:
     """
 
     def __init__(self, digests: Sequence[str], workers: int, seconds: float) -> None:
-        self._rest = list(reversed(digests))
+        self._digests, self._next = digests, 0
+        self._back: list[str] = []  # what came back, the next one last
         self._workers = workers
         self._seconds, self._scenes = max(seconds, 1e-6), 1
 
     def __len__(self) -> int:
-        return len(self._rest)
+        return len(self._digests) - self._next + len(self._back)
 
     def take(self, work: float | None = None) -> list[str]:
         """The next bundle, of about `work` seconds; towards the end smaller ones, so that all workers end together."""
         each = self._seconds / self._scenes
         size = min((CHUNK_SECONDS if work is None else work) / each, MOST, math.ceil(len(self) / (3 * self._workers)))
-        bundle = self._rest[: -max(1, int(size)) - 1 : -1]
-        del self._rest[len(self._rest) - len(bundle) :]
-        return bundle
+        size = max(1, int(size))
+        bundle = self._back[: -size - 1 : -1]
+        del self._back[len(self._back) - len(bundle) :]
+        new = self._digests[self._next : self._next + size - len(bundle)]
+        self._next += len(new)
+        return [*bundle, *new]
 
     def give_back(self, digests: Sequence[str]) -> None:
         """Scenes that were taken and not solved; they come next."""
-        self._rest.extend(reversed(digests))
+        self._back.extend(reversed(digests))
 
     def learn(self, scenes: int, seconds: float) -> None:
         """Some scenes took so long [s]."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.families import order_of
@@ -128,7 +130,7 @@ def methods_needed(plan: Plan) -> set[str]:
     looked at until one is found that does.
     """
     baselines = {digest for row in plan.rows for digest in row.baselines}
-    some = itertools.chain(_looked_at(plan), *order_of(plan, ()).samples.values())
+    some = itertools.chain(_looked_at(plan), *order_of(plan, _none).samples.values())
     methods = {digest: _method(plan, plan.scenes[digest]) for digest in some}
     in_series = [digest for digest, method in methods.items() if method == "taylor"]
     needed, solver = set(methods.values()), _prover(plan)
@@ -138,6 +140,11 @@ def methods_needed(plan: Plan) -> set[str]:
     if any(answer is None or "taylor" in answer.methods for answer in answers):
         return needed
     return needed - {"taylor"}
+
+
+def _none(digests: Sequence[str]) -> np.ndarray:
+    """Solved so far."""
+    return np.zeros(len(digests), bool)
 
 
 def _every(plan: Plan) -> int:

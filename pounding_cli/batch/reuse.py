@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from pounding_cli.batch.families import order_of
 from pounding_cli.batch.histories import refuse_loss
+from pounding_cli.model.digest_map import pieces
+from pounding_cli.model.placed import among
 from pounding_cli.numbers import counted
 from pounding_cli.store import PartStore, former_run, stored_chunks
 from pounding_cli.store.files import damage_of
@@ -32,7 +36,7 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
     """
     for damaged in parts.load():
         say(f"{damaged} is damaged: what it held is solved again")
-    from_parts = sum(digest in parts for digest in plan.scenes)
+    from_parts = int(parts.has(plan.scenes).sum())
     if from_parts:
         what = counted(from_parts, "scene of an unfinished run is", "scenes of an unfinished run are")
         say(f"{what} kept in {parts.folder}")
@@ -45,12 +49,12 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
         say(f"{output} is damaged ({damage}): what is whole in it is kept, the rest is solved again")
     taken = held = 0
     for chunk in stored_chunks(output, parts.key):
-        new = chunk.only([place for place, digest in enumerate(chunk.digests) if digest not in parts])
+        new = chunk.only(np.flatnonzero(~parts.has(chunk.digests)).tolist())
         parts.add(new)
         held += new.numbers.nbytes
         if held > IN_MEMORY:
             parts.flush()
-        taken += sum(digest in plan.scenes for digest in chunk.digests)
+        taken += int(among(plan.scenes, chunk.digests).sum())
     in_rounds = bool(WORKFLOWS[plan.workflow].refine)  # later rounds may ask for what this one does not
     if replace and not in_rounds:
         parts.only(plan.scenes)
@@ -62,7 +66,7 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
             "and the file stays as it is until the new one is whole"
         )
     elif not in_rounds and (taken < len(plan.scenes) or taken < former.scenes):
-        gone = sum(digest not in plan.scenes for digest in parts)
+        gone = sum(int((~among(plan.scenes, some)).sum()) for some in pieces(parts))
         stay = "stays in the file" if gone == 1 else "stay in the file"
         left = f"; {counted(gone, 'scene')} no longer in the study {stay}" if gone else ""
         again = f"; {counted(former.failed, 'that failed is', 'that failed are')} tried again" if former.failed else ""
@@ -71,13 +75,12 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
 
 def _by_case(plan: Plan, parts: PartStore) -> str:
     """How many scenes of each case are at hand, in words."""
-    at_hand: Counter[str] = Counter()
-    wanted: Counter[str] = Counter()
-    seen = {""}  # of rows without a scene
-    for row in plan.rows:
-        for digest, case in ((row.scene, row.case), *((digest, "buildings alone") for digest in row.baselines)):
-            if digest not in seen:
-                seen.add(digest)
-                wanted[case] += 1
-                at_hand[case] += digest in parts
-    return ", ".join(f"{case} {at_hand[case]} of {count}" for case, count in wanted.items())
+    wanted, missing = (
+        order_of(plan, solved).counts for solved in (lambda digests: np.zeros(len(digests), bool), parts.has)
+    )
+    said = []
+    for case in (plan.cases[0], "", *plan.cases[1:]):
+        count, open_ = (sum(counts[case, analysis] for analysis in plan.analyses) for counts in (wanted, missing))
+        if count:
+            said.append(f"{case or 'buildings alone'} {count - open_} of {count}")
+    return ", ".join(said)

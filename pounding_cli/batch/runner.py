@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import os
 import sys
 import threading
@@ -23,6 +22,7 @@ from pounding_cli.batch.progress import Progress, Quiet
 from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
 from pounding_cli.errors import InputError
+from pounding_cli.model.digest_map import pieces
 from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_output
 from pounding_cli.store import (
@@ -36,6 +36,7 @@ from pounding_cli.store import (
     write_results,
 )
 from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.codec import parse
 from pounding_cli.store.files import is_results, refused_write
 from pounding_cli.store.locks import lock_of
 from pounding_cli.workflows import WORKFLOWS
@@ -122,12 +123,11 @@ def _run(
     replace: bool,
 ) -> Outcome:
     reuse(plan, output, parts, progress.say, replace)
-    former = set(parts)
     with contextlib.closing(chosen):
         plan, solved = _solve_rounds(plan, parts, chosen, progress, solve)
     if replace:
         parts.only(plan.scenes)
-    reused = sum(digest in former for digest in plan.scenes)
+    reused = len(plan.scenes) - solved.scenes
     workers = chosen.workers if solved.engine == chosen.name else 1
     run = Run(time.perf_counter() - begin, solved.scenes, reused, solved.engine, workers)
     histories = kept_histories(plan, parts, output, parts.key, progress.say, replace)
@@ -159,7 +159,7 @@ def _solve_rounds(
     try:
         while following is not None:
             plan = following
-            order = order_of(plan, parts)
+            order = order_of(plan, parts.has)
             if order.digests:
                 progress.start(len(order.digests), len(plan.scenes) - len(order.digests), plan.ahead)
                 solved.scenes += len(order.digests)
@@ -219,14 +219,12 @@ def _solve_missing(
     for note in _notes_of_kernels():
         progress.say(note)
     work = sum(here(digests[1]) * (order.counts[sort] - 2) for sort, digests in order.samples.items() if digests[1:])
-    sampled = set(itertools.chain.from_iterable(order.samples.values()))
-    rest = [digest for digest in order.digests if digest not in sampled]
     # What takes no time need not touch the disk; of anything longer, every chunk does.
     small = work < WORTH_WORKERS
     used = Serial() if small or (chosen.workers == 1 and chosen.name != "dask") else chosen
     if not small:
         parts.flush()
-    queue = Queue(rest, used.workers, work / max(1, len(rest)))
+    queue = Queue(order.rest, used.workers, work / max(1, len(order.rest)))
     with contextlib.closing(used.solve(queue, plan.scenes, task, parts.key)) as solved:
         for finished in solved:
             keep(finished, small)
@@ -266,7 +264,8 @@ def _notes_of_kernels() -> Iterator[str]:
 
 def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:
     """Every failed scene once, named by the first place in the study where it stands."""
-    failed = {digest for digest in plan.scenes if not parts.header(digest).is_done}
+    lines = zip(plan.scenes, (line for some in pieces(plan.scenes) for line in parts.lines(some)), strict=True)
+    failed = {digest for digest, line in lines if not parse(line).is_done}
     for row in plan.rows if failed else ():
         swept = [
             f"{name} = {value}"

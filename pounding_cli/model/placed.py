@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from pounding_cli.model.scene import Scene
 
@@ -20,5 +22,16 @@ class Placed(Mapping[str, Scene]):
     def at(self, place: int) -> Scene:
         """The scene at a place."""
 
+    def has(self, digests: Sequence[str]) -> np.ndarray:
+        """Whether each scene is there, shape (digests,)."""
+        return np.array([digest in self for digest in digests], bool)
+
     def __getitem__(self, digest: str) -> Scene:
         return self.at(self.place(digest))
+
+
+def among(scenes: Mapping[str, Scene], digests: Sequence[str]) -> np.ndarray:
+    """Whether each digest is that of one of the scenes, shape (digests,)."""
+    if isinstance(scenes, Placed):
+        return scenes.has(digests)
+    return np.array([digest in scenes for digest in digests], bool)

@@ -99,8 +99,17 @@ class Digests:
         parts = [b.digest for b in buildings] + [link.words for link in links]
         self._begun = hashlib.sha256("\n".join(parts).encode())
 
+    @staticmethod
+    def ending(motion: Motion, analysis: Analysis, tail: float) -> bytes:
+        """What stands in a digest for motion, analysis and tail [s]."""
+        return f"\n{motion.digest}\n{analysis}\n{float(tail)!r}".encode()
+
+    def ended(self, ending: bytes) -> bytes:
+        """The digest, 32 bytes, of the scene with this `ending`."""
+        sha = self._begun.copy()
+        sha.update(ending)
+        return sha.digest()
+
     def of(self, motion: Motion, analysis: Analysis, tail: float) -> str:
         """`Scene.digest` of the scene with this motion, analysis and tail [s]."""
-        sha = self._begun.copy()
-        sha.update(f"\n{motion.digest}\n{analysis}\n{float(tail)!r}".encode())
-        return sha.hexdigest()
+        return self.ended(self.ending(motion, analysis, tail)).hex()

@@ -7,12 +7,14 @@ import os
 import shutil
 import uuid
 import zlib
-from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-from itertools import islice
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from pounding_cli.model.digest_map import DigestMap, pieces
+from pounding_cli.model.placed import among
+from pounding_cli.model.scene import Scene
 from pounding_cli.solve.response import Response
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import Header, decode, parse
@@ -20,9 +22,6 @@ from pounding_cli.store.seal import open_regular
 
 _SPAN = 1 << 24
 """More than the scenes of one chunk."""
-
-_AT_ONCE = 1000
-"""Responses read at a time."""
 
 _FEW = 4
 """Where less than this part of a chunk is asked for, its numbers are copied."""
@@ -44,7 +43,7 @@ class PartStore(Mapping[str, Response]):
         self.key = key
         self._chunks: list[_Held] = []
         self._unsaved: dict[int, bytes] = {}
-        self._where: dict[str, int] = {}
+        self._where = DigestMap()
 
     @classmethod
     def of(cls, responses: Mapping[str, Response]) -> PartStore:
@@ -75,9 +74,12 @@ class PartStore(Mapping[str, Response]):
             self._unsaved[len(self._chunks)] = content
             self._note(_Held(chunk, None), chunk.digests, [True] * len(chunk))
 
-    def only(self, wanted: Container[str]) -> None:
+    def only(self, wanted: Mapping[str, Scene]) -> None:
         """Forget every other scene."""
-        self._where = {digest: place for digest, place in self._where.items() if digest in wanted}
+        where, self._where = self._where, DigestMap()
+        for some in pieces(where):
+            kept = [some[place] for place in np.flatnonzero(among(wanted, some)).tolist()]
+            self._where.put(kept, where.of(kept))
 
     def flush(self) -> None:
         """Bring to disk what is in memory only.
@@ -93,9 +95,15 @@ class PartStore(Mapping[str, Response]):
             self._chunks[number] = _Held(chunk, self._write(content or chunk.to_bytes(self.key)))
             del self._unsaved[number]
 
+    def has(self, digests: Iterable[str]) -> np.ndarray:
+        """Whether each scene is there, shape (digests,)."""
+        return np.concatenate([self._where.of(some) >= 0 for some in pieces(digests)] or [np.zeros(0, bool)])
+
     def saved(self, wanted: Iterable[str]) -> int:
         """How many of some scenes are on disk."""
-        return sum(d in self._where and self._where[d] // _SPAN not in self._unsaved for d in wanted)
+        unsaved = list(self._unsaved)
+        where = (self._where.of(some) for some in pieces(wanted))
+        return sum(int(((some >= 0) & ~np.isin(some // _SPAN, unsaved)).sum()) for some in where)
 
     def remove(self) -> None:
         """Delete the parts: the results file has everything."""
@@ -122,8 +130,9 @@ class PartStore(Mapping[str, Response]):
 
     def lines(self, digests: Iterable[str]) -> list[str]:
         """The header lines of many responses."""
-        where, chunks = self._where, self._chunks
-        return [chunks[place // _SPAN].lines[place % _SPAN] for place in map(where.__getitem__, digests)]
+        chunks = self._chunks
+        places = (place for some in pieces(digests) for place in self._places(some).tolist())
+        return [chunks[place // _SPAN].lines[place % _SPAN] for place in places]
 
     def seconds(self, digests: Collection[str]) -> float:
         """Time of scenes in the solver, all together [s]."""
@@ -131,7 +140,8 @@ class PartStore(Mapping[str, Response]):
 
     def storeys(self, digests: Iterable[str]) -> int:
         """Storeys of the tallest building of some scenes."""
-        spans = (spans["shear"] for line in {*self.lines(digests)} for spans in parse(line).buildings)
+        lines = set(line for some in pieces(digests) for line in self.lines(some))
+        spans = (spans["shear"] for line in lines for spans in parse(line).buildings)
         return max((span.stop - span.start for span in spans), default=0)
 
     def take(self, digests: Collection[str]) -> list[tuple[str, np.ndarray]]:
@@ -153,17 +163,23 @@ class PartStore(Mapping[str, Response]):
 
     def _by_chunk(self, digests: Collection[str]) -> Iterator[tuple[_Held, np.ndarray, np.ndarray]]:
         """(chunk, which of the digests it has, their places in it), chunk by chunk."""
-        where = np.fromiter(map(self._where.__getitem__, digests), np.int64, len(digests))
+        where = np.concatenate([self._places(some) for some in pieces(digests)] or [np.zeros(0, np.int64)])
         chunks, places = np.divmod(where, _SPAN)
         order = np.argsort(chunks, kind="stable")
         for some in np.split(order, np.flatnonzero(np.diff(chunks[order])) + 1):
             if some.size:
                 yield self._chunks[chunks[some[0]]], some, places[some]
 
+    def _places(self, digests: Sequence[str]) -> np.ndarray:
+        """Where scenes stand.  Raises `KeyError`."""
+        found = self._where.of(digests)
+        if (found < 0).any():
+            raise KeyError(digests[int(np.argmin(found))])
+        return found
+
     def read(self, digests: Iterable[str]) -> Iterator[tuple[str, Response]]:
         """Many responses with their digests; as `take`."""
-        left = iter(digests)
-        while some := list(islice(left, _AT_ONCE)):
+        for some in pieces(digests):
             for digest, (text, numbers) in zip(some, self.take(some), strict=True):
                 yield digest, decode(text, numbers)
 
@@ -172,23 +188,22 @@ class PartStore(Mapping[str, Response]):
         if len(numbers) < 2:
             return
         chunks = [chunk for number in numbers if (chunk := self._chunks[number].chunk) is not None]
-        whole, now = _Held(Chunk.joined(chunks), None), len(self._chunks) * _SPAN
+        joined, now = Chunk.joined(chunks), len(self._chunks) * _SPAN
+        whole = _Held(joined, None)
         self._chunks.append(whole)
         self._unsaved[len(self._chunks) - 1] = b""
-        for number, chunk in zip(numbers, chunks, strict=True):
-            for place, digest in enumerate(chunk.digests):
-                if self._where.get(digest) == number * _SPAN + place:
-                    self._where[digest] = now
-                now += 1
+        old = [number * _SPAN + np.arange(len(chunk)) for number, chunk in zip(numbers, chunks, strict=True)]
+        here = np.flatnonzero(self._where.of(joined.digests) == np.concatenate(old))
+        self._where.put([joined.digests[place] for place in here.tolist()], now + here)
+        for number in numbers:
             self._chunks[number] = whole  # nothing stands there any more
             del self._unsaved[number]
 
     def _note(self, held: _Held, digests: Sequence[str], good: Iterable[bool]) -> None:
         number = len(self._chunks) * _SPAN
         self._chunks.append(held)
-        for place, (digest, is_good) in enumerate(zip(digests, good, strict=True)):
-            if is_good:
-                self._where[digest] = number + place
+        places = [place for place, is_good in enumerate(good) if is_good]
+        self._where.put([digests[place] for place in places], number + np.array(places, np.int64))
 
     def _write(self, content: bytes) -> Path:
         self.folder.mkdir(parents=True, exist_ok=True)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from array import array
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import product
-from sys import intern
+from itertools import product, starmap
+from operator import add
+
+import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
+from pounding_cli.model.digest_map import DIGEST
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study.digits import cheap_accuracy
@@ -17,8 +20,8 @@ from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
-from pounding_cli.study.resolve import Resolver, places
-from pounding_cli.study.scenes import Frame, Rows, Scenes, seen
+from pounding_cli.study.resolve import AROUND, Resolver, links_depend_on, places
+from pounding_cli.study.scenes import Frame, LinkSets, Rows, Scenes, in_order, seen
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.sections import Point
 
@@ -42,6 +45,8 @@ Asks = Callable[[Point, str, Analysis, str], bool]
 def expand(study: Study, links_of: Links | None = None, asks: Asks | None = None) -> Plan:
     """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound.
 
+    What an axis does not touch is worked out once for all its values: every case by itself, every building alone.
+
     links_of : what stands between the buildings in place of what the study says
     asks : which rows have scenes; all unless given
     """
@@ -55,33 +60,15 @@ def expand(study: Study, links_of: Links | None = None, asks: Asks | None = None
         records,
     )
     builder = _Builder(resolver, links_of or resolver.links, cases, analyses, records)
-    rows = Rows(frame)
-    scenes = Scenes(frame, len(model.group), builder)
-    problems: dict[Problem, None] = {}
-    for point in product(*(range(len(axis.values)) for axis in study.axes)):
-        found = resolver.problems(point) if len(study.axes) > 1 else ()
-        if found:
-            problems |= dict.fromkeys(_at_point(problem, study.axes, point) for problem in found)
-            if len(problems) >= MOST_PROBLEMS:
-                break
-        if problems:
-            continue
-        around = builder.around(point)
-        buildings, motions, tail = around.buildings, around.motions, around.tail
-        for case in cases:
-            links = builder.links(point, case)
-            shown, linked = seen(links), Digests(buildings, links)
-            for (analysis, record), baselines in around.alone.items():
-                if asks is not None and not asks(point, case, analysis, record):
-                    rows.add("", ("",) * len(baselines), shown)
-                    continue
-                scene = linked.of(motions[record].motion, analysis, tail)
-                scenes.note(scene, len(rows))
-                for place, baseline in enumerate(baselines):
-                    scenes.note(baseline, len(rows), place)
-                rows.add(scene, baselines, shown)
-    if problems:
-        raise InputError(sorted(problems, key=lambda p: (p.line, p.column, p.message)))
+    digests = _Digests(study, frame, builder)
+    for place, _ in enumerate(cases):
+        digests.add_case(place)
+    digests.refuse()
+    for place, _ in enumerate(model.group):
+        digests.add_building(place)
+    table, numbers, first = in_order(*digests.whole(asks))
+    rows = Rows(frame, table, numbers, digests.links, digests.sets)
+    scenes = Scenes(frame, table, first, len(model.group), builder)
     kept, every = kept_rows(model, resolver.root, resolver.axes, rows, scenes, resolver.file)
     return Plan(
         study=study,
@@ -109,23 +96,115 @@ def _accuracy(model: StudyModel) -> float:
 
 @dataclass(frozen=True)
 class _Around:
-    """What is around the links at a point: buildings, motions, tail [s]; and what analyses and motions are asked."""
+    """What is around the links at a point: buildings, motions, tail [s]."""
 
     buildings: tuple[Building, ...]
     motions: Mapping[str, Used]
     tail: float
-    asked: tuple[tuple[Analysis, str], ...]
 
-    @cached_property
-    def alone(self) -> dict[tuple[Analysis, str], tuple[str, ...]]:
-        """Digests of the buildings alone by analysis and motion. Who builds scenes needs none."""
-        free = [Digests((building,), ()) for building in self.buildings]
-        return {  # many points share a building: its digest is held once
-            (analysis, record): tuple(
-                intern(each.of(self.motions[record].motion, analysis, self.tail)) for each in free
-            )
-            for analysis, record in self.asked
-        }
+
+class _Digests:
+    """Gathers the digests of all scenes and what tables say of their links.
+
+    links : of every point and case the number of its links in `sets`, shape (points * cases,)
+    """
+
+    def __init__(self, study: Study, frame: Frame, builder: _Builder) -> None:
+        self._study, self._frame, self._builder = study, frame, builder
+        self._sizes = frame.shape[:-3]
+        self._around = study.resolver.touching(*AROUND)
+        self._content = bytearray()
+        self._scenes = np.empty((*frame.shape, 1 + len(study.model.group)), np.int32)
+        self._problems: dict[Problem, None] = {}
+        study.resolver.met.clear()
+        self._links = np.empty((*self._sizes, len(frame.cases)), np.int32)
+        self.sets = LinkSets()
+
+    def add_case(self, place: int) -> None:
+        """The scenes of a case."""
+        case, builder, numbers = self._frame.cases[place], self._builder, array("i")
+
+        def begin(point: Point) -> Digests | None:
+            self._study.resolver.links(point, case)  # what is wrong with them, and with what they stand between
+            if self._met():
+                return None
+            links = builder.links(point, case)
+            numbers.append(self.sets.number(seen(links)))
+            return Digests(builder.buildings(point), links)
+
+        own = self._study.resolver.touching(*links_depend_on(case))
+        self._scenes[..., place, :, :, 0] = self._grid(own, begin)
+        if not self._problems:
+            self._links[..., place] = np.array(numbers, np.int32).reshape(_kept(self._sizes, own))
+
+    def add_building(self, place: int) -> None:
+        """The scenes of a building alone."""
+
+        def begin(point: Point) -> Digests:
+            return Digests((self._study.building(point, place),), ())
+
+        own = self._study.touching("buildings", place)
+        self._scenes[..., 1 + place] = self._grid(own, begin)[..., None, :, :]
+
+    def _grid(self, own: tuple[bool, ...], begin: Callable[[Point], Digests | None]) -> np.ndarray:
+        """Numbers of the digests of what the axes `own` touch, on every motion, in every analysis; shape: values of
+        every axis (1 where it touches neither), analyses, motions."""
+        rest = tuple(around and not mine for around, mine in zip(self._around, own, strict=True))
+        first = len(self._content) // DIGEST
+        for point in _points(self._sizes, own):
+            begun = begin(point)
+            for other in _points(self._sizes, rest):
+                endings = self._builder.endings(tuple(map(add, point, other)))
+                if begun is None or self._met():
+                    if len(self._problems) >= MOST_PROBLEMS:
+                        self.refuse()
+                    continue
+                for ending in endings:
+                    self._content += begun.ended(ending)
+        *_, analyses, records = self._frame.shape
+        shape = _kept(self._sizes, own), _kept(self._sizes, rest), (analyses, records)
+        numbers = np.arange(first, len(self._content) // DIGEST, dtype=np.int32)
+        if self._problems:
+            return np.zeros((1,) * (len(self._sizes) + 2), np.int32)
+        axes = [axis for place in range(len(self._sizes)) for axis in (place, len(self._sizes) + place)]
+        both = tuple(map(max, *shape[:2])) if self._sizes else ()
+        return numbers.reshape(sum(shape, ())).transpose(*axes, -2, -1).reshape(*both, analyses, records)
+
+    def _met(self) -> bool:
+        """Take over what is wrong at the points asked so far; whether anything is."""
+        resolver = self._study.resolver
+        for problem, point in resolver.met.items():
+            self._problems.setdefault(_at_point(problem, self._study.axes, point))
+        resolver.met.clear()
+        return bool(self._problems)
+
+    def refuse(self) -> None:
+        """Raises `InputError` where something is wrong."""
+        if self._problems:
+            raise InputError(sorted(self._problems, key=lambda p: (p.line, p.column, p.message)))
+
+    @property
+    def links(self) -> np.ndarray:
+        return self._links.ravel()
+
+    def whole(self, asks: Asks | None) -> tuple[np.ndarray, np.ndarray]:
+        """All digests, and the numbers of those of every row, shape (rows, 1 + buildings); -1 in rows that nobody
+        asks for."""
+        scenes = self._scenes.reshape(-1, self._scenes.shape[-1])
+        if asks is not None:
+            frame, points = self._frame, product(*map(range, self._sizes))
+            names = product(points, frame.cases, map(Analysis, frame.analyses), frame.records)
+            scenes[~np.fromiter(starmap(asks, names), bool, len(scenes))] = -1
+        return np.frombuffer(self._content, np.uint8).reshape(-1, DIGEST), scenes
+
+
+def _points(sizes: tuple[int, ...], touched: tuple[bool, ...]) -> Iterator[Point]:
+    """Every combination of the values of some axes, the others at their first."""
+    return product(*(range(size if mine else 1) for size, mine in zip(sizes, touched, strict=True)))
+
+
+def _kept(sizes: tuple[int, ...], touched: tuple[bool, ...]) -> tuple[int, ...]:
+    return tuple(size if mine else 1 for size, mine in zip(sizes, touched, strict=True))
 
 
 class _Builder:
@@ -142,13 +221,13 @@ class _Builder:
     ) -> None:
         self._resolver, self._links_of = resolver, links_of
         self._cases, self._analyses, self._records = cases, analyses, records
-        self._asked = tuple(product(analyses, records))
         self._around: dict[Point, _Around] = {}
+        self._endings: dict[Point, list[bytes]] = {}
         self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
 
     def around(self, point: Point) -> _Around:
         """What is around the links at a point."""
-        key = self._resolver.key(point, ("buildings", "group", "records", "tail"))
+        key = self._resolver.key(point, ("buildings", "group", *AROUND))
         found = self._around.get(key)
         if found is None:
             found = self._around_anew(point)
@@ -156,15 +235,30 @@ class _Builder:
         return found
 
     def _around_anew(self, point: Point) -> _Around:
-        group, motions = self._resolver.group(point), self._resolver.motions(point)
-        assert group is not None
+        motions = self._resolver.motions(point)
         assert motions is not None
-        tail = self._resolver.section(point, "tail")
-        return _Around(tuple(group.buildings), motions, tail, self._asked)
+        return _Around(self.buildings(point), motions, self._resolver.section(point, "tail"))
+
+    def buildings(self, point: Point) -> tuple[Building, ...]:
+        """The buildings of the group at a point."""
+        group = self._resolver.group(point)
+        assert group is not None
+        return tuple(group.buildings)
+
+    def endings(self, point: Point) -> list[bytes]:
+        """How the digests of all analyses and motions at a point end; empty where something is wrong."""
+        key = self._resolver.key(point, AROUND)
+        found = self._endings.get(key)
+        if found is None:
+            motions, tail = self._resolver.motions(point) or {}, self._resolver.section(point, "tail")
+            asked = product(self._analyses, self._records if motions else ())
+            found = [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked]
+            _keep(self._endings, key, found, MOST_AROUND)
+        return found
 
     def links(self, point: Point, case: str) -> tuple[Link, ...]:
         """The links of a case at a point."""
-        key = case, self._resolver.key(point, ("buildings", "group", "impact", "laws", ("cases", case)))
+        key = case, self._resolver.key(point, links_depend_on(case))
         found = self._links.get(key)
         if found is None:
             found = self._links_of(point, case)
@@ -185,10 +279,12 @@ def _keep(answers: dict, key: object, answer: object, most: int) -> None:
     answers[key] = answer
 
 
-def _at_point(problem: Problem, axes: tuple[Axis, ...], point: tuple[int, ...]) -> Problem:
+def _at_point(problem: Problem, axes: tuple[Axis, ...], point: Point) -> Problem:
+    """The problem with the swept values that it stands at."""
     place = ", ".join(
         f"{name} = {value}"
         for axis, index in zip(axes, point, strict=True)
+        if index >= 0
         for name, value in zip(axis.names, axis.shown(index), strict=True)
     )
     return Problem(f"{problem.message} (where {place})", problem.hint, problem.file, problem.line, problem.column)

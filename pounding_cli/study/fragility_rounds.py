@@ -54,8 +54,10 @@ class Layout:
         order = np.argsort(values)
         rows, buildings = len(plan.rows), len(plan.buildings)
         linked, alone, links = np.empty(rows, object), np.empty((rows, buildings), object), np.empty(rows, object)
+        same: dict[str, str] = {}  # cases and points share buildings alone: each digest is held once
         for number, row in enumerate(plan.rows):
-            linked[number], alone[number], links[number] = row.scene, row.baselines, row.links
+            linked[number], links[number] = row.scene, row.links
+            alone[number] = [same.setdefault(digest, digest) for digest in row.baselines]
         swept = [len(each.values) for each in plan.axes]
         shape = (*swept, len(plan.cases), len(plan.analyses), len(plan.records))
         return cls(

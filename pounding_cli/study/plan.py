@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,6 +12,7 @@ from pounding_cli.numbers import Unit
 
 if TYPE_CHECKING:
     from pounding_cli.study.load import Study
+    from pounding_cli.study.scenes import Rows
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ class Plan:
     records: tuple[str, ...]
     buildings: tuple[str, ...]
     scenes: Mapping[str, Scene]
-    rows: Sequence[Row]
+    rows: Rows
     motions: tuple[MotionUse, ...]
     accuracy: float
     method: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -31,6 +32,19 @@ from pounding_cli.study.units import Measured
 FEWEST, MOST = 2, 20
 """Buildings in a group."""
 
+AROUND: tuple[Subject, ...] = ("records", "tail")
+"""What scenes depend on besides buildings and links."""
+
+
+BETWEEN: tuple[Subject, ...] = ("buildings", "group", "impact", "laws")
+"""What all links depend on: between which buildings they stand, and how these strike."""
+
+
+@functools.cache
+def links_depend_on(case: str) -> tuple[Subject, ...]:
+    """What the links of a case depend on."""
+    return *BETWEEN, ("cases", case)
+
 
 class Resolver(Sections):
     """Answers what a study is at a point of its sweep: what its sections (`sections`) describe.
@@ -42,7 +56,7 @@ class Resolver(Sections):
 
     def problems(self, point: Point) -> tuple[Problem, ...]:
         """Everything wrong with the study at this point."""
-        self._met.clear()
+        self.met.clear()
         self._last = None
         if point == self.base:
             self.model()
@@ -50,7 +64,7 @@ class Resolver(Sections):
         self.motions(point)
         for case in self.entries(point, "cases"):
             self.links(point, case)
-        return self.met
+        return tuple(self.met)
 
     def types(self, point: Point) -> Mapping[str, Building] | None:
         """Every building type by name."""
@@ -101,7 +115,8 @@ class Resolver(Sections):
 
     def group(self, point: Point) -> Group | None:
         """The buildings by place, their common floors, and the impact element."""
-        if self._last is not None and self._last[0] == point:
+        key = self.key(point, BETWEEN)
+        if self._last is not None and self._last[0] == key:
             return self._last[1]
         types, names, impact, laws = (
             self.types(point), self.section(point, "group"), self.section(point, "impact"), self.laws(point)
@@ -138,8 +153,8 @@ class Resolver(Sections):
             common, struck = zip(*found, strict=True)
             return Group(placed, types, common, impact, known, laws, struck)
 
-        group = self.once("group", point, ("buildings", "group", "impact", "laws"), work)
-        self._last = None if group is None else (point, group)
+        group = self.once("group", point, BETWEEN, work)
+        self._last = None if group is None else (key, group)
         return group
 
     def laws(self, point: Point) -> OwnLaws:
@@ -159,7 +174,7 @@ class Resolver(Sections):
             around = group or self._empty_group(point)
             return links_of(spec, around, root, ("cases", case), problems)
 
-        return self.once(("links", case), point, ("buildings", "group", "impact", "laws", ("cases", case)), work)
+        return self.once(("links", case), point, links_depend_on(case), work)
 
     def doubt(self, point: Point) -> None:
         """Note in `warnings` what is sound at this point, but unlikely or less than it seems."""
@@ -180,7 +195,7 @@ class Resolver(Sections):
                     self.root_at(point),
                     ("cases", case),
                 )
-                self._noted(("case", case), point, ("buildings", "group", "impact", "laws", ("cases", case)), work)
+                self._noted(("case", case), point, links_depend_on(case), work)
         work = partial(plausible.doubt_motions, self.motions(point) or {}, self.root_at(point))
         self._noted("motions", point, ("records",), work)
 

@@ -1,13 +1,18 @@
-"""The scenes and table rows of a plan, kept as digests: each scene is built when it is asked for."""
+"""The scenes and table rows of a plan, kept as numbers and digests: each is built when it is asked for."""
 
 from __future__ import annotations
 
 import threading
+from array import array
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import overload
 
+import numpy as np
+
+from pounding_cli.model.digest_map import AT_ONCE, Sorted, heads, texts
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
@@ -15,6 +20,9 @@ from pounding_cli.study.plan import LinkSeen, Row
 
 Build = Callable[[tuple[int, ...], int, int, int], Scene]
 """build(point, case, analysis, record) -> the scene of the group; cases, analyses, records by number from 0."""
+
+_MOST_ALIKE = 4096
+"""Sets of links that are known again."""
 
 
 @dataclass(frozen=True)
@@ -39,24 +47,121 @@ class Frame:
         return tuple(reversed(point)), case, analysis, record
 
 
-class Rows(Sequence[Row]):
-    """The rows of the tables, made when they are looked at; two are equal when all their rows are."""
+class LinkSets:
+    """What tables say of links, by number: where links stand is kept once, of every set its gaps."""
 
-    def __init__(self, frame: Frame) -> None:
-        self.frame = frame
-        self._scenes: list[str] = []
-        self._baselines: list[tuple[str, ...]] = []
-        self._links: list[tuple[LinkSeen, ...]] = []
-        self._seen: dict[tuple[LinkSeen, ...], tuple[LinkSeen, ...]] = {}
+    def __init__(self) -> None:
+        self._layouts: list[tuple[LinkSeen, ...]] = []
+        self._layout, self._begin, self._gaps = array("i"), array("q"), array("d")
+        self._numbers: dict[tuple[LinkSeen, ...], int] = {}  # of all layouts
+        self._alike: dict[tuple[int, tuple[float, ...]], int] = {}  # of the latest sets
 
-    def add(self, scene: str, baselines: tuple[str, ...], links: tuple[LinkSeen, ...]) -> None:
-        """The next row."""
-        self._scenes.append(scene)
-        self._baselines.append(baselines)
-        self._links.append(self._seen.setdefault(links, links))
+    def number(self, links: tuple[LinkSeen, ...]) -> int:
+        """The number of a set: that of an equal one, if that was met lately."""
+        gaps = tuple([link.gap for link in links])
+        if len(set(gaps)) == 1:  # told by a set of one gap
+            gaps = gaps[:1]
+        bare = tuple([link._replace(gap=0.0) for link in links])
+        layout = self._numbers.get(bare)
+        if layout is None:
+            layout = self._numbers[bare] = len(self._layouts)
+            self._layouts.append(bare)
+        found = self._alike.get((layout, gaps))
+        if found is None:
+            found = len(self._layout)
+            self._layout.append(layout)
+            self._begin.append(len(self._gaps))
+            self._gaps.extend(gaps)
+            if len(self._alike) >= _MOST_ALIKE:
+                del self._alike[next(iter(self._alike))]
+            self._alike[layout, gaps] = found
+        return found
+
+    def __getitem__(self, number: int) -> tuple[LinkSeen, ...]:
+        layout, begin = self._layouts[self._layout[number]], self._begin[number]
+        end = self._begin[number + 1] if number + 1 < len(self._begin) else len(self._gaps)
+        gaps = self._gaps[begin:end]
+        if len(gaps) < len(layout):
+            gaps *= len(layout)
+        return tuple([link._replace(gap=gap) for link, gap in zip(layout, gaps, strict=True)])
+
+
+class DigestList(Sequence[str]):
+    """Digests as texts, made when they are looked at.
+
+    digests : `packed`; numbers : which of them, in order, -1 for an empty text; all unless given
+    """
+
+    def __init__(self, digests: np.ndarray, numbers: np.ndarray | None = None) -> None:
+        self.digests = digests
+        self.numbers = np.arange(len(digests)) if numbers is None else numbers
 
     def __len__(self) -> int:
-        return len(self._scenes)
+        return len(self.numbers)
+
+    @overload
+    def __getitem__(self, place: int) -> str: ...
+
+    @overload
+    def __getitem__(self, place: slice) -> list[str]: ...
+
+    def __getitem__(self, place: int | slice) -> str | list[str]:
+        if not isinstance(place, slice):
+            return self._texts(self.numbers[[place]])[0]
+        return self._texts(self.numbers[place])
+
+    def __iter__(self) -> Iterator[str]:
+        for begin in range(0, len(self), AT_ONCE):
+            yield from self[begin : begin + AT_ONCE]
+
+    def _texts(self, numbers: np.ndarray) -> list[str]:
+        found = texts(self.digests[numbers])
+        for place in np.flatnonzero(numbers < 0).tolist():
+            found[place] = ""
+        return found
+
+
+class DigestTable:
+    """Digests by number, and numbers by digest.
+
+    digests : `packed`, no two alike, shape (scenes, 32)
+    """
+
+    def __init__(self, digests: np.ndarray) -> None:
+        self.digests = digests
+
+    def __len__(self) -> int:
+        return len(self.digests)
+
+    @cached_property
+    def _sorted(self) -> Sorted:
+        found = Sorted()
+        found.grow(self.digests)
+        return found
+
+    def numbers(self, digests: Sequence[str]) -> np.ndarray:
+        """Numbers of digests, -1 for one that is not there, shape (digests,)."""
+        return self._sorted.find(self.digests, digests)
+
+
+class Rows(Sequence[Row]):
+    """The rows of the tables, made when they are looked at; two are equal when all their rows are.
+
+    Parameters
+    ----------
+    frame : their names
+    table : the digests of all scenes
+    scenes : of every row the number of its scene and of those of the buildings alone, -1 for one that nobody asks for,
+        shape (rows, 1 + buildings)
+    links : of every point and case the number of its links in `sets`, shape (points * cases,)
+    """
+
+    def __init__(self, frame: Frame, table: DigestTable, scenes: np.ndarray, links: np.ndarray, sets: LinkSets) -> None:
+        self.frame, self.table, self.scenes = frame, table, scenes
+        self._links, self._sets = links, sets
+
+    def __len__(self) -> int:
+        return len(self.scenes)
 
     @overload
     def __getitem__(self, number: int) -> Row: ...
@@ -68,34 +173,26 @@ class Rows(Sequence[Row]):
         if isinstance(number, slice):
             return [self[place] for place in range(*number.indices(len(self)))]
         number = range(len(self))[number]
-        frame = self.frame
-        point, case, analysis, record = frame.place(number)
-        return Row(
-            point,
-            frame.cases[case],
-            frame.analyses[analysis],
-            frame.records[record],
-            self._scenes[number],
-            self._baselines[number],
-            self._links[number],
-        )
+        point, case, analysis, record = self.frame.place(number)
+        scene, *baselines = DigestList(self.table.digests, self.scenes[number])
+        links = self._sets[self._links[number // (len(self.frame.analyses) * len(self.frame.records))]]
+        names = self.frame.cases[case], self.frame.analyses[analysis], self.frame.records[record]
+        return Row(point, *names, scene, tuple(baselines), links)
 
     def __iter__(self) -> Iterator[Row]:
-        frame, columns = self.frame, zip(self._scenes, self._baselines, self._links, strict=True)
-        names = list(product(frame.cases, frame.analyses, frame.records))
+        frame, links = self.frame, map(self._sets.__getitem__, self._links.tolist())
+        columns = (DigestList(self.table.digests, self.scenes[:, place]) for place in range(self.scenes.shape[1]))
+        scenes = zip(*columns, strict=True)
         for point in product(*map(range, frame.shape[:-3])):
-            for name, column in zip(names, columns, strict=False):
-                yield Row(point, *name, *column)
+            for case, seen_there in zip(frame.cases, links, strict=False):
+                for analysis, record in product(frame.analyses, frame.records):
+                    scene, *baselines = next(scenes)
+                    yield Row(point, case, analysis, record, scene, tuple(baselines), seen_there)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Rows):
             return NotImplemented
-        return (self.frame, self._scenes, self._baselines, self._links) == (
-            other.frame,
-            other._scenes,
-            other._baselines,
-            other._links,
-        )
+        return self.frame == other.frame and all(one == two for one, two in zip(self, other, strict=True))
 
     __hash__ = None  # type: ignore[assignment]  # a list in all but name
 
@@ -104,36 +201,90 @@ class Scenes(Placed):
     """The scenes by digest, each once, in the order of the rows that need them first; built when asked for.
 
     Asking costs about as much as it took to expand the point; scenes of one point asked for together share that.
+
+    Parameters
+    ----------
+    table : their digests
+    places : of each the number of a row, times one more than the buildings, plus 0 for the scene of the row or 1 and
+        the place of the building alone, shape (scenes,)
     """
 
-    def __init__(self, frame: Frame, buildings: int, build: Build) -> None:
-        self._frame, self._places, self._build = frame, buildings + 1, build
-        self._where: dict[str, int] = {}
+    def __init__(self, frame: Frame, table: DigestTable, places: np.ndarray, buildings: int, build: Build) -> None:
+        self.table = table
+        self._frame, self._places, self._each, self._build = frame, places, buildings + 1, build
         self._lock = threading.Lock()  # what builds scenes keeps what it found
-
-    def note(self, digest: str, row: int, alone: int | None = None) -> None:
-        """The scene of the row numbered `row`, or its baseline at place `alone`, has this digest."""
-        self._where.setdefault(digest, row * self._places + (0 if alone is None else alone + 1))
 
     def place(self, digest: str) -> int:
         """Number of its row, and whether it is one of the baselines."""
-        return self._where[digest]
+        number = self.table.numbers([digest])[0]
+        if number < 0:
+            raise KeyError(digest)
+        return int(self._places[number])
 
     def at(self, place: int) -> Scene:
         """The scene at a place."""
-        row, which = divmod(place, self._places)
+        row, which = divmod(place, self._each)
         with self._lock:
             scene = self._build(*self._frame.place(row))
         return scene.alone(which - 1) if which else scene
 
     def __contains__(self, digest: object) -> bool:
-        return digest in self._where
+        return isinstance(digest, str) and bool(self.has([digest])[0])
+
+    def has(self, digests: Sequence[str]) -> np.ndarray:
+        """Whether each scene is there, shape (digests,)."""
+        return self.table.numbers(digests) >= 0
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._where)
+        return iter(DigestList(self.table.digests))
 
     def __len__(self) -> int:
-        return len(self._where)
+        return len(self.table)
+
+
+def in_order(digests: np.ndarray, scenes: np.ndarray) -> tuple[DigestTable, np.ndarray, np.ndarray]:
+    """Scenes each once, in the order of the rows that need them first.
+
+    Parameters
+    ----------
+    digests : `packed`, any order, some of them alike
+    scenes : as in `Rows`, numbers of these digests
+
+    Returns
+    -------
+    the digests, the numbers as `Rows` has them, and the place among these (flat) where each scene stands first
+    """
+    flat = np.append(_first_alike(digests), np.int32(-1))[scenes.ravel()]
+    used, first = first_of(flat, flat >= 0, len(digests))
+    number = np.full(len(digests) + 1, -1, np.int32)
+    number[used] = np.arange(len(used), dtype=np.int32)
+    return DigestTable(digests[used]), number[flat].reshape(scenes.shape), first
+
+
+def first_of(numbers: np.ndarray, chosen: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The different ones of the chosen numbers below `count`, in the order in which they come first, and the place
+    where each does."""
+    at = np.flatnonzero(chosen)
+    first = np.full(count, -1, np.int64)
+    first[numbers[at[::-1]]] = at[::-1]  # the first place is written last, and stays
+    found = np.flatnonzero(first >= 0)
+    found = found[np.argsort(first[found])]
+    return found, first[found]
+
+
+def _first_alike(digests: np.ndarray) -> np.ndarray:
+    """Of every digest the number of the first that is the same, shape (digests,)."""
+    words = np.ascontiguousarray(digests).view(np.uint64)
+    order = np.argsort(heads(digests), kind="stable")
+    same = (words[order[1:]] == words[order[:-1]]).all(axis=1)
+    alike = words[order[1:], 0] == words[order[:-1], 0]
+    if (alike & ~same).any():  # two digests that begin alike: sorted by all they have
+        order = np.lexsort(words.T[::-1])
+        same = (words[order[1:]] == words[order[:-1]]).all(axis=1)
+    begins = np.flatnonzero(np.concatenate([[True], ~same]))[: len(order)]
+    found = np.empty(len(order), np.int32)
+    found[order] = np.repeat(order[begins], np.diff(begins, append=len(order)))
+    return found
 
 
 def seen(links: Sequence[Link]) -> tuple[LinkSeen, ...]:

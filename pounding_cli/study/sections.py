@@ -48,7 +48,9 @@ class Sections:
 
     Answers asked for lately are kept, older ones are worked out again: a sweep takes time, not memory.
 
-    Every answer keeps the problems met on the way; `met` tells them; answers are whole where none are.
+    Every answer keeps the problems met on the way; answers are whole where none are.
+
+    met : everything wrong with what was asked so far, and the point with the axes that do not matter set aside
     """
 
     def __init__(self, root: Node, axes: tuple[SweepAxis, ...], file: str, reader: MotionReader) -> None:
@@ -61,7 +63,7 @@ class Sections:
         self._kept: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
         buildings = root.get("buildings")
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
-        self._met: dict[Problem, None] = {}
+        self.met: dict[Problem, Point] = {}
         self.most_kept = _most_kept([len(axis) for axis in axes])
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
@@ -94,13 +96,8 @@ class Sections:
             self._found.move_to_end(key)
         answer, problems = found
         if problems:
-            self._met.update(dict.fromkeys(problems))
+            self.met |= dict.fromkeys(problems, key[1])
         return answer
-
-    @property
-    def met(self) -> tuple[Problem, ...]:
-        """Everything wrong with what was asked so far."""
-        return tuple(self._met)
 
     def entries(self, point: Point, section: str) -> tuple[str, ...]:
         """The names of the sound entries of `buildings` or `cases`."""

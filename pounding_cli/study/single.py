@@ -99,4 +99,4 @@ def _told_once(problem: Problem) -> Problem:
 
 def _refuse(resolver: Resolver) -> None:
     if resolver.met:
-        raise InputError(resolver.met)
+        raise InputError(list(resolver.met))

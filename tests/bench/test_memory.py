@@ -13,7 +13,6 @@ import numpy as np
 from pounding_cli.batch import run_plan
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import solve_bundle
-from pounding_cli.batch.families import order_of
 from pounding_cli.solve import solve
 from pounding_cli.study import load_study
 from pounding_cli.workflows import expansion
@@ -68,7 +67,7 @@ def test_a_worker_stops_growing(tmp_path, monkeypatch):
     path = tmp_path / "study.yaml"
     path.write_text(sweep.study_of("run", 900))
     plan = expansion("run")(load_study(path))
-    task, digests = Task(solve, plan.accuracy, plan.method, plan.estimate), order_of(plan, ()).digests
+    task, digests = Task(solve, plan.accuracy, plan.method, plan.estimate), list(plan.scenes)
     sizes = []
     tracemalloc.start()
     for some in (digests[:600], digests[600:750], digests[750:900]):

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
-import tracemalloc
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,13 +15,35 @@ from pounding_cli.batch.families import order_of
 from pounding_cli.solve import solve
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import parse
-from pounding_cli.study.plan import Row
+from pounding_cli.study import expand, load_study
+
+MIXED = """\
+records: {use: [elcentro, taft], duration: 2 s}
+buildings:
+  a: {storeys: 3, period: 0.3 s}
+  b: {like: a, period: 0.5 s}
+group: [a, b, a]
+cases:
+  gap: {link: pounding, gap: 2 cm}
+  none: {link: none}
+  far: {link: pounding, gap: 50 cm}
+sweep:
+  buildings.b.period: [0.4 s, 0.5 s]
+  impact.restitution: [0.5, 0.6]
+  records.scale.pga: [0.1 g, 0.2 g]
+  cases.gap.gap: [1 cm, 2 cm, 50 cm]
+"""
+
+
+def solved_of(solved):
+    """Whether scenes are among those."""
+    return lambda digests: np.array([digest in solved for digest in digests], bool)
 
 
 def test_families_stand_together_baselines_first():
     axis = Axis(("impact.damping_ratio",), ((0.1,), (0.2,)))
     plan = small_plan(axes=(axis,))
-    order = order_of(plan, ())
+    order = order_of(plan, solved_of(()))
     assert sorted(order.digests) == sorted(plan.scenes)
     families = {row.baselines: None for row in plan.rows}
     place = {digest: number for number, digest in enumerate(order.digests)}
@@ -39,7 +60,7 @@ def test_families_stand_together_baselines_first():
 def test_what_is_solved_is_left_out_and_sorts_are_counted():
     plan = small_plan()
     rows = [row for row in plan.rows if row.analysis == "elastic"]
-    order = order_of(plan, {row.scene for row in rows})
+    order = order_of(plan, solved_of({row.scene for row in rows}))
     assert order.counts == {
         ("", "elastic"): 4,
         ("", "inelastic"): 4,
@@ -50,17 +71,36 @@ def test_what_is_solved_is_left_out_and_sorts_are_counted():
     assert not {row.scene for row in rows} & set(order.digests)
 
 
-def test_rows_that_ask_for_nothing_cost_no_memory():
-    """A round of a search asks for few of its rows, each with baselines of its own. Fails if every row has a family."""
-    names = [str(n) for n in range(20_000)]
-    rows = [Row((n,), "near", "elastic", "m", f"s{n}", (name,), ()) for n, name in enumerate(names)]
-    plan = SimpleNamespace(rows=rows, scenes={"s7": None, "7": None})
-    tracemalloc.start()
-    order = order_of(plan, ())
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert order.digests == ["7", "s7"]
-    assert peak < 100_000
+def test_rows_that_ask_for_nothing_have_no_family():
+    """A round of a search asks for few of its rows, each with baselines of its own."""
+    plan = small_plan()
+    row = plan.rows[5]
+    asked = {digest: plan.scenes[digest] for digest in (row.scene, row.baselines[1])}
+    order = order_of(dataclasses.replace(plan, scenes=asked), solved_of(()))
+    assert list(order.digests) == [row.baselines[1], row.scene]
+    assert order.counts == {("", row.analysis): 1, (row.case, row.analysis): 1}
+
+
+def test_the_order_is_that_of_the_rows_taken_one_by_one(tmp_path):
+    """Families by the first of their scenes that is left, baselines before linked scenes, each once; the first two of
+    every sort are the samples. Fails if a family comes by a scene that is solved, or a sort takes another's samples."""
+    path = tmp_path / "study.yaml"
+    path.write_text(MIXED)
+    plan = expand(load_study(path))
+    solved = set(list(plan.scenes)[::3])
+    families, samples, seen = {}, {}, set(solved)
+    for row in plan.rows:
+        for digest, sort in [*((d, ("", row.analysis)) for d in row.baselines), (row.scene, (row.case, row.analysis))]:
+            if digest not in seen:
+                seen.add(digest)
+                families.setdefault(row.baselines, []).append(digest)
+                samples.setdefault(sort, []).append(digest)
+    order = order_of(plan, solved_of(solved))
+    assert list(order.digests) == [digest for family in families.values() for digest in family]
+    assert order.samples == {sort: digests[:2] for sort, digests in samples.items()}
+    assert order.counts == {sort: len(digests) for sort, digests in samples.items()}
+    sampled = {digest for digests in order.samples.values() for digest in digests}
+    assert list(order.rest) == [digest for digest in order.digests if digest not in sampled]
 
 
 def test_a_queue_gives_everything_once_in_order():

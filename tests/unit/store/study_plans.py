@@ -11,13 +11,14 @@ import numpy as np
 from pounding_cli.errors import Problem
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
+from pounding_cli.model.digest_map import packed
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import Axis, MotionUse, Plan, Row
-from pounding_cli.study.scenes import seen
+from pounding_cli.study.scenes import DigestTable, Frame, LinkSets, Rows, seen
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,12 @@ def small_plan(
                             seen(links),
                         )
                     )
+    frame = Frame(
+        (*(len(axis.values) for axis in axes), len(cases), 2, len(motions)),
+        tuple(name for name, _ in cases),
+        ("elastic", "inelastic"),
+        tuple(each.name for each in motions),
+    )
     uses = tuple(MotionUse(m.name, m.source, m.digest, 1.5, 0.06, m.pga, 0.01) for m in motions)
     study = study or FakeStudy()
     study.uses[None] = uses
@@ -115,11 +122,20 @@ def small_plan(
         tuple(name for name, _ in records),
         tuple(b.name for b in buildings),
         scenes,
-        tuple(rows),
+        rows_of(frame, rows),
         uses,
         accuracy=1e-6,
         method="taylor",
     )
+
+
+def rows_of(frame: Frame, rows: list[Row]) -> Rows:
+    """Rows as a plan has them, from rows as they are made by hand."""
+    digests = list(dict.fromkeys(digest for row in rows for digest in (row.scene, *row.baselines)))
+    number, sets = {digest: place for place, digest in enumerate(digests)}, LinkSets()
+    scenes = np.array([[number[digest] for digest in (row.scene, *row.baselines)] for row in rows], np.int32)
+    links = [sets.number(row.links) for row in rows[:: len(frame.analyses) * len(frame.records)]]
+    return Rows(frame, DigestTable(packed(digests)), scenes, np.array(links), sets)
 
 
 def known(scene: Scene, accuracy: float = 1e-6, method: str = "taylor", **_) -> Response:

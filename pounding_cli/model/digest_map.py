@@ -1,0 +1,155 @@
+"""A number for every scene digest, for a million of them: 44 bytes each, where a dict of texts takes 250."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+
+import numpy as np
+
+DIGEST = 32
+"""Bytes of a SHA-256 digest."""
+
+_DIGEST = re.compile("[0-9a-f]{64}")
+
+_MOST_FRESH = 1 << 15
+"""Digests that are kept as texts, at most, before they are sorted in among the others."""
+
+AT_ONCE = 1000
+"""Digests that are texts at a time."""
+
+
+def packed(digests: Sequence[str]) -> np.ndarray:
+    """SHA-256 digests as bytes, shape (digests, 32).  Raises `ValueError` where one is no such digest."""
+    content = bytes.fromhex("".join(digests))
+    if any(len(digest) != 64 for digest in digests) or len(content) != DIGEST * len(digests):
+        raise ValueError("no SHA-256 digest")
+    return np.frombuffer(content, np.uint8).reshape(-1, DIGEST)
+
+
+def texts(digests: np.ndarray) -> list[str]:
+    """`packed` digests as texts of 64 hexadecimal digits each."""
+    whole = np.ascontiguousarray(digests).tobytes().hex()
+    return [whole[begin : begin + 64] for begin in range(0, len(whole), 64)]
+
+
+def pieces(digests: Iterable[str]) -> Iterator[list[str]]:
+    """Some digests at a time."""
+    left = iter(digests)
+    while some := list(islice(left, AT_ONCE)):
+        yield some
+
+
+def heads(digests: np.ndarray) -> np.ndarray:
+    """The first eight bytes of `packed` digests as numbers, shape (digests,): two digests hardly ever share them."""
+    return np.ascontiguousarray(digests).view(np.uint64)[:, 0]
+
+
+class Sorted:
+    """Where digests stand in an array of them, found by their heads.
+
+    digests : `packed`, no two alike, shape (n, 32); they may grow behind the first n
+    """
+
+    def __init__(self) -> None:
+        self._heads = np.empty(0, np.uint64)
+        self._order = np.empty(0, np.int32)
+
+    def __len__(self) -> int:
+        return len(self._order)
+
+    def grow(self, digests: np.ndarray) -> None:
+        """Take in the digests from the number that are known on."""
+        known = len(self._order)
+        new = heads(digests[known:])
+        order = np.argsort(new, kind="stable")
+        at = np.searchsorted(self._heads, new[order])
+        self._order = np.insert(self._order, at, (order + known).astype(np.int32))
+        self._heads = np.insert(self._heads, at, new[order])
+
+    def find(self, digests: np.ndarray, asked: Sequence[str]) -> np.ndarray:
+        """Where the digests `asked` stand among `digests`, -1 for what is none of them, shape (asked,)."""
+        found = np.full(len(asked), -1, np.int64)
+        if not len(self._order) or not len(asked):
+            return found
+        try:
+            return self._find(digests, packed(asked), found)
+        except ValueError:
+            good = [place for place, digest in enumerate(asked) if _DIGEST.fullmatch(digest)]
+            found[good] = self.find(digests, [asked[place] for place in good])
+            return found
+
+    def _find(self, digests: np.ndarray, asked: np.ndarray, found: np.ndarray) -> np.ndarray:
+        wanted, words = heads(asked), np.ascontiguousarray(asked).view(np.uint64)
+        at = np.searchsorted(self._heads, wanted)
+        left = np.flatnonzero((at < len(self._heads)) & (self._heads[np.minimum(at, len(self._heads) - 1)] == wanted))
+        while left.size:  # once, but where digests share a head
+            places = self._order[at[left]]
+            same = (digests[places].view(np.uint64) == words[left]).all(axis=1)
+            found[left[same]] = places[same]
+            left = left[~same]
+            at[left] += 1
+            left = left[at[left] < len(self._heads)]
+            left = left[self._heads[at[left]] == wanted[left]]
+        return found
+
+
+class DigestMap:
+    """Numbers by digest, in the order in which the digests came first; texts that are no SHA-256 digests may be among
+    them."""
+
+    def __init__(self) -> None:
+        self._digests = np.empty((0, DIGEST), np.uint8)
+        self._numbers = np.empty(0, np.int64)
+        self._sorted = Sorted()
+        self._fresh: dict[str, int] = {}
+        self._odd: dict[str, int] = {}
+
+    def put(self, digests: Sequence[str], numbers: np.ndarray) -> None:
+        """Give digests numbers, shape (digests,); a digest that has one gets the new one.  Numbers are not negative."""
+        try:
+            packed(digests)
+        except ValueError:
+            self._odd |= zip(digests, np.asarray(numbers).tolist(), strict=True)
+            return
+        known = self._sorted.find(self._digests, digests)
+        self._numbers[known[known >= 0]] = numbers[known >= 0]
+        new = np.flatnonzero(known < 0).tolist()
+        for place in new:
+            self._fresh[digests[place]] = int(numbers[place])
+        if len(self._fresh) > _MOST_FRESH:
+            self._settle()
+
+    def get(self, digest: str) -> int:
+        """The number of a digest; -1 where it has none."""
+        number = self._fresh.get(digest, -1)
+        return int(self.of([digest])[0]) if number < 0 else number
+
+    def of(self, digests: Sequence[str]) -> np.ndarray:
+        """The numbers of digests, -1 where one has none, shape (digests,)."""
+        known = self._sorted.find(self._digests, digests)
+        found = np.where(known >= 0, self._numbers[known] if len(self._numbers) else -1, -1)
+        for some in (self._fresh, self._odd):
+            for place in np.flatnonzero(found < 0).tolist() if some else ():
+                found[place] = some.get(digests[place], -1)
+        return found
+
+    def _settle(self) -> None:
+        if self._fresh:
+            self._digests = np.concatenate([self._digests, packed(list(self._fresh))])
+            self._numbers = np.concatenate([self._numbers, np.fromiter(self._fresh.values(), np.int64)])
+            self._fresh = {}
+            self._sorted.grow(self._digests)
+
+    def __contains__(self, digest: object) -> bool:
+        return isinstance(digest, str) and self.get(digest) >= 0
+
+    def __len__(self) -> int:
+        return len(self._numbers) + len(self._fresh) + len(self._odd)
+
+    def __iter__(self) -> Iterator[str]:
+        self._settle()
+        for begin in range(0, len(self._digests), AT_ONCE):
+            yield from texts(self._digests[begin : begin + AT_ONCE])
+        yield from self._odd
