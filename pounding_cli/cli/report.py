@@ -54,8 +54,8 @@ def command(
     Files of `pound run`, `pound connector` and `pound wall` alike.
 
     The report goes to DIR, or to a folder beside the results file, named like it: report.html (everything in one
-    page, to open in a browser or to send), summary.md, the figures, tables/. Of several files each gets its own
-    folder in DIR; comparison.md sets their claims side by side.
+    page, to open in a browser or to send), the figures, tables/. Of several files each gets its own folder in DIR;
+    comparison.md sets their claims side by side.
 
     A sweep is drawn too: one swept key as curves, two as maps, of more the two with most values; --at fixes one.
     Unless said otherwise they show the largest V/V0 (elastic) and mu/mu0 (inelastic) of every building; --quantity

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from pounding_cli.report.evidence import Evidence, Tables
-from pounding_cli.report.tables import markdown
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
@@ -46,14 +45,6 @@ class AnswerPage:
     def words(self) -> dict[str, tuple[str, str]]:
         """Heading and text of every figure."""
         return {name: (each.heading, each.text) for name, each in self.figures.items()}
-
-    def markdown(self, drawn: Sequence[str]) -> list[str]:
-        """The answer as Markdown; `drawn` : names of the figure files beside it."""
-        lines = [f"## {self.heading}", "", *(f"{sentence}\n" for sentence in self.lead)]
-        lines += [f"![{name.removesuffix('.png')}]({name})\n" for name in drawn]
-        for caption, grid in self.tables:
-            lines += [f"### {caption}", "", *markdown(grid.head, grid.rows)]
-        return [*lines, *(f"- {note}" for note in self.notes), ""]
 
 
 def answer_page(results: Tables, shown: Evidence, with_figures: bool = True) -> AnswerPage | None:

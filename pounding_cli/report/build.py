@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pounding_cli.outputs import check_folder
-from pounding_cli.report import claim_tables, page
+from pounding_cli.report import claim_tables
 from pounding_cli.report.answer_page import answer_page
 from pounding_cli.report.claims import judge
 from pounding_cli.report.evidence import TABLES, Evidence, Tables, points
@@ -16,7 +16,7 @@ from pounding_cli.report.style import FORMATS, save, unwritable
 from pounding_cli.report.sweep import Asked, sweep_figures
 from pounding_cli.report.tables import write_csv
 from pounding_cli.report.web import write_page
-from pounding_cli.texts import cells, file_name, write_markdown
+from pounding_cli.texts import cells, write_markdown
 from pounding_cli.workflows import WORKFLOWS
 
 
@@ -64,13 +64,8 @@ def write_report(
         if swept and judgements:
             title = f"Claims over the sweep: {results.title}"
             files.append(write_markdown(folder / "claims-sensitivity.md", claim_tables.page(title, columns)))
-        drawn = [f"{file_name(name)}.png" for name in figures] if "png" in formats else []
-        scaled = match.words if match else ""
-        scene = everything.scene()
-        lines = page.summary(part, judgements, drawn, scene, swept, scaled, own)
-        files.append(write_markdown(folder / "summary.md", lines))
         if with_page:
-            files.append(write_page(results, folder, figures, evidences, shown, columns, own, scene))
+            files.append(write_page(results, folder, figures, evidences, shown, columns, own, everything.scene()))
     except OSError as error:
         raise unwritable(folder, error) from error
     return files

@@ -13,7 +13,7 @@ import pandas as pd
 from pounding_cli.numbers import Unit
 from pounding_cli.records.suite import SpectrumMatch
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.flagged import FlagGroup, failed_scenes, flag_groups_of
+from pounding_cli.store.flagged import FlagGroup, flag_groups_of
 from pounding_cli.variables import LINK, OF_COLUMNS, RESPONSES, VARIABLES
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records")
@@ -191,11 +191,6 @@ class Evidence:
     def marked(self, case: str) -> str:
         """The name of a case, with MARK where the numbers of some of its scenes mean nothing."""
         return f"{case} {MARK}" if case in {named for named, _ in self.meaningless} else case
-
-    @property
-    def failed(self) -> pd.DataFrame:
-        """The scenes without a result."""
-        return failed_scenes(self.scene)
 
 
 def _by_place(parts: Any) -> dict[tuple[str, str, str], Any]:

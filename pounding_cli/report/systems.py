@@ -19,7 +19,7 @@ from pounding_cli.report.web import write_system_page
 from pounding_cli.store.files import kind_of, opened_kind
 from pounding_cli.store.swept import axes_of, coordinate
 from pounding_cli.store.swept import written as unit_of
-from pounding_cli.texts import cells, write_markdown
+from pounding_cli.texts import cells
 
 _READ = {
     "N": ("kN", 1e-3),
@@ -63,7 +63,7 @@ def numbers(path: Path) -> pd.DataFrame:
 def write_system_report(
     path: Path, folder: Path, formats: Sequence[str] = FORMATS, with_page: bool = True
 ) -> list[Path]:
-    """Write figures (none where `formats` is empty), numbers.csv, summary.md and report.html; returns the files.
+    """Write figures (none where `formats` is empty), numbers.csv and report.html; returns the files.
 
     Raises `InputError` for a file that neither `pound connector` nor `pound wall` wrote, or a folder that refuses.
     """
@@ -75,19 +75,11 @@ def write_system_report(
         draw = draw_connector if kind == "connector" else draw_wall
         written += draw(path, folder, tuple(formats))
     claims = connector_claims(path) if kind == "connector" else wall_claims(path)
-    lines = [f"# {title}", "", "| point | the paper says | found | holds |", "|---|---|---|---|"]
-    for claim in claims:
-        words = [str(claim[key]).replace("|", "\\|") for key in ("point", "paper", "found")]
-        lines.append(f"| {' | '.join(words)} | {'yes' if claim['holds'] else 'no'} |")
-    for figure in written:
-        if figure.suffix == ".png":
-            lines += ["", f"![{figure.stem}]({figure.name})"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         found = numbers(path)
         cells(found).to_csv(folder / "numbers.csv", index=False)
-        write_markdown(folder / "summary.md", lines)
-        written += [folder / "numbers.csv", folder / "summary.md"]
+        written.append(folder / "numbers.csv")
         if with_page:
             convergence = mesh_convergence(path) if kind == "wall" else []
             drawn = sorted((f for f in written if f.suffix == ".png"), key=lambda file: file != _main(written))

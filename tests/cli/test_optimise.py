@@ -46,7 +46,6 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     folder = tmp_path / "results" / "two-optimise"
     assert (folder / "optimise.png").stat().st_size > 10_000
     assert "Least of largest V_ratio" in (folder / "report.html").read_text(encoding="utf-8")
-    assert "## Optimum" in (folder / "summary.md").read_text(encoding="utf-8")
     assert sorted(path.name for path in (folder / "tables").iterdir()) == [
         "optimise.csv", "optimise_points.csv", "records.csv",
     ]  # fmt: skip

@@ -43,7 +43,6 @@ def test_prints_indices_and_reports_them(pound, tmp_path):
     assert "decided most by motion; with its interactions it explains" in (folder / "report.html").read_text(
         encoding="utf-8"
     )
-    assert "## Sensitivity" in (folder / "summary.md").read_text(encoding="utf-8")
     assert sorted(path.name for path in (folder / "tables").iterdir()) == [
         "records.csv", "sensitivity.csv", "sensitivity_outputs.csv", "sensitivity_samples.csv",
     ]  # fmt: skip

@@ -13,19 +13,15 @@ from pounding_cli.errors import InputError
 from pounding_cli.report import figures
 from pounding_cli.report.build import nominal, write_comparison, write_report
 from pounding_cli.report.evidence import points
+from tests.helpers.pages import words
 
 
 def test_report_holds_page_figures_and_every_table(tmp_path):
     results = make(cases=tuple(CASES))
     files = write_report(results, tmp_path, ("png",))
     assert all(path.exists() for path in files)
-    page = (tmp_path / "summary.md").read_text(encoding="utf-8")
-    for line in page.splitlines():
-        if line.startswith("!["):
-            assert (tmp_path / line.split("](")[1].rstrip(")")).exists()
-    assert page.count("![") == len(list(tmp_path.glob("*.png"))) == 7
     whole = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert whole.count("<img ") == whole.count(' alt="') == 7
+    assert whole.count("<img ") == whole.count(' alt="') == len(list(tmp_path.glob("*.png"))) == 7
     assert "Largest mean V/V₀, elastic: touching 1.46 (storey 5)" in whole
     for table in ("storey", "floor", "link", "scene", "summary", "records", "buildings", "claims"):
         assert (tmp_path / "tables" / f"{table}.csv").exists()
@@ -36,14 +32,14 @@ def test_report_holds_page_figures_and_every_table(tmp_path):
 
 def test_page_tells_motions_key_numbers_and_claims(tmp_path):
     write_report(make(sources={"taft": "real"}), tmp_path, ())
-    page = (tmp_path / "summary.md").read_text(encoding="utf-8")
-    assert page.startswith("# Two systems side by side\n")
+    page = words(tmp_path / "report.html")
     assert "Motions: real: taft; stand-in: elcentro, eureka, olympia, parkfield." in page
     # Touching, top storey: 1.4 x 1.04 = 1.46 elastic; 1.2 times that inelastic; 12 times the acceleration.
-    assert "| touching | 1.46 (5) | 1.46 (5) | 12.00 (1) | 1.46 (5) | 1.75 (5) | 12.00 (1) |" in page
-    assert "“There is more than 80% reduction to the accelerations [by the infill].” | **holds** |" in page
-    assert "Nothing: all 40 runs were done and none raised a flag." in page
-    assert "![" not in page
+    assert " touching 1.46 storey 5 6.12 g floor 1, 12.0× 1.75 storey 5, μ 3.49 6.12 g floor 1, 12.0× " in page
+    assert "holds infill accelerations There is more than 80% reduction to the accelerations [by the infill]." in page
+    assert "Runs 40 all done" in page
+    assert "No run raised a flag." in page
+    assert "<img " not in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_page_tells_flags_and_failed_runs(tmp_path):
@@ -51,17 +47,18 @@ def test_page_tells_flags_and_failed_runs(tmp_path):
     scene = results.scene()
     scene.loc[[0, 1], ["status", "advice"]] = ["event bound reached", "loosen the accuracy"]
     write_report(results, tmp_path, ())
-    page = (tmp_path / "summary.md").read_text(encoding="utf-8")
-    assert "2 of 40 runs failed" in page
-    assert "| touching | elastic | elcentro | event bound reached | loosen the accuracy |" in page
-    assert "- touching, elastic, 5 of 5 runs (all): connector closed beyond its gap" in page.replace("scenes", "runs")
-    assert page.count("(e.g. stiff|soft floor 5)") == 8  # four cases, two analyses
+    page = words(tmp_path / "report.html")
+    assert "Runs 40 2 failed" in page
+    assert "touching, elastic, elcentro event bound reached loosen the accuracy" in page
+    flags = words(tmp_path / "report.html", "simulated").split(" Flags ")[1]
+    assert flags.startswith("touching, elastic, 5 of 5 scenes (all): connector closed beyond its gap")
+    assert flags.count("(e.g. stiff|soft floor 5)") == 8  # four cases, two analyses
 
 
 def test_a_sweep_without_claims_has_no_page_of_them(tmp_path):
     write_report(make(axis=("impact.restitution", [0.4, 0.5]), resolved={"claims": None}), tmp_path, ())
     assert not (tmp_path / "claims-sensitivity.md").exists()
-    assert "claim" not in (tmp_path / "summary.md").read_text(encoding="utf-8").lower()
+    assert "claim" not in words(tmp_path / "report.html").lower()
 
 
 def test_sweep_gives_the_verdict_at_every_value(tmp_path):
@@ -93,7 +90,7 @@ def test_page_of_a_sweep_shows_the_point_of_the_study_itself(tmp_path):
     elsewhere = make(axis=("impact.restitution", [0.4, 0.65]), resolved={"impact": {"restitution": 0.5}})
     assert nominal(points(elsewhere)).point == {"impact.restitution": 0.4}
     write_report(results, tmp_path, ())
-    assert "those at impact.restitution = 0.5" in (tmp_path / "summary.md").read_text(encoding="utf-8")
+    assert "At impact.restitution = 0.5." in words(tmp_path / "report.html")
 
 
 def test_comparison_sets_several_results_side_by_side(tmp_path):
@@ -122,7 +119,7 @@ def test_many_points_become_the_rows_of_the_comparison(tmp_path):
 def test_results_that_name_no_figure_are_told_so(tmp_path):
     results = make(resolved={"claims": None})
     write_report(results, tmp_path, ())
-    assert "claim" not in (tmp_path / "summary.md").read_text(encoding="utf-8").lower()
+    assert "claim" not in words(tmp_path / "report.html").lower()
     write_comparison({"a": results, "b": results}, tmp_path)
     assert "No results here name a figure" in (tmp_path / "comparison.md").read_text(encoding="utf-8")
 
@@ -143,7 +140,6 @@ def test_of_many_cases_figures_and_pages_show_a_part_and_the_tables_all(tmp_path
     assert data["cases"] == ["touching", "gap"]  # those that the study plots first
     assert data["tables"]["storey"]["rows"] == 2 * 2 * 5 * 2 * 5
     assert data["tables"]["storey"]["total"] == 4 * 2 * 5 * 2 * 5
-    assert "those of 2 of the 4 cases" in (tmp_path / "summary.md").read_text()
     drawn = (tmp_path / "stiff-response.svg").read_text()
     assert "touching" in drawn
     assert "infill" not in drawn

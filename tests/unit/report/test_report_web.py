@@ -342,7 +342,7 @@ def test_the_page_asks_nothing_of_any_network(tmp_path):
 def test_a_page_can_be_left_out(tmp_path):
     write_report(make(), tmp_path, (), with_page=False)
     assert not (tmp_path / "report.html").exists()
-    assert (tmp_path / "summary.md").exists()
+    assert (tmp_path / "tables" / "storey.csv").exists()
 
 
 def test_answer_of_accuracy_beside_the_results_is_taken_in_if_it_is_this_study(tmp_path):
