@@ -61,8 +61,8 @@ def test_numbers(scripts, analysis, solver, cells):
         step = float(re.search(r"[\d.]+", solver)[0]) * 1e-3
         if step < 4e-5:
             pytest.skip("ten seconds and more: by hand")
-        if cells[0].startswith("gave up"):
-            with pytest.raises(RuntimeError, match="gave up at") as failure:
+        if cells[0].startswith("failed at"):
+            with pytest.raises(RuntimeError, match="failed at") as failure:
                 scripts["march"](step, analysis == "inelastic")
             said, shown = (re.search(r"at ([\d.]+) s", text)[1] for text in (str(failure.value), cells[0]))
             assert float(said) == pytest.approx(float(shown), abs=0.051)
