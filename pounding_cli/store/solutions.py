@@ -10,6 +10,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError
 from pounding_cli.solve.response import methods_in
+from pounding_cli.store import packed
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import parse
 from pounding_cli.store.files import opened
@@ -31,19 +32,29 @@ def write_solutions(file: h5py.File, digests: Sequence[str], responses: PartStor
     digests = [*digests, *(digest for digest in responses if digest not in mine)]
     group = file.create_group("solutions")
     group.attrs["long_name"] = "responses by scene digest, linked scenes and buildings alone; kept for reuse"
-    group["digest"] = np.array(digests, dtype="S64")
+    packed.write(group, "digest", np.array(digests, "S64"))
     lines: dict[str, int] = {}
     words = np.array([lines.setdefault(line, len(lines)) for line in responses.lines(digests)], np.int64)
     group.create_dataset("line", data=list(lines), dtype=h5py.string_dtype())
-    packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
-    group.create_dataset("words", data=words, **packed)
+    packed.write(group, "words", words)
     total = int(np.array([parse(line).size for line in lines], np.int64)[words].sum())
-    numbers = group.create_dataset("numbers", (total,), np.float64, chunks=(min(total, _NUMBERS),), **packed)
-    end = 0
+    size = min(total, _NUMBERS)
+    numbers = packed.create(group, "numbers", (total,), np.dtype(float), (size,))
+    packed.put(numbers, (0,), np.zeros(size))  # now HDF5 makes the index: damage of other pieces then does not reach it
+    for number, piece in enumerate(_pieces(digests, responses, size)):
+        packed.put(numbers, (number * size,), piece)
+
+
+def _pieces(digests: Sequence[str], responses: PartStore, size: int) -> Iterator[np.ndarray]:
+    """The numbers of scene after scene, `size` at a time."""
+    left = np.zeros(0)
     for begin in range(0, len(digests), _SCENES):
-        piece = np.concatenate([row for _, row in responses.take(digests[begin : begin + _SCENES])])
-        numbers[end : end + piece.size] = piece
-        end += piece.size
+        left = np.concatenate([left, *(row for _, row in responses.take(digests[begin : begin + _SCENES]))])
+        whole = left.size // size * size
+        yield from left[:whole].reshape(-1, size)
+        left = left[whole:]
+    if left.size:
+        yield left
 
 
 def stored_chunks(path: Path, key: str) -> Iterator[Chunk]:

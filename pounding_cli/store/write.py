@@ -23,6 +23,7 @@ from pounding_cli.solve.response import Response
 from pounding_cli.store import answers
 from pounding_cli.store.blocks import blocks
 from pounding_cli.store.codec import parse
+from pounding_cli.store.datasets import Datasets, put
 from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import damage_of, opened
 from pounding_cli.store.former import written_place
@@ -37,12 +38,6 @@ from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
-
-_PACKED_ABOVE = 1 << 15
-"""Arrays above this size [bytes] are compressed; smaller ones are not worth the chunk index."""
-
-_PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
-"""The quickest level: the digits of peaks are noise, of which level 4 makes half a percent less."""
 
 _SOFTWARE = ("numpy", "scipy", "numba", "h5py")
 
@@ -117,13 +112,15 @@ def content_digest(plan: Plan) -> str:
 
 def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: Callable[[], None], path: Path) -> None:
     shape = shape_of(plan, responses)
-    scales = _write_coordinates(file, plan, shape)
+    datasets = Datasets(file)
+    _write_coordinates(file, datasets, plan, shape)
     for group in facts(plan, shape):
         for name, (dims, array) in group.items():
             if array.size:  # no case has a link
-                _dataset(file, name, dims, array, VARIABLES[name].unit, VARIABLES[name].text, scales)
+                datasets.write(name, dims, array, VARIABLES[name].unit, VARIABLES[name].text)
     check()
-    _write_tables(file, plan, responses, shape, scales, check)
+    _write_tables(datasets, plan, responses, shape, check)
+    datasets.tie()
     tables = WORKFLOWS[plan.workflow].part("tables")
     if tables is not None:
         answers.write_tables(file, tables(plan, lambda name: file[name][()]))
@@ -144,38 +141,31 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
 
 
 def _write_tables(
-    file: h5py.File,
-    plan: Plan,
-    responses: PartStore,
-    shape: Shape,
-    scales: dict[str, h5py.Dataset],
-    check: Callable[[], None],
+    datasets: Datasets, plan: Plan, responses: PartStore, shape: Shape, check: Callable[[], None]
 ) -> None:
     """Write what the scenes did, a block of rows at a time; a block is one compressed piece of each variable."""
+    made: dict[str, h5py.Dataset] = {}
     for block in blocks(plan, responses, shape):
         alone = tuple(1 for place in block.at if not isinstance(place, slice))
+        begin = tuple(place.start if isinstance(place, slice) else place for place in block.at)
         for name, array in block.data.items():
             if array.size == 0:  # no case has a link
                 continue
             variable = VARIABLES[name]
             dims = (*shape.axes, *variable.dims)
             whole = shape.of(dims)
-            piece = (*alone, *array.shape)
-            if piece == whole:
-                _dataset(file, name, dims, array.reshape(whole), variable.unit, variable.text, scales)
+            piece = array.reshape(*alone, *array.shape)
+            if piece.shape == whole:
+                datasets.write(name, dims, piece, variable.unit, variable.text)
                 continue
-            if name not in file:
-                kind = _PACKED if array.dtype != object else {}
-                dataset = file.create_dataset(name, whole, _dtype(array), chunks=piece, **kind)
-                _describe(dataset, variable.unit, variable.text)
-                _attach(dataset, dims, scales)
-            file[name][block.at] = array
+            if name not in made:
+                made[name] = datasets.empty(name, dims, whole, piece, variable.unit, variable.text)
+            put(made[name], (*begin, *(0 for _ in whole[len(begin) :])), piece)
             check()
 
 
-def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h5py.Dataset]:
-    """Write the coordinate variables; the dimension scales, by dimension."""
-    scales: dict[str, h5py.Dataset] = {}
+def _write_coordinates(file: h5py.File, datasets: Datasets, plan: Plan, shape: Shape) -> None:
+    """Write the coordinate variables."""
     numbers = {dim: np.arange(1, shape.sizes[dim] + 1) for dim in ("storey", "floor")}
     texts = {
         "case": plan.cases,
@@ -185,22 +175,22 @@ def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h
     }
     for axis in plan.axes:
         values = _axis_values([value[0] for value in axis.values])
-        scales[axis.names[0]] = _scale(file, axis.names[0], values, "", f"swept: {axis.names[0]}")
-        describe_unit(file[axis.names[0]], axis.unit(0))
+        dataset = datasets.scale(axis.names[0], values, "", f"swept: {axis.names[0]}")
+        describe_unit(dataset, axis.unit(0))
     for dim, names in texts.items():
-        scales[dim] = _scale(file, dim, _text(names), *COORDINATES[dim])
+        datasets.scale(dim, _text(names), *COORDINATES[dim])
     for dim, values in numbers.items():
-        scales[dim] = _scale(file, dim, values, *COORDINATES[dim])
+        datasets.scale(dim, values, *COORDINATES[dim])
     beside: list[str] = []
     for axis in plan.axes:
         for number, name in enumerate(axis.names[1:], start=1):
             values = _axis_values([value[number] for value in axis.values])
-            _dataset(file, name, (axis.names[0],), values, "", f"swept with {axis.names[0]}", scales)
-            describe_unit(file[name], axis.unit(number))
+            dataset = datasets.write(name, (axis.names[0],), values, "", f"swept with {axis.names[0]}")
+            describe_unit(dataset, axis.unit(number))
             beside.append(name)
     if shape.links:
         labels = [link_label(plan.buildings, place) for place in shape.links]
-        scales["link"] = _scale(file, "link", _text(labels), *COORDINATES["link"])
+        datasets.scale("link", _text(labels), *COORDINATES["link"])
         left, left_floor, right_floor, _ = (np.array(column) for column in zip(*shape.links, strict=True))
         beside_links = {
             "link_left": _text([plan.buildings[place] for place in left]),
@@ -209,11 +199,10 @@ def _write_coordinates(file: h5py.File, plan: Plan, shape: Shape) -> dict[str, h
             "link_right_floor": right_floor,
         }
         for name, array in beside_links.items():
-            _dataset(file, name, ("link",), array, *COORDINATES[name], scales)
+            datasets.write(name, ("link",), array, *COORDINATES[name])
         beside += beside_links
     beside += [variable.name for variable in RECORDS]
     file.attrs["coordinates"] = " ".join(beside)  # xarray then takes them for coordinates
-    return scales
 
 
 def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Run) -> None:
@@ -254,43 +243,6 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             **{name: metadata.version(name) for name in _SOFTWARE},
         }
     )
-
-
-def _scale(file: h5py.File, name: str, values: np.ndarray, unit: str, text: str) -> h5py.Dataset:
-    dataset = file.create_dataset(name, data=values, dtype=_dtype(values))
-    _describe(dataset, unit, text)
-    dataset.make_scale(name)
-    return dataset
-
-
-def _dataset(
-    file: h5py.File,
-    name: str,
-    dims: tuple[str, ...],
-    array: np.ndarray,
-    unit: str,
-    text: str,
-    scales: dict[str, h5py.Dataset],
-) -> None:
-    big = array.dtype != object and array.nbytes > _PACKED_ABOVE
-    dataset = file.create_dataset(name, data=array, dtype=_dtype(array), **(_PACKED if big else {}))
-    _describe(dataset, unit, text)
-    _attach(dataset, dims, scales)
-
-
-def _attach(dataset: h5py.Dataset, dims: tuple[str, ...], scales: dict[str, h5py.Dataset]) -> None:
-    for number, dim in enumerate(dims):
-        dataset.dims[number].attach_scale(scales[dim])
-
-
-def _describe(dataset: h5py.Dataset, unit: str, text: str) -> None:
-    dataset.attrs["long_name"] = text
-    if unit:
-        dataset.attrs["units"] = unit
-
-
-def _dtype(array: np.ndarray):
-    return h5py.string_dtype() if array.dtype == object else array.dtype
 
 
 def _text(values) -> np.ndarray:

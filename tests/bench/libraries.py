@@ -1,9 +1,11 @@
-"""Libraries beside what the program does itself: `python -m tests.bench.libraries`; docs/dependencies.md has the table.
+"""Libraries beside what the program does itself: `python -m tests.bench.libraries [FILE.h5]`; the table stands in
+docs/dependencies.md. With a results file, what compresses its numbers.
 
 Processor time of one thread (`OPENBLAS_NUM_THREADS=1`), and of SQLite how many damaged bytes it notices."""
 
 from __future__ import annotations
 
+import importlib
 import random
 import sqlite3
 import subprocess
@@ -14,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 from numba import njit
 from scipy.interpolate import PPoly
@@ -166,7 +169,33 @@ def mathematics() -> None:
         print(f"import {module}: {float(done.stdout):.2f} s")
 
 
+def compression(path: Path) -> None:
+    """The large arrays of a results file, byte by byte as the file holds them, compressed a megabyte at a time."""
+    with h5py.File(path) as file:
+        found: list[np.ndarray] = []
+        file.visititems(lambda _, item: found.append(item[()].ravel()) if _is_large(item) else None)
+    pieces = [each[at : at + (1 << 17)] for each in found for at in range(0, each.size, 1 << 17)]
+    planes = [np.ascontiguousarray(each.view(np.uint8).reshape(-1, 8).T).tobytes() for each in pieces]
+    print(f"{sum(map(len, planes)) / 1e6:.2f} MB of numbers")
+    for name, levels in (("zlib", (1, 4)), ("isal.isal_zlib", (1, 2, 3)), ("zlib_ng.zlib_ng", (1, 2))):
+        try:
+            library: Any = importlib.import_module(name)
+        except ImportError:
+            print(f"{name}: not installed")
+            continue
+        for level in levels:
+            size = sum(len(library.compress(each, level)) for each in planes)
+            spent = cost(lambda library=library, level=level: [library.compress(each, level) for each in planes], 1)
+            print(f"{name}, level {level}: {spent / 1e3:.0f} ms, {size / 1e6:.2f} MB")
+
+
+def _is_large(item: Any) -> bool:
+    return isinstance(item, h5py.Dataset) and item.dtype.kind in "fi" and item.nbytes > 1 << 15
+
+
 if __name__ == "__main__":
+    for given in sys.argv[1:]:
+        compression(Path(given))
     mathematics()
     with tempfile.TemporaryDirectory() as folder:
         parts(Path(folder))

@@ -1,0 +1,88 @@
+"""Numbers in compressed pieces, as HDF5's own filters make them (shuffle, deflate, fletcher32), several times as fast.
+
+Any program that reads HDF5 reads them, and verifies the checksum of every piece."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import zlib
+from collections.abc import Iterator
+from typing import Any
+
+import h5py
+import numpy as np
+
+deflate: Any
+try:
+    deflate, _LEVEL = importlib.import_module("isal.isal_zlib"), 2
+except ImportError:  # no wheel for this machine: another stream of the same kind, in six times the time
+    deflate, _LEVEL = zlib, 1
+"""The quickest levels: the digits of peaks are noise, of which slower ones make half a percent less."""
+
+PIECE_BYTES = 1 << 20
+"""Most bytes of a piece."""
+
+_FILTERS = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
+_ROW = 1 << 15
+"""Words that are summed at a time: as doubles their sums are exact."""
+_WEIGHTS = np.stack([np.ones(_ROW), np.arange(_ROW, dtype=float)], axis=1)
+
+
+def create(
+    group: h5py.Group, name: str, shape: tuple[int, ...], dtype: np.dtype, piece: tuple[int, ...]
+) -> h5py.Dataset:
+    """A dataset to be filled piece by piece; `piece`: the shape of each."""
+    return group.create_dataset(name, shape, dtype, chunks=piece, **_FILTERS)
+
+
+def put(dataset: h5py.Dataset, at: tuple[int, ...], values: np.ndarray) -> None:
+    """Fill a piece; at the end of the dataset it may have fewer values.
+
+    at : where it begins, a multiple of the piece along every dimension
+    values : as many dimensions as the dataset
+    """
+    if values.shape != dataset.chunks:
+        whole = np.zeros(dataset.chunks, values.dtype)
+        whole[tuple(slice(size) for size in values.shape)] = values
+        values = whole
+    planes = np.ascontiguousarray(np.ascontiguousarray(values).view(np.uint8).reshape(values.size, -1).T)
+    content = deflate.compress(planes, _LEVEL)
+    dataset.id.write_direct_chunk(at, content + fletcher32(content).to_bytes(4, "little"))
+
+
+def write(group: h5py.Group, name: str, values: np.ndarray) -> h5py.Dataset:
+    """A dataset of values that are at hand."""
+    piece = _piece(values.shape, values.dtype.itemsize)
+    dataset = create(group, name, values.shape, values.dtype, piece)
+    for at in _begins(values.shape, piece):
+        put(dataset, at, values[tuple(slice(begin, begin + size) for begin, size in zip(at, piece, strict=True))])
+    return dataset
+
+
+def _piece(shape: tuple[int, ...], itemsize: int) -> tuple[int, ...]:
+    """A piece of at most PIECE_BYTES: whole in the last dimensions, one place in the first ones."""
+    most = PIECE_BYTES // itemsize
+    for number, size in enumerate(shape):
+        after = math.prod(shape[number + 1 :])
+        if after <= most:
+            return (*(1 for _ in shape[:number]), min(size, most // after), *shape[number + 1 :])
+    return shape
+
+
+def _begins(shape: tuple[int, ...], piece: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """Where every piece begins."""
+    for place in np.ndindex(*(-(-size // step) for size, step in zip(shape, piece, strict=True))):
+        yield tuple(number * step for number, step in zip(place, piece, strict=True))
+
+
+def fletcher32(content: bytes) -> int:
+    """Fletcher's checksum as HDF5 forms it: of big-endian words of 16 bits, modulo 65535, 0 where all are 0."""
+    count = -(-len(content) // 2)
+    rows = -(-count // _ROW)
+    words = np.frombuffer(content.ljust(2 * rows * _ROW, b"\0"), ">u2").astype(float)
+    sums = (words.reshape(rows, _ROW) @ _WEIGHTS).tolist()
+    first = sum(int(row) for row, _ in sums)
+    second = sum((count - number * _ROW) * int(row) - int(placed) for number, (row, placed) in enumerate(sums))
+    low, high = ((total - 1) % 65535 + 1 if total else 0 for total in (first, second))
+    return high << 16 | low

@@ -1,0 +1,101 @@
+"""Pieces compressed outside of HDF5, and dimensions tied without its function for it, are what HDF5 itself makes."""
+
+from __future__ import annotations
+
+import zlib
+
+import h5py
+import numpy as np
+import pytest
+
+from pounding_cli.store import packed
+from pounding_cli.store.datasets import Datasets, put
+
+
+def folded(content: bytes) -> int:
+    """Fletcher's checksum word by word, as in the HDF5 library (H5checksum.c)."""
+    content += b"\0" * (len(content) % 2)
+    first = second = 0
+    for at in range(0, len(content), 2):
+        first += content[at] << 8 | content[at + 1]
+        second += first
+        if at // 2 % 360 == 359:
+            first, second = ((each & 0xFFFF) + (each >> 16) for each in (first, second))
+    for _ in range(2):
+        first, second = ((each & 0xFFFF) + (each >> 16) for each in (first, second))
+    return second << 16 | first
+
+
+@pytest.mark.parametrize("size", [0, 1, 2, 3, 719, 720, 721, 65535, 65536, 65537, 200001])
+def test_the_checksum_is_that_of_hdf5(size):
+    noise = np.random.default_rng(size).bytes(size)
+    for content in (noise, bytes(size), b"\xff" * size):
+        assert packed.fletcher32(content) == folded(content)
+
+
+@pytest.fixture(params=["isal", "zlib"])
+def deflate(request, monkeypatch):
+    """Where there is no isal, zlib makes the same stream."""
+    if request.param == "isal":
+        return pytest.importorskip("isal.isal_zlib")
+    monkeypatch.setattr(packed, "deflate", zlib)
+    monkeypatch.setattr(packed, "_LEVEL", 1)
+    return zlib
+
+
+@pytest.mark.parametrize("shape", [(1,), (5,), (200_000,), (3, 2, 70_000), (300, 1000), (9, 20_000, 1, 3)])
+def test_hdf5_reads_what_was_packed(tmp_path, deflate, shape):
+    values = np.random.default_rng(0).random(shape)
+    with h5py.File(tmp_path / "packed.h5", "w") as file:
+        packed.write(file, "x", values)
+        packed.write(file, "digests", np.array([f"{number:064x}" for number in range(3)], "S64"))
+    with h5py.File(tmp_path / "packed.h5") as file:
+        assert np.array_equal(file["x"][()], values)
+        assert (file["x"].compression, file["x"].shuffle, file["x"].fletcher32) == ("gzip", True, True)
+        assert np.prod(file["x"].chunks) * 8 <= packed.PIECE_BYTES
+        assert file["digests"][2].decode() == f"{2:064x}"
+
+
+def test_a_block_at_the_end_may_be_smaller_than_a_piece(tmp_path, deflate):
+    values = np.arange(3 * 11 * 2).reshape(3, 11, 2)
+    with h5py.File(tmp_path / "packed.h5", "w") as file:
+        dataset = packed.create(file, "x", values.shape, values.dtype, (1, 4, 2))
+        for first in range(3):
+            for begin in (0, 4, 8):
+                packed.put(dataset, (first, begin, 0), values[first : first + 1, begin : begin + 4])
+        assert np.array_equal(dataset[()], values)
+
+
+def test_a_damaged_piece_is_refused_by_any_reader(tmp_path):
+    path = tmp_path / "packed.h5"
+    with h5py.File(path, "w") as file:
+        piece = packed.write(file, "x", np.random.default_rng(0).random(1000)).id.get_chunk_info(0)
+    content = bytearray(path.read_bytes())
+    for at in (piece.byte_offset + piece.size // 2, piece.byte_offset + piece.size - 1):  # numbers, checksum
+        path.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
+        with h5py.File(path) as file, pytest.raises(OSError, match="filter returned failure"):
+            file["x"][()]
+
+
+def test_dimensions_are_those_that_hdf5_would_tie(tmp_path):
+    """Also after HDF5 has tied another dataset to the same scales, which reads and rewrites both attributes."""
+    texts = np.array(["one", "two"], dtype=object)
+    with h5py.File(tmp_path / "tied.h5", "w") as file:
+        datasets = Datasets(file)
+        datasets.scale("case", texts, "", "name of the case")
+        datasets.scale("storey", np.arange(1, 4), "1", "storey")
+        datasets.write("V", ("case", "storey"), np.ones((2, 3)), "N", "shear")
+        named = datasets.empty("status", ("case",), (2,), texts[:1], "", "outcome")
+        put(named, (1,), texts[1:])
+        datasets.tie()
+        dataset = file.create_dataset("mu", data=np.ones((2, 3)))
+        for place, dim in enumerate(("case", "storey")):
+            dataset.dims[place].attach_scale(file[dim])
+    with h5py.File(tmp_path / "tied.h5") as file:
+        for name, dims in (("V", ["case", "storey"]), ("mu", ["case", "storey"]), ("status", ["case"])):
+            assert [[scale.name for scale in dim.values()] for dim in file[name].dims] == [[f"/{dim}"] for dim in dims]
+        for dim, along in (("case", {("/V", 0), ("/status", 0), ("/mu", 0)}), ("storey", {("/V", 1), ("/mu", 1)})):
+            assert h5py.h5ds.is_scale(file[dim].id)
+            assert {(file[each].name, int(place)) for each, place in file[dim].attrs["REFERENCE_LIST"]} == along
+        assert file["status"].asstr()[1] == "two"
+        assert (file["V"].attrs["units"], file["V"].attrs["long_name"]) == ("N", "shear")
