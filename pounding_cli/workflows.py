@@ -82,7 +82,7 @@ _LIST = (
     ),
     Workflow(
         "gap",
-        "How wide must the gap be?",
+        "Find how wide the gap must be.",
         shows=("gap",),
         schema="pounding_cli.study.gap_keys:GapSpec",
         expand="pounding_cli.study.gap:expand_gap",
@@ -92,7 +92,7 @@ _LIST = (
     ),
     Workflow(
         "fragility",
-        "How likely is a limit passed?",
+        "Find how likely limits are passed.",
         shows=("fragility", "fragility_motions"),
         schema="pounding_cli.study.fragility_keys:FragilitySpec",
         question="pounding_cli.study.fragility:question_of",
@@ -104,7 +104,7 @@ _LIST = (
     ),
     Workflow(
         "sensitivity",
-        "What decides the numbers?",
+        "Find which uncertain keys matter most.",
         shows=(
             "sensitivity",
             "sensitivity_outputs",
@@ -123,7 +123,7 @@ _LIST = (
     ),
     Workflow(
         "optimise",
-        "What is best?",
+        "Find the best values of keys.",
         shows=("optimise", "optimise_points"),
         schema="pounding_cli.study.optimise_keys:OptimiseSpec",
         question="pounding_cli.study.optimise:question_of",
@@ -136,7 +136,7 @@ _LIST = (
     ),
     Workflow(
         "connector",
-        "Two connected oscillators in closed form (Figs 4 and 5).",
+        "Solve two connected oscillators in closed form (Figs 4 and 5).",
         ("first", "second", "connector", "frequencies"),
         load="pounding_cli.study.connector_study:load_connector_study",
         cite="pounding_cli.report.citations:cite_connector",
@@ -145,7 +145,7 @@ _LIST = (
     ),
     Workflow(
         "wall",
-        "The bumper wall of Fig. 8.",
+        "Solve an impact on a bumper wall (Fig. 8).",
         ("wall", "frame", "striker", "concrete", "mesh"),
         load="pounding_cli.study.wall_study:load_wall_study",
         cite="pounding_cli.report.citations:cite_wall",

@@ -18,31 +18,29 @@ if TYPE_CHECKING:
 BUDGET = "60 s"
 
 
-@click.command("accuracy", short_help="Error against time of every method, and the cheapest for a wanted error.")
+@click.command("accuracy", short_help="Measure error and time of every method on a study.")
 @click.argument("study", type=click.Path(path_type=Path))
 @click.option(
     "--methods",
     metavar="NAME,...",
     default="",
-    help="Methods to compare, separated by commas; all unless given.",
+    help="Methods to compare, separated by commas. Default: all.",
 )
-@click.option("--cases", metavar="NAME,...", default="", help="Cases to run, separated by commas; all unless given.")
+@click.option("--cases", metavar="NAME,...", default="", help="Cases to run, separated by commas. Default: all.")
+@click.option("--records", metavar="NAME,...", default="", help="Motions to use, separated by commas. Default: all.")
 @click.option(
-    "--records", metavar="NAME,...", default="", help="Motions to use, separated by commas; all unless given."
-)
-@click.option(
-    "--budget", default=BUDGET, show_default=True, metavar="TIME", help="Time for the runs, without compiling."
+    "--budget", default=BUDGET, show_default=True, metavar="TIME", help="Time for the runs, without compilation."
 )
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="results/STUDY-accuracy unless given."
+    "-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder. Default: results/STUDY-accuracy."
 )
-@click.option("-q", "--quiet", is_flag=True, help="Print the answer only.")
+@click.option("-q", "--quiet", is_flag=True, help="Print the result only.")
 def command(study: Path, methods: str, cases: str, records: str, budget: str, output: Path | None, quiet: bool) -> None:
     """Measure what accuracy costs on the scenes of STUDY.
 
-    Every method runs every scene it can at several settings. The reference is two methods that agree; their
-    difference is printed. Compiling is not timed; the fastest of several repeats counts. Writes accuracy.md (the page),
-    accuracy.csv (every run) and the diagrams. Of a sweep only the first point is run.
+    Every method runs every scene that it can solve, at several settings. Two methods give the reference; the command
+    prints their difference. Times exclude compilation and are the least of several repeats. The command writes
+    accuracy.md (the page), accuracy.csv (every run) and the diagrams. It runs only the first point of a sweep.
 
     \b
     Example:

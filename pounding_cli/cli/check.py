@@ -16,10 +16,10 @@ MOST_ROWS = 50_000
 @click.command("check")
 @click.argument("study", type=click.Path(path_type=Path))
 def command(study: Path) -> None:
-    """Validate STUDY: every problem in one go, as file:line:column, what is wrong, what to write instead.
+    """Validate STUDY and report every problem as file:line:column, what is wrong and what to write instead.
 
-    Studies of `pound run`, `pound connector` and `pound wall` alike, and what they ask of `pound fragility`,
-    `pound sensitivity` and `pound optimise`. Nothing is computed or written.
+    The command accepts studies of `pound run`, `pound connector` and `pound wall`, including their sections for
+    `pound fragility`, `pound sensitivity` and `pound optimise`. It computes and writes nothing.
     Exit code 0: the study is valid; 2: it was refused.
 
     Example: pound check configs/fig6.yaml
@@ -56,4 +56,4 @@ def command(study: Path) -> None:
     ]
     click.echo(f"OK: {name}: {' x '.join(factors)} = {counted(rows, 'row')}{scenes}")
     if not scenes:
-        click.echo("Each value of the sweep was looked at, not their combinations: `pound run` does that first.")
+        click.echo("Each value of the sweep was checked, but not their combinations; `pound run` checks them first.")

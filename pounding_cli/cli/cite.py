@@ -19,13 +19,13 @@ from pounding_cli.errors import InputError, Problem
     type=click.Choice(("text", "bibtex")),
     default="text",
     show_default=True,
-    help="For reading, or for a .bib file.",
+    help="Plain text, or entries for a .bib file.",
 )
 def command(source: Path, form: str) -> None:
-    """List the references of what a study or a results file used, with what each stands for.
+    """List the references of a study or a results file, and what each is used for.
 
-    Laws (by the paper's equations), the building code's edition, intensity measure, methods of solution (of a study
-    those that a run would take); and where the motions come from.
+    The list has the laws with the equations of the paper, the edition of the building code, the intensity measure,
+    the methods of solution (for a study, those that a run would use) and the sources of the motions.
 
     \b
     Example:

@@ -19,15 +19,15 @@ FEW = 12
 @click.command("compare")
 @click.argument("first", type=click.Path(path_type=Path), metavar="A.h5")
 @click.argument("second", type=click.Path(path_type=Path), metavar="B.h5")
-@click.option("--numbers", is_flag=True, help="Let only scenes and their numbers decide the exit code, not the study.")
+@click.option("--numbers", is_flag=True, help="Compare only scenes and their numbers for the exit code, not the study.")
 @click.option("--all", "everything", is_flag=True, help="List every changed number and scene.")
 @click.pass_context
 def command(ctx: click.Context, first: Path, second: Path, numbers: bool, everything: bool) -> None:
-    """Say what changed from A.h5 to B.h5: study, versions, scenes, and numbers beyond the error both carry.
+    """Show what changed from A.h5 to B.h5: study, versions, scenes, and numbers beyond their errors.
 
-    A number counts as changed where it differs by more than the errors that both files estimate for its scene.
-    Exit code 0: the same; 1: they differ in study, scenes or numbers; 2: a file was refused. Wording, comments,
-    versions and times that differ are reported, but do not count.
+    A number counts as changed if it differs by more than the sum of the errors that both files estimate for its scene.
+    Exit code 0: the files agree; 1: they differ in study, scenes or numbers; 2: a file was refused. The command
+    reports differences of wording, comments, versions and times, but they do not change the exit code.
 
     \b
     Example:

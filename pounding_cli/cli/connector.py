@@ -7,17 +7,17 @@ from pathlib import Path
 import click
 
 
-@click.command("connector", short_help="Two connected oscillators in closed form (Figs 4 and 5).")
+@click.command("connector", short_help="Solve two connected oscillators in closed form (Figs 4 and 5).")
 @click.argument("study", type=click.Path(path_type=Path), metavar="STUDY")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.h5", help="Results file.")
 @click.option("--replace", is_flag=True, help="Replace the results of another study.")
 @click.option("--no-figures", is_flag=True, help="Write the results file only.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
 def command(study: Path, output: Path | None, replace: bool, no_figures: bool, quiet: bool) -> None:
-    """How a spring (and dashpot) between two oscillators changes their largest displacements.
+    """Compute how a spring (and dashpot) between two oscillators changes their largest displacements.
 
-    Prints the peak ratios and where they stand, writes FILE.h5 (results/STUDY.h5 unless -o is given) and the figure
-    beside it.
+    The command prints the peak ratios with their frequencies, and writes FILE.h5 (default: results/STUDY.h5) and the
+    figure.
 
     \b
     Example:

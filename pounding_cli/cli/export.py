@@ -17,20 +17,20 @@ from pounding_cli.cli.show import TABLES
     "--output",
     type=click.Path(path_type=Path),
     metavar="PATH",
-    help="A folder, or a file: its end says the format.",
+    help="A folder, or a file whose extension gives the format.",
 )
 @click.option(
     "--format",
     "form",
     type=click.Choice(("csv", "parquet", "excel", "netcdf")),
-    help="Format, unless PATH says it; csv unless either does.",
+    help="Format, if PATH does not give it. Default: csv.",
 )
 def command(file: Path, tables: tuple[str, ...], output: Path | None, form: str | None) -> None:
-    """Write tables of a results file for other programs, SI with all digits: all tables, or those named.
+    """Write tables of a results file for other programs, in SI with all digits: all tables, or those named.
 
-    CSV and Parquet: one file a table in a folder, with columns.csv, which says what every column is; or one
-    table in one file. Excel: a sheet a table. netCDF: the whole file in one, for xarray, ncview and the like.
-    Tables: storey, floor, link, scene, flagged, accuracy, summary, records, buildings.
+    CSV and Parquet have one file per table in a folder, with columns.csv, which describes every column, or a single
+    file for one table. Excel has one sheet per table. netCDF has the whole file, for programs such as xarray and
+    ncview. Tables: storey, floor, link, scene, flagged, accuracy, summary, records, buildings.
 
     \b
     Example:

@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
 @answer_command("fragility")
 def command(path: Path, outcome: Outcome) -> None:
-    """How likely the limits of STUDY are passed, over an intensity: each building alone and with pounding.
+    """Compute how likely the limits of STUDY are passed over an intensity, for each building alone and with pounding.
 
-    The limits stand under `fragility:` of the study (`mu > 4`, `drift > 2 %`, `acceleration > 1 g`, `shear_demand > 1`,
-    `contact`, `collapse`), the intensities under `sweep:` (`records.scale.pga`, `.sa`, `.pgv` or `records.scale`).
-    Unless `method:` says otherwise each motion is scaled until it passes, and only the intensities that this takes are
-    solved. Lognormal curves of maximum likelihood; intervals by drawing the motions anew.
+    The section `fragility:` of the study has the limits (`mu > 4`, `drift > 2 %`, `acceleration > 1 g`,
+    `shear_demand > 1`, `contact`, `collapse`), the section `sweep:` the intensities (`records.scale.pga`, `.sa`, `.pgv`
+    or `records.scale`). By default each motion is scaled until it passes, and only the intensities needed for this are
+    solved. The curves are lognormal, fitted by maximum likelihood, with bootstrap intervals over the motions.
 
-    After Ctrl-C, a crash or a full disk the same command continues from what was solved.
+    After Ctrl-C, a crash or a full disk, run the same command again to resume.
     Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
 
     \b

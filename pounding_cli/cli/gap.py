@@ -21,15 +21,15 @@ HEAD = 20_000
 
 @answer_command("gap")
 def command(path: Path, outcome: Outcome) -> None:
-    """How wide the gap of STUDY must be, so that its buildings do not touch.
+    """Compute how wide the gap of STUDY must be, so that its buildings do not touch.
 
-    Each building moves alone under every motion; the largest closing of two floors that face each other is the width
-    that this motion requires. Statistics over the motions, the width for a wanted probability of contact, and beside
-    them the rules ABS, SRSS, DDC and those of codes. What is asked stands under `gap:` of the study; without it, mean,
-    largest, 84th percentile and 10 % probability of contact.
+    Each building moves alone under every motion. The largest closing of two floors that face each other is the gap
+    that this motion requires. The command prints statistics over the motions, the gap for a given probability of
+    contact, and the gaps by the rules ABS, SRSS, DDC and those of codes. The section `gap:` of the study selects them;
+    the default is mean, largest, 84th percentile and 10 % probability of contact.
 
-    The links of the cases and keys swept in `cases` and `impact` mean nothing here.
-    After Ctrl-C, a crash or a full disk the same command continues from what was solved.
+    The command ignores the links of the cases and swept keys of `cases` and `impact`.
+    After Ctrl-C, a crash or a full disk, run the same command again to resume.
 
     \b
     Example:

@@ -15,12 +15,12 @@ import click
     type=click.Choice(("pair", "measures", "connector", "wall")),
     default="pair",
     show_default=True,
-    help="What to start from.",
+    help="Study to start from.",
 )
 def command(name: str, template: str) -> None:
-    """Write NAME.yaml, a commented study that runs as it is, and say what to do next.
+    """Write NAME.yaml, a commented study that is ready to run, and print the next steps.
 
-    Beside it goes pound.schema.json, with which editors complete keys and mark mistakes.
+    The command also writes pound.schema.json, which lets editors complete keys and mark mistakes.
 
     \b
     Templates:

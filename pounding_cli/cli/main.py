@@ -28,19 +28,19 @@ def _asking(*names: str) -> dict[str, tuple[str, str]]:
 
 COMMANDS = {
     "init": ("pounding_cli.cli.init", "Write a commented study to start from."),
-    "check": ("pounding_cli.cli.check", "Validate a study file only."),
+    "check": ("pounding_cli.cli.check", "Validate a study file without running it."),
     **_asking("run"),
     "show": ("pounding_cli.cli.show", "Print a table of a results file."),
-    "report": ("pounding_cli.cli.report", "Draw the figures and write the tables and the claims."),
+    "report": ("pounding_cli.cli.report", "Write figures, tables, claims and a page of results files."),
     **_asking(),
-    "plan": ("pounding_cli.cli.plan", "Show what would run and what would not, before running."),
+    "plan": ("pounding_cli.cli.plan", "Show what a run would solve and what it would leave out."),
     "export": ("pounding_cli.cli.export", "Write tables as CSV, Parquet, Excel or netCDF."),
-    "compare": ("pounding_cli.cli.compare", "Say what changed between two results files."),
+    "compare": ("pounding_cli.cli.compare", "Show what changed between two results files."),
     "cite": ("pounding_cli.cli.cite", "List the references of what a study used."),
     "schema": ("pounding_cli.cli.schema", "Print the JSON Schema of study files, for editors."),
     "records": ("pounding_cli.cli.records", "List, show, import and synthesize ground motions."),
     **_asking("connector"),
-    "accuracy": ("pounding_cli.cli.accuracy", "Error against time of every method; the cheapest for a wanted error."),
+    "accuracy": ("pounding_cli.cli.accuracy", "Measure error and time of every method on a study."),
     **_asking("wall"),
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
@@ -161,7 +161,7 @@ def main() -> None:
     except (click.Abort, KeyboardInterrupt) as stop:
         if isinstance(stop.__cause__, EOFError):  # click takes one for Ctrl-D; nothing here asks a question
             _end(_unforeseen(stop.__cause__))
-        click.echo("stopped; run the same command again to go on.", err=True)
+        click.echo("stopped; run the same command again to resume.", err=True)
         _end(STOPPED)
     except (NobodyReads, BrokenPipeError):
         _end(NOBODY_READS)

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 @answer_command("optimise")
 def command(path: Path, outcome: Outcome) -> None:
-    """The least or the most of a number over chosen keys of STUDY.
+    """Minimise or maximise a number over chosen keys of STUDY.
 
-    The number stands under `optimise:`, `least:` or `most:`, as an expression over the tables, the keys under `over:`
-    with the range of each. Differential evolution finds the valley, the simplex method its bottom; then the
-    surroundings are looked at, so that the answer says how far each key may be from its best value.
+    The section `optimise:` of the study has the number as an expression over the tables (`least:` or `most:`), and the
+    keys with their ranges (`over:`). Differential evolution and the simplex method find the optimum. The command then
+    solves points around it, to show how far each key may be from its best value.
 
-    After Ctrl-C, a crash or a full disk the same command continues from what was solved.
+    After Ctrl-C, a crash or a full disk, run the same command again to resume.
     Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
 
     \b

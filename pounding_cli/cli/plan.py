@@ -28,17 +28,19 @@ WORTH_PROVING = 5.0
 asked."""
 
 
-@click.command("plan", short_help="Show what would run and what would not, before running.")
+@click.command("plan", short_help="Show what a run would solve and what it would leave out.")
 @click.argument("study", type=click.Path(path_type=Path))
-@click.option("--prove/--no-prove", default=None, help="Run the buildings alone, to see which rows then need no run.")
-@click.option("--all-effects", is_flag=True, help="Show the plan of a run that leaves nothing out.")
+@click.option("--prove/--no-prove", default=None, help="Run the buildings alone, to find rows that need no run.")
+@click.option("--all-effects", is_flag=True, help="Show the plan of a run with all effects.")
 def command(study: Path, prove: bool | None, all_effects: bool) -> None:
-    """Show what STUDY would run and what not: scenes by method, effects kept and dropped with the reason, baselines
-    shared, rows answered by their buildings alone or by smaller groups of them, expected time. Then the questions that
-    its sections ask (`fragility:`, `sensitivity:`, ...), with the scenes of their first round.
+    """Show what a run of STUDY would solve and what it would leave out.
 
-    Nothing is written. The buildings alone are run where that takes a few seconds, because whether a gap ever closes
-    follows from them.
+    The plan lists scenes by method, effects simulated and left out with the reason, shared baselines, rows that need
+    no run of their own, and the expected time. It also lists the questions of the other sections (`fragility:`,
+    `sensitivity:`, ...) with the scenes of their first round.
+
+    Nothing is written. If it takes only a few seconds, the command runs the buildings alone, to find whether gaps
+    close.
 
     \b
     Example:

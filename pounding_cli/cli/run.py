@@ -28,16 +28,16 @@ MEANINGLESS = "!"
 @click.command("run", short_help="Run a study and print its summary.")
 @click.argument("study", type=click.Path(path_type=Path))
 @output_option("results/<study>.h5")
-@click.option("--all-effects", is_flag=True, help="Simulate what cannot matter too: a check of the pruning, slower.")
+@click.option("--all-effects", is_flag=True, help="Simulate also effects that cannot change the results; slower.")
 @solving_options
 @click.pass_context
 def command(ctx: click.Context, study: Path, output: Path | None, all_effects: bool, **options: Any) -> None:
-    """Run STUDY, write one results file, print a summary.
+    """Run STUDY, write one results file and print a summary.
 
-    Scenes that an earlier run solved are reused, also after the study was changed, and the count is printed.
-    A file with the results of another study is refused unless --replace is given.
-    After Ctrl-C, a crash or a full disk the same command continues from what was solved.
-    Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
+    The command reuses scenes of earlier runs, also after changes of the study, and prints their number. It refuses a
+    file with the results of another study unless --replace is given. After Ctrl-C, a crash or a full disk, run the
+    same command again to resume. Exit code 0: all scenes done; 1: some failed (they are listed);
+    2: the study or the output was refused.
 
     \b
     Example:

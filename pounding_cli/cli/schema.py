@@ -8,12 +8,12 @@ import click
 
 
 @click.command("schema")
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write to this file; to the screen unless given.")
-@click.option("--keys", is_flag=True, help="Print every key as a table for reading instead.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write to this file. Default: print it.")
+@click.option("--keys", is_flag=True, help="Print tables of all keys instead.")
 def command(output: Path | None, keys: bool) -> None:
-    """Print the JSON Schema of study files: editors complete keys and mark mistakes with it.
+    """Print the JSON Schema of study files, with which editors complete keys and mark mistakes.
 
-    A study that begins with `# yaml-language-server: $schema=pound.schema.json` is checked while it is typed.
+    Editors check a study that begins with `# yaml-language-server: $schema=pound.schema.json` as you type.
 
     \b
     Example:

@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 @answer_command("sensitivity")
 def command(path: Path, outcome: Outcome) -> None:
-    """What decides the numbers of STUDY, where some of its keys are uncertain.
+    """Compute how much each uncertain key of STUDY contributes to the variance of its results.
 
-    The keys stand under `uncertain:` with the distribution of each; `motion: any` lets the motion vary too. What is
-    looked at stands under `sensitivity:`, e.g. `outputs: [largest mu in soft]`, or `claims: all`: how likely the
-    paper's statements hold. Quasi-random samples are solved like a
-    sweep; Sobol's indices say which part of the variance each key explains, those of Morris screen many keys cheaply.
+    The section `uncertain:` has the keys with their distributions; `motion: any` varies the motion too. The section
+    `sensitivity:` has the outputs, e.g. `outputs: [largest mu in soft]`, or `claims: all` for the probability of the
+    paper's statements. Quasi-random samples are solved like a sweep. Sobol indices give the part of the variance that
+    each key explains; Morris indices screen many keys at low cost.
 
-    A scene that fails is solved once more, a hundred times as finely; where it fails again its outputs get no index.
-    After Ctrl-C, a crash or a full disk the same command continues from what was solved.
+    A failed scene is solved again with a hundred times finer accuracy. If it fails again, its outputs get no index.
+    After Ctrl-C, a crash or a full disk, run the same command again to resume.
     Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
 
     \b

@@ -42,7 +42,7 @@ _ASIDE = {
     type=click.Choice(("table", "csv", "json")),
     default="table",
     show_default=True,
-    help="Aligned columns in the units of the study, or all digits in SI as CSV or JSON.",
+    help="table: aligned columns in the units of the study; csv, json: all digits in SI.",
 )
 @click.option("--wide", is_flag=True, help="Every column, including those that summary, scene and records leave out.")
 @click.option("--case", multiple=True, help="Only this case; may be given more than once.")
@@ -68,10 +68,10 @@ def command(
     at: tuple[str, ...],
 ) -> None:
     """Print TABLE of a results file: storey, floor, link, scene, flagged, accuracy, summary, records or buildings, or
-    the answer of the command that wrote it, which is printed unless a table is named.
+    the answer of the command that wrote the file, which is the default.
 
-    summary holds means over the records, accuracy the error and the cost of every scene; all columns are
-    described in docs/results.md.
+    summary has means over the records, accuracy the error and the cost of every scene. docs/results.md describes all
+    columns.
 
     \b
     Example:

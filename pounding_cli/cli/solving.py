@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from pounding_cli.batch.progress import JsonLines
 
 _OPTIONS = (
-    click.option("-q", "--quiet", is_flag=True, help="Print nothing but scenes that failed."),
+    click.option("-q", "--quiet", is_flag=True, help="Print only scenes that failed."),
     click.option(
         "--workers",
         type=click.IntRange(min=1),
         metavar="N",
-        help="Scenes solved side by side; all cores unless given.",
+        help="Number of scenes solved in parallel. Default: all cores.",
     ),
     click.option(
         "--engine",
@@ -27,19 +27,19 @@ _OPTIONS = (
         type=click.Choice(("serial", "threads", "processes", "dask")),
         default="processes",
         show_default=True,
-        help="Where scenes are solved, with the same results; small studies are solved serially whatever it is.",
+        help="How scenes are solved; the results are the same. Small studies are always solved serially.",
     ),
     click.option(
         "--scheduler",
         metavar="ADDRESS",
-        help="Dask scheduler, e.g. tcp://node:8786, for --engine dask; a cluster on this machine unless given.",
+        help="Dask scheduler for --engine dask, e.g. tcp://node:8786. Default: a cluster on this machine.",
     ),
     click.option(
         "--replace",
         is_flag=True,
-        help="Replace results of another study; leave out scenes and histories that STUDY does not have any more.",
+        help="Replace the results of another study; delete scenes and histories that STUDY no longer has.",
     ),
-    click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines, and nothing else."),
+    click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
 )
 
 
@@ -62,7 +62,7 @@ def output_option(default: str) -> Callable[..., Any]:
         "--output",
         type=click.Path(path_type=Path),
         metavar="FILE.h5",
-        help=f"Results file; {default} in the current folder unless given.",
+        help=f"Results file. Default: {default} in the current folder.",
     )
 
 

@@ -14,23 +14,26 @@ if TYPE_CHECKING:
     from pounding_cli.wall.model import WallModel
 
 
-@click.command("wall", short_help="The bumper wall of Fig. 8.")
+@click.command("wall", short_help="Solve an impact on a bumper wall (Fig. 8).")
 @click.argument("study", type=click.Path(path_type=Path), metavar="STUDY")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.h5", help="Results file.")
 @click.option("--replace", is_flag=True, help="Replace the results of another study.")
 @click.option(
-    "--workers", type=click.IntRange(min=1), metavar="N", help="Points solved side by side; all cores unless given."
+    "--workers",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Number of points solved in parallel. Default: all cores.",
 )
 @click.option("--no-figures", is_flag=True, help="Write the results file only.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
 def command(
     study: Path, output: Path | None, replace: bool, workers: int | None, no_figures: bool, quiet: bool
 ) -> None:
-    """A floor strikes a concrete building on its bumper wall: force, separation, stresses.
+    """Compute the impact of a floor on the bumper wall of a concrete building: force, separation, stresses.
 
-    Prints peak force and stresses, writes FILE.h5 (results/STUDY.h5 unless -o is given), the figures beside it and
-    the fields for ParaView in a folder named like it.
-    After Ctrl-C, a crash or a full disk the same command continues from the points that were solved.
+    The command prints peak force and stresses, and writes FILE.h5 (default: results/STUDY.h5), the figures, and the
+    fields for ParaView in a folder of the same name.
+    After Ctrl-C, a crash or a full disk, run the same command again to resume.
 
     \b
     Example:

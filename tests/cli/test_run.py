@@ -258,7 +258,7 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
     _, err = running.communicate(timeout=30)
     assert running.returncode == 130
     assert "of 16 scenes kept in r.h5.parts" in err
-    assert "run the same command again to go on" in err
+    assert "run the same command again to resume" in err
     assert "Traceback" not in err
     assert not (folder / "r.h5").exists()
     kept = int(err.split(" of 16 scenes kept")[0].split()[-1])

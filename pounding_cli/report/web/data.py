@@ -14,7 +14,6 @@ from pounding_cli.report.columns import Shown, shown
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys
 from pounding_cli.store import flagged_scenes
 from pounding_cli.variables import RESPONSES
-from pounding_cli.workflows import WORKFLOWS
 
 MOST_ROWS = 6000
 """Rows of one table that the page carries; about 0.1 kB each."""
@@ -106,7 +105,7 @@ def _answer(results: Tables, name: str) -> dict[str, Any]:
         else Shown(column, "" if unit == "1" else unit, 1.0, text)
         for column, (unit, text) in meanings.items()
     }
-    return packed(WORKFLOWS[results.workflow].title, frame.head(MOST_ROWS), len(frame), looks=looks)
+    return packed(name.replace("_", " ").capitalize(), frame.head(MOST_ROWS), len(frame), looks=looks)
 
 
 def _flagged(scene: pd.DataFrame) -> pd.DataFrame:
