@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))
-from kills import hunt
+from tests.batch.kills import hunt
 
 
 def test_a_study_killed_at_random_moments_ends_with_the_same_tables():

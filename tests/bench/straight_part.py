@@ -1,20 +1,19 @@
-"""What the straight part of a viscous damper changes: the table of docs/theory.md. Run it as a script."""
+"""What the straight part of a viscous damper changes: the table of docs/theory.md.
+
+Run it with `python -m tests.bench.straight_part`.
+"""
 
 from __future__ import annotations
 
 import dataclasses
-import sys
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "verification"))
-from reference.scenes import INELASTIC, gather, shake, shear_building
 
 from pounding_cli.laws.viscous import Viscous
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import INELASTIC, gather, shake, shear_building
 
 
 def run(law: Viscous):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import gc
-import sys
 import tracemalloc
 from pathlib import Path
 
@@ -16,11 +15,9 @@ from pounding_cli.batch.bundles import solve_bundle
 from pounding_cli.solve import solve
 from pounding_cli.study import load_study
 from pounding_cli.workflows import expansion
+from tests.helpers.plans import known
 
 from . import sweep
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "store"))
-from study_plans import known
 
 MOST = 1500.0
 """Held at the same time for each scene, at most [bytes]."""

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "store"))
-from page_study import report
+from tests.helpers.page_study import KEPT, report
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = [
@@ -69,3 +67,9 @@ def visit(browser):
         context.close()
     assert wrong == []
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []
+
+
+@pytest.fixture
+def moving(study, visit):
+    """The page of a study with two kept scenes."""
+    return visit(study("moving", kept=KEPT) / "report.html")

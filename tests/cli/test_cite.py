@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 
 import pytest
-from test_run import STUDY, folder, pound  # noqa: F401  (fixtures)
+
+from tests.helpers.two_buildings import STUDY, known
+
+SOLVE = known
 
 
-def test_a_study_and_its_results_cite_the_same(folder, pound):  # noqa: F811
+def test_a_study_and_its_results_cite_the_same(folder, pound):
     pound("run", "two.yaml", "-o", "r.h5", "-q", solve=None)
     code, of_study, err = pound("cite", "two.yaml")
     assert (code, err) == (0, "")
@@ -26,7 +29,7 @@ def test_a_study_and_its_results_cite_the_same(folder, pound):  # noqa: F811
         (["--all-effects"], True, False),
     ],  # nothing pounds here; or all is solved by series all the same
 )
-def test_a_results_file_cites_the_methods_it_was_made_by(folder, pound, options, series, exact):  # noqa: F811
+def test_a_results_file_cites_the_methods_it_was_made_by(folder, pound, options, series, exact):
     study = STUDY.replace("gap: 0 cm", "gap: 60 cm").replace("gap: 1 cm", "gap: 50 cm")
     (folder / "two.yaml").write_text(study.replace("[elastic, inelastic]", "[elastic]"))
     pound("run", "two.yaml", "-o", "r.h5", "-q", *options, solve=None)
@@ -35,7 +38,7 @@ def test_a_results_file_cites_the_methods_it_was_made_by(folder, pound, options,
     assert ("for the method of solution, exponential" in cited) is exact
 
 
-def test_bibtex_has_the_same_entries(folder, pound):  # noqa: F811
+def test_bibtex_has_the_same_entries(folder, pound):
     _, text, _ = pound("cite", "two.yaml")
     code, entries, _ = pound("cite", "two.yaml", "--format", "bibtex")
     assert code == 0
@@ -43,7 +46,7 @@ def test_bibtex_has_the_same_entries(folder, pound):  # noqa: F811
     assert "@article{anagnostopoulos1988,\n  author = {Anagnostopoulos, S. A.},\n" in entries
 
 
-def test_the_other_systems(folder, pound):  # noqa: F811
+def test_the_other_systems(folder, pound):
     pound("init", "two", "-t", "connector")  # exists: refused, so another name
     pound("init", "spring", "-t", "connector")
     pound("connector", "spring.yaml", "-o", "s.h5", "--no-figures", "-q")
@@ -55,7 +58,7 @@ def test_the_other_systems(folder, pound):  # noqa: F811
     assert "scikit-fem" in pound("cite", "front.yaml")[1]
 
 
-def test_what_is_neither_is_refused(folder, pound):  # noqa: F811
+def test_what_is_neither_is_refused(folder, pound):
     code, out, err = pound("cite", "nothing.h5")
     assert (code, out) == (2, "")
     assert "there is no such results file" in err

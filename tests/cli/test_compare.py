@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from test_run import STUDY, fails, folder, known, pound  # noqa: F401  (fixtures)
+
+from tests.helpers.two_buildings import STUDY, fails, known
+
+SOLVE = known
 
 
 def stronger(scene, accuracy=1e-6, method="taylor", **_):
@@ -17,12 +20,12 @@ def stronger(scene, accuracy=1e-6, method="taylor", **_):
 
 
 @pytest.fixture
-def before(folder, pound):  # noqa: F811
+def before(folder, pound):
     pound("run", "two.yaml", "-o", "a.h5", "-q")
     return folder
 
 
-def test_the_same_is_said_and_ends_with_0(before, pound):  # noqa: F811
+def test_the_same_is_said_and_ends_with_0(before, pound):
     code, out, err = pound("compare", "a.h5", "a.h5")
     assert (code, err) == (0, "")
     assert out.startswith(
@@ -31,7 +34,7 @@ def test_the_same_is_said_and_ends_with_0(before, pound):  # noqa: F811
     assert "Numbers: 0 of " in out
 
 
-def test_one_scene_that_ends_otherwise(folder, pound):  # noqa: F811
+def test_one_scene_that_ends_otherwise(folder, pound):
     one = STUDY.replace("{file: weak.txt}, ", "").replace("[elastic, inelastic]", "[elastic]")
     (folder / "two.yaml").write_text(one)
     pound("run", "two.yaml", "-o", "a.h5", "-q")
@@ -40,7 +43,7 @@ def test_one_scene_that_ends_otherwise(folder, pound):  # noqa: F811
     assert "Scenes: 0 removed, 0 added, 1 with another outcome.\n" in out
 
 
-def test_a_changed_number_is_shown_with_place_and_error(before, pound):  # noqa: F811
+def test_a_changed_number_is_shown_with_place_and_error(before, pound):
     pound("run", "two.yaml", "-o", "b.h5", "-q", solve=stronger)
     code, out, _ = pound("compare", "a.h5", "b.h5", "--numbers")
     assert code == 1
@@ -51,7 +54,7 @@ def test_a_changed_number_is_shown_with_place_and_error(before, pound):  # noqa:
     assert every.count(", by 9.9e-03; carried ") == 8
 
 
-def test_another_study_ends_with_1_unless_only_numbers_count(before, pound):  # noqa: F811
+def test_another_study_ends_with_1_unless_only_numbers_count(before, pound):
     (before / "two.yaml").write_text(STUDY.replace("Two small buildings", "Two others"))
     pound("run", "two.yaml", "-o", "b.h5", "-q")
     code, out, _ = pound("compare", "a.h5", "b.h5")
@@ -60,7 +63,7 @@ def test_another_study_ends_with_1_unless_only_numbers_count(before, pound):  # 
     assert pound("compare", "a.h5", "b.h5", "--numbers")[0] == 0
 
 
-def test_what_is_no_results_file_is_refused(before, pound):  # noqa: F811
+def test_what_is_no_results_file_is_refused(before, pound):
     code, out, err = pound("compare", "a.h5", "two.yaml")
     assert (code, out) == (2, "")
     assert "two.yaml: cannot be read as HDF5" in err

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 
 import pytest
-from test_run import folder, pound  # noqa: F401
 
 from pounding_cli.numbers import counted
+from tests.helpers.two_buildings import known
+
+SOLVE = known
 
 NOUNS = (
     "analyses|baselines|buildings|cases|channels|entries|figures|files|floors|frames|groups|impacts|keys|links|motions|"
@@ -43,7 +45,7 @@ def test_counted(number, words, said):
     assert counted(number, *words) == said
 
 
-def test_one_of_everything_is_told_in_the_singular(folder, pound):  # noqa: F811
+def test_one_of_everything_is_told_in_the_singular(folder, pound):
     """One case, analysis, motion, row and storey. Fails where a text counts without looking, e.g. `1 scenes`."""
     (folder / "one.yaml").write_text(STUDY)
     said = {}

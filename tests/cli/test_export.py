@@ -7,19 +7,21 @@ import sys
 
 import pandas as pd
 import pytest
-from test_run import folder, known, pound  # noqa: F401  (fixtures)
 
 import pounding_cli
+from tests.helpers.two_buildings import known
+
+SOLVE = known
 
 
 @pytest.fixture
-def exported(folder, pound):  # noqa: F811
+def exported(folder, pound):
     """`pound export r.h5 ...` after a run."""
     pound("run", "two.yaml", "-o", "r.h5", "-q")
     return lambda *arguments: pound("export", "r.h5", *arguments)
 
 
-def test_all_tables_go_to_a_folder_beside_the_file(folder, exported):  # noqa: F811
+def test_all_tables_go_to_a_folder_beside_the_file(folder, exported):
     code, out, err = exported()
     assert (code, err) == (0, "")
     assert out.splitlines()[0] == "wrote r-csv/storey.csv"
@@ -28,7 +30,7 @@ def test_all_tables_go_to_a_folder_beside_the_file(folder, exported):  # noqa: F
     )
 
 
-def test_the_end_of_the_name_says_the_format(folder, exported):  # noqa: F811
+def test_the_end_of_the_name_says_the_format(folder, exported):
     code, out, _ = exported("storey", "-o", "s.parquet")
     assert (code, out) == (0, "wrote s.parquet\n")
     exact = pounding_cli.open_results("r.h5").storey()
@@ -43,7 +45,7 @@ def test_a_contradiction_is_refused(exported):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no ulimit there")
 @pytest.mark.parametrize("output", ["out.csv", "out", "out.nc", "out.parquet"])
-def test_a_disk_that_is_full_is_one_sentence_and_leaves_nothing_half_written(folder, pound, output):  # noqa: F811
+def test_a_disk_that_is_full_is_one_sentence_and_leaves_nothing_half_written(folder, pound, output):
     """The limit on a file's size stands for the disk: writes fail in the middle, as they do there. (It would also hold
     for the temporary files that Excel's writer makes elsewhere.)"""
     pound("run", "two.yaml", "-o", "r.h5", "-q")

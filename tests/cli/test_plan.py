@@ -6,12 +6,14 @@ import re
 
 import pytest
 from click.testing import CliRunner
-from test_run import STUDY, folder, pound  # noqa: F401
 
 from pounding_cli.batch.forecast import ALONE, forecast
 from pounding_cli.cli.main import cli
 from pounding_cli.store import open_results
 from pounding_cli.study import expand, load_study
+from tests.helpers.two_buildings import STUDY, known
+
+SOLVE = known
 
 WIDE = STUDY.replace("gap: 1 cm", "gap: 50 cm")
 
@@ -22,7 +24,7 @@ def planned(*words: str) -> str:
     return result.output
 
 
-def test_scenes_by_method_and_what_is_not_run(folder):  # noqa: F811
+def test_scenes_by_method_and_what_is_not_run(folder):
     """Four rows with a gap no building reaches. Fails if a plan says something else than the run then does."""
     (folder / "two.yaml").write_text(WIDE + "estimate: none\n")
     said = planned()
@@ -36,7 +38,7 @@ def test_scenes_by_method_and_what_is_not_run(folder):  # noqa: F811
     assert re.search(r"yielding storeys +kept in 4; dropped in 4: the analysis is elastic", said)
 
 
-def test_smaller_groups_that_rows_fall_into(folder, monkeypatch):  # noqa: F811
+def test_smaller_groups_that_rows_fall_into(folder, monkeypatch):
     """Two of three touch and the third is out of reach. Fails if the two that are solved are not told, or their time is
     forgotten where it is decided whether a proof is worth it."""
     pairs = "gap: {link: pounding, gap: 50 cm, pairs: [{gap: 0 cm}, {gap: 50 cm}]}"
@@ -53,14 +55,14 @@ def test_smaller_groups_that_rows_fall_into(folder, monkeypatch):  # noqa: F811
     assert "--prove runs the buildings alone to find out" in planned()
 
 
-def test_without_proof_the_plan_says_what_it_does_not_know(folder):  # noqa: F811
+def test_without_proof_the_plan_says_what_it_does_not_know(folder):
     (folder / "two.yaml").write_text(WIDE)
     said = planned("--no-prove")
     assert "of gap" not in said
     assert "--prove runs the buildings alone to find out" in said
 
 
-def test_all_effects_leave_nothing_out(folder):  # noqa: F811
+def test_all_effects_leave_nothing_out(folder):
     (folder / "two.yaml").write_text(WIDE)
     said = planned("--all-effects")
     assert re.search(r"run +8 of a building alone, taylor", said)
@@ -93,7 +95,7 @@ analyses: [elastic]
         ("analyses", "sweep: {cases.bare.gap: [2 mm, 1 in]}\nanalyses", ("gap 38.1 mm", "gap 50.8 mm")),
     ],
 )
-def test_values_are_shown_in_the_unit_of_the_study(folder, old, new, said):  # noqa: F811
+def test_values_are_shown_in_the_unit_of_the_study(folder, old, new, said):
     """Fails if a unit is fixed, or one of the study's is not found."""
     (folder / "two.yaml").write_text(INCHES.replace(old, new) if old else INCHES)
     shown = planned("--no-prove")
@@ -101,7 +103,7 @@ def test_values_are_shown_in_the_unit_of_the_study(folder, old, new, said):  # n
         assert words in shown
 
 
-def test_the_results_keep_what_was_dropped_and_all_effects_agree(folder, pound):  # noqa: F811
+def test_the_results_keep_what_was_dropped_and_all_effects_agree(folder, pound):
     """Fails if `--all-effects` is not passed on, or its results are taken for those of a pruned run."""
     (folder / "two.yaml").write_text(WIDE + "estimate: none\n")
     code, out, _ = pound("run", "two.yaml", "-o", "a.h5", solve=None)
@@ -167,7 +169,7 @@ optimise: {least: largest V_ratio, over: {cases.near.gap: {from: 1 mm, to: 9 mm}
 """
 
 
-def test_the_questions_of_a_study(folder):  # noqa: F811
+def test_the_questions_of_a_study(folder):
     """By hand: 20 levels x 2 motions x 3 (the pair, each alone) for `gap`, the lowest level for the first round of
     `fragility`. Fails if a question is not told, or with scenes that its command does not solve."""
     (folder / "two.yaml").write_text(QUESTIONS)
@@ -184,11 +186,11 @@ def test_the_questions_of_a_study(folder):  # noqa: F811
         assert f"{counted[name]} solved" in ran.output
 
 
-def test_a_study_that_asks_nothing_has_no_questions(folder):  # noqa: F811
+def test_a_study_that_asks_nothing_has_no_questions(folder):
     assert "questions" not in planned()
 
 
-def test_a_bad_question_is_refused_at_its_place(folder, pound):  # noqa: F811
+def test_a_bad_question_is_refused_at_its_place(folder, pound):
     (folder / "two.yaml").write_text(QUESTIONS.replace("mu > 2", "mu > 2 in C"))
     code, out, err = pound("plan", "two.yaml", solve=None)
     assert (code, out) == (2, "")

@@ -10,7 +10,6 @@ import pandas as pd
 import pytest
 
 from pounding_cli.batch import run_plan
-from pounding_cli.cli.main import main
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import expand, load_study
 from tests.helpers.pages import words
@@ -68,20 +67,6 @@ def folder(tmp_path, monkeypatch):
     for name in ("two", "swept"):
         run_plan(expand(load_study(tmp_path / f"{name}.yaml")), tmp_path / f"{name}.h5", solve=known, workers=1)
     return tmp_path
-
-
-@pytest.fixture
-def pound(monkeypatch, capsys):
-    """`pound ARGUMENTS` in this process: exit code, stdout, stderr."""
-
-    def call(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["pound", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        captured = capsys.readouterr()
-        return int(end.value.code or 0), captured.out, captured.err
-
-    return call
 
 
 def test_report_stands_beside_the_results_unless_said_otherwise(folder, pound):

@@ -10,80 +10,17 @@ import subprocess
 import sys
 import textwrap
 import time
-from dataclasses import replace
+from pathlib import Path
 
-import numpy as np
 import pytest
 
-from pounding_cli.cli.main import main
 from pounding_cli.laws.connector import Connector
-from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.store import open_results
+from tests.helpers.two_buildings import STUDY, fails, known, strikes
 
-STUDY = """\
-title: Two small buildings
-records:
-  use: [{file: weak.txt}, {file: strong.txt}]
-  duration: whole
-  scale: 1.0
-buildings:
-  stiff: {storeys: 3, period: 0.3 s, mass: 200 t, height: 3 m,
-          yield: {code: UBC-1991, zone: 0.4, soil: 1.2, Rw: 12}}
-  soft: {like: stiff, storeys: 2, period: 0.5 s}
-group: [stiff, soft]
-impact: {stiffness: 20 x stiffest storey, restitution: 0.5}
-cases:
-  touching: {link: pounding, gap: 0 cm}
-  gap: {link: pounding, gap: 1 cm}
-analyses: [elastic, inelastic]
-"""
+SOLVE = known
 
-
-def known(scene, accuracy=1e-6, method="taylor", **_):
-    """V/V0 is 2 in the top storey of a linked building and 1.25 below it; mu/mu0 likewise."""
-    found = []
-    for building in scene.buildings:
-        factor = np.full(building.storeys, 1.25 if scene.links else 1.0)
-        factor[-1] = 2.0 if scene.links else 1.0
-        one = scene.motion.pga * factor
-        found.append(BuildingResponse(1e6 * one, 0.01 * one, one, one, one, -one, 0 * one))
-    n = np.ones(len(scene.links))
-    flags = ("a sentence to know",) if scene.links and scene.links[0].gap else ()
-    return Response(tuple(found), LinkResponse(n, n, n, n, n), "done", "", "taylor", accuracy, 1, 1, 1e-4, flags=flags)
-
-
-def fails(scene, accuracy=1e-6, method="taylor", **_):
-    response = known(scene, accuracy, method)
-    if scene.links and scene.links[0].gap and scene.analysis == "elastic":
-        return replace(response, status="event bound reached", advice="check the links' stiffness")
-    return response
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """A folder to stand in, with a study and two motions of half a second, in g."""
-    monkeypatch.chdir(tmp_path)
-    t = np.arange(0.0, 0.5, 0.01)
-    for name, peak in (("weak", 0.1), ("strong", 0.4)):
-        np.savetxt(tmp_path / f"{name}.txt", np.column_stack([t, peak * np.sin(12 * t)]))
-    (tmp_path / "two.yaml").write_text(STUDY)
-    return tmp_path
-
-
-@pytest.fixture
-def pound(monkeypatch, capsys):
-    """`pound ARGUMENTS` in this process: exit code, stdout, stderr."""
-
-    def call(*arguments: object, solve=known) -> tuple[int, str, str]:
-        if solve is not None:
-            monkeypatch.setattr("pounding_cli.solve.solve", solve)
-        monkeypatch.setattr(sys, "argv", ["pound", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        captured = capsys.readouterr()
-        return int(end.value.code or 0), captured.out, captured.err
-
-    return call
+ROOT = str(Path(__file__).parents[2])
 
 
 def test_summary_shows_ratios_motions_flags_counts_and_times(folder, pound):
@@ -116,14 +53,6 @@ def test_one_of_a_thing_is_told_in_the_singular(folder, pound):
     out = pound("run", "two.yaml")[1]
     assert "Means over 1 motion.\n" in out
     assert "Note: gap, elastic, 1 of 1 scene (strong): a sentence to know\n" in out
-
-
-def strikes(scene, accuracy=1e-6, method="taylor", **_):
-    """Links across a gap are connectors that the strong motion closes entirely, where nothing yields."""
-    response = known(scene, accuracy, method)
-    if scene.links and scene.links[0].gap and scene.motion.pga > 2 and scene.analysis == "elastic":
-        return replace(response, flags=(f"{Connector.beyond_gap}: stiff | soft, floor 2, by 3 mm",))
-    return replace(response, flags=())
 
 
 def test_a_case_without_meaning_is_marked_in_the_table_and_in_the_last_sentence(folder, pound):
@@ -236,9 +165,9 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
         f"""
         import signal, sys, time
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job is born deaf to it
-        sys.path.insert(0, {os.path.dirname(__file__)!r})
+        sys.path.insert(0, {ROOT!r})
         import pounding_cli.solve
-        from test_run import known
+        from tests.helpers.two_buildings import known
 
         def slow(scene, accuracy, method, **_):
             time.sleep(0.4)
@@ -256,7 +185,7 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
         time.sleep(0.05)
     running.send_signal(signal.SIGINT)
     _, err = running.communicate(timeout=30)
-    assert running.returncode == 130
+    assert running.returncode == 130, err
     assert "of 16 scenes kept in r.h5.parts" in err
     assert "run the same command again to resume" in err
     assert "Traceback" not in err

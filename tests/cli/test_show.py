@@ -9,14 +9,16 @@ import re
 import sys
 
 import pytest
-from test_run import STUDY, folder, known, pound  # noqa: F401  (fixtures)
 
 from pounding_cli.cli import show
 from pounding_cli.store.columns import TABLES
+from tests.helpers.two_buildings import STUDY, known
+
+SOLVE = known
 
 
 @pytest.fixture
-def shown(folder, pound):  # noqa: F811
+def shown(folder, pound):
     """`pound show r.h5 ...` after a run."""
     pound("run", "two.yaml", "-o", "r.h5", "-q")
     return lambda *arguments: pound("show", "r.h5", *arguments)
@@ -39,7 +41,7 @@ def test_storey_csv_has_the_columns_of_the_manual_and_all_digits(shown):
     assert [float(row["V"]) for row in table] == list(exact.V)
 
 
-def test_a_table_for_the_eye_is_in_the_units_of_the_study_and_csv_in_si(shown, folder, pound):  # noqa: F811
+def test_a_table_for_the_eye_is_in_the_units_of_the_study_and_csv_in_si(shown, folder, pound):
     """Fails if a gap is shown in m, an acceleration in m/s2, or CSV in anything but SI."""
     _, table, _ = shown("link", "--case", "gap")
     head, row = table.splitlines()[1:3]
@@ -58,7 +60,7 @@ def test_the_tables_are_those_of_a_results_file():
     assert show.TABLES[: len(TABLES)] == TABLES
 
 
-def test_swept_axes_come_first(folder, pound):  # noqa: F811
+def test_swept_axes_come_first(folder, pound):
     sweep = "sweep: {cases.gap.gap: [1 cm, 2 cm], impact.restitution: [0.4, 0.6]}\n"
     (folder / "two.yaml").write_text(STUDY + sweep)
     pound("run", "two.yaml", "-o", "r.h5", "-q")
@@ -119,7 +121,7 @@ def test_filters(shown):
     assert len(rows(out)) == 4
 
 
-def test_accuracy_is_told_scene_by_scene(folder, pound, shown):  # noqa: F811
+def test_accuracy_is_told_scene_by_scene(folder, pound, shown):
     (folder / "two.yaml").write_text(STUDY + "estimate: none\naccuracy: 1e-5\n")
     pound("run", "two.yaml", "-o", "r.h5", "-q")
     _, out, _ = shown("accuracy", "--case", "gap", "--format", "csv")
@@ -137,7 +139,7 @@ def test_accuracy_is_told_scene_by_scene(folder, pound, shown):  # noqa: F811
     assert "seconds [s]" in out
 
 
-def test_units_stand_over_the_columns_and_missing_numbers_are_dashes(folder, pound, shown):  # noqa: F811
+def test_units_stand_over_the_columns_and_missing_numbers_are_dashes(folder, pound, shown):
     (folder / "two.yaml").write_text(STUDY + "estimate: none\n")
     pound("run", "two.yaml", "-o", "r.h5", "-q")
     _, out, _ = shown("storey")
@@ -166,14 +168,14 @@ def test_what_is_not_there_is_refused_with_what_is(shown, arguments, message, hi
     assert hint in err
 
 
-def test_a_missing_file_is_refused(folder, pound):  # noqa: F811
+def test_a_missing_file_is_refused(folder, pound):
     code, _, err = pound("show", "nothing.h5")
     assert code == 2
     assert "there is no such results file" in err
     assert "pound run" in err
 
 
-def test_help_loads_nothing_heavy(folder, pound):  # noqa: F811
+def test_help_loads_nothing_heavy(folder, pound):
     heavy = ("numba", "scipy", "pandas", "matplotlib")
     import subprocess
 
@@ -189,7 +191,7 @@ def test_help_loads_nothing_heavy(folder, pound):  # noqa: F811
 
 
 @pytest.fixture
-def swept(folder, pound):  # noqa: F811
+def swept(folder, pound):
     """`pound show r.h5 ...` after a run over gaps and restitutions."""
     sweep = "sweep: {cases.gap.gap: [1 cm, 2 cm], impact.restitution: [0.4, 0.6]}\n"
     (folder / "two.yaml").write_text(STUDY + sweep)
@@ -234,7 +236,7 @@ def test_places_that_are_not_there_are_refused_with_those_that_are(swept, argume
     assert hint in err
 
 
-def test_a_case_without_links_says_so(folder, pound):  # noqa: F811
+def test_a_case_without_links_says_so(folder, pound):
     apart = STUDY.replace("cases:\n", "cases:\n  apart: {link: none}\n")
     (folder / "two.yaml").write_text(apart)
     pound("run", "two.yaml", "-o", "r.h5", "-q")

@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_run import STUDY, folder, known, pound  # noqa: F401  (fixtures)
 
 from pounding_cli.cli import streams
+from tests.helpers.two_buildings import STUDY, known
+
+SOLVE = known
 
 MAIN = "import sys; from pounding_cli.cli.main import main; main()"
 """Without numba where the study is finished, so each process takes a second."""
@@ -21,7 +23,7 @@ def command(*arguments: str, **more) -> subprocess.Popen:
 
 
 @pytest.fixture
-def done(folder, pound):  # noqa: F811
+def done(folder, pound):
     """A finished study: `results/two.h5` of `two.yaml`."""
     pound("run", "two.yaml", "-q")
     return folder
@@ -79,15 +81,15 @@ def test_an_ascii_terminal_gets_what_stands_for_a_character(done):
     assert "+- numerical" in said
 
 
-def test_a_log_that_nobody_reads_does_not_stop_a_run(folder):  # noqa: F811
+def test_a_log_that_nobody_reads_does_not_stop_a_run(folder):
     (folder / "two.yaml").write_text(STUDY.replace("gap: 1 cm", "gap: 0 cm"))
     read, write = os.pipe()
     os.close(read)
     script = (
-        "import sys; sys.path.insert(0, sys.argv.pop(1)); import test_run; import pounding_cli.solve as s; "
-        "s.solve = test_run.known; " + MAIN
+        "import sys; sys.path.insert(0, sys.argv.pop(1)); import pounding_cli.solve as s; "
+        "from tests.helpers.two_buildings import known; s.solve = known; " + MAIN
     )
-    arguments = [sys.executable, "-c", script, os.path.dirname(__file__), "run", "two.yaml", "--log-json"]
+    arguments = [sys.executable, "-c", script, str(Path(__file__).parents[2]), "run", "two.yaml", "--log-json"]
     buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
     process = subprocess.Popen(arguments, stdout=write, stderr=subprocess.PIPE, text=True, env=buffered)
     os.close(write)
@@ -107,7 +109,7 @@ def test_a_full_disk_behind_the_output_is_told(done):
     assert "Traceback" not in said
 
 
-def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound, monkeypatch):  # noqa: F811
+def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound, monkeypatch):
     def fault(*_):
         raise ZeroDivisionError("of a kind\nthat nobody foresaw")
 
@@ -123,7 +125,7 @@ def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound,
     assert "that nobody foresaw" in err
 
 
-def test_an_end_of_file_is_not_taken_for_ctrl_c(done, pound, monkeypatch):  # noqa: F811
+def test_an_end_of_file_is_not_taken_for_ctrl_c(done, pound, monkeypatch):
     """click takes an EOFError, which reading a file may raise, for Ctrl-D at a question."""
 
     def fault(*_):
@@ -135,7 +137,7 @@ def test_an_end_of_file_is_not_taken_for_ctrl_c(done, pound, monkeypatch):  # no
     assert "internal error: EOFError: ran out of input\n" in err
 
 
-def test_the_exit_codes_are_told_in_the_help(folder, pound):  # noqa: F811
+def test_the_exit_codes_are_told_in_the_help(folder, pound):
     _, out, _ = pound("--help", solve=None)
     for code in ("70 an internal error", "141 the program that read the output"):
         assert code in out

@@ -5,11 +5,11 @@ from __future__ import annotations
 import signal
 
 import pytest
-from conftest import AfterSome
-from slow_solver import solve_slowly
 
 from pounding_cli.api import open_results
 from pounding_cli.batch import run_plan
+from tests.helpers.clusters import AfterSome
+from tests.helpers.slow_solver import solve_slowly
 
 
 @pytest.fixture(scope="module")

@@ -15,11 +15,11 @@ import time
 import dask.config
 import distributed  # noqa: F401  its defaults have to stand before a test sets one and takes it back
 import pytest
-from conftest import IMPORTED, AfterSome
-from slow_solver import solve_slowly
 
 from pounding_cli.batch import cluster, run_plan
 from pounding_cli.errors import InputError
+from tests.helpers.clusters import IMPORTED, AfterSome
+from tests.helpers.slow_solver import solve_slowly
 
 
 @pytest.fixture
@@ -155,8 +155,8 @@ PROGRAM = """
     sys.path[:0] = {imported!r}
     import pounding_cli.batch.cluster, pounding_cli.batch.runner
     from pounding_cli.batch.progress import Quiet
-    from slow_solver import solve_slowly
-    from study_plans import small_plan
+    from tests.helpers.slow_solver import solve_slowly
+    from tests.helpers.plans import small_plan
 
     class Telling(subprocess.Popen):
         def __init__(self, *arguments, **options):
@@ -233,8 +233,8 @@ RUN_THERE = """
     import pathlib, sys
     sys.path[:0] = {imported!r}
     import pounding_cli.batch.cluster, pounding_cli.batch.runner
-    from slow_solver import solve_slowly
-    from study_plans import small_plan
+    from tests.helpers.slow_solver import solve_slowly
+    from tests.helpers.plans import small_plan
 
     pounding_cli.batch.runner.WORTH_WORKERS = 0.0
     pounding_cli.batch.cluster.WORK = 0.1

@@ -32,11 +32,9 @@ from pounding_cli import open_results
 from pounding_cli.cli.main import main as pound
 from pounding_cli.errors import InputError
 from pounding_cli.store import PartStore, stored_chunks
+from tests.helpers.sealing import edited
 
 from .hunting import faults, pooled
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "store"))
-from sealing import edited
 
 LONGEST = 20.0
 """Commands on one file of the small study never take so long [s of the processor]; who waits uses none."""

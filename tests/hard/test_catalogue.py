@@ -65,7 +65,7 @@ def test_scene(study):
 @pytest.mark.parametrize("study", [s for s in STUDIES if s.expect.independent], ids=lambda s: s.name)
 def test_independent_reference(study):
     """Dormand-Prince 8 from event to event agrees. Fails if both accuracies of the solver share a wrong law."""
-    from reference import events
+    from tests.reference import events
 
     for where, scene, accuracy in linked(study):
         expected, found = events.integrate(scene), solve(scene, accuracy)

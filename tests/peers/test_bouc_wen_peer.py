@@ -6,11 +6,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference.scenes import INELASTIC, shake, shear_building
 
 from pounding_cli.laws.bouc_wen import BoucWen
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import INELASTIC, shake, shear_building
 
 pytest.importorskip("openseespy.opensees", reason="openseespy is not installed (pip install -e .[peers])")
 

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, oscillator, still
 
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.links import Link
 from pounding_cli.model.meetings import column_flexibility
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, oscillator, still
 
 ops = pytest.importorskip("openseespy.opensees", reason="openseespy is not installed (pip install -e .[peers])")
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.scenes import gather, links, pair, shake, shear_building
 
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import gather, links, pair, shake, shear_building
 
 heyoka_scene = pytest.importorskip("heyoka_scene", reason="heyoka is not installed (pip install -e .[peers])")
 

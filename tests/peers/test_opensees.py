@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, INELASTIC, gather, pair, shake, shear_building
 
 from pounding_cli.laws.friction import Friction
 from pounding_cli.laws.maxwell import Maxwell
@@ -16,6 +15,7 @@ from pounding_cli.laws.viscous import Viscous
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, INELASTIC, gather, pair, shake, shear_building
 
 opensees = pytest.importorskip("opensees", reason="openseespy is not installed (pip install -e .[peers])")
 

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, gather, shake, shear_building
 
 from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.hertz import Hertz, HertzDamp
@@ -20,6 +19,7 @@ from pounding_cli.laws.program import MEMORY, RATE
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, gather, shake, shear_building
 
 opensees = pytest.importorskip("opensees", reason="openseespy is not installed (pip install -e .[peers])")
 

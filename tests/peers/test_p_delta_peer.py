@@ -9,13 +9,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference.scenes import INELASTIC, shake, shear_building
-from test_p_delta import leaning, standing
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
+from tests.helpers.scenes import INELASTIC, leaning, shake, shear_building, standing
 
 ops = pytest.importorskip("openseespy.opensees", reason="openseespy is not installed (pip install -e .[peers])")
 

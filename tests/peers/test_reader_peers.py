@@ -3,17 +3,13 @@
 Neither is a dependency (gmprocess with all it needs is 1.8 GB), nor locked: `pip install gmprocess` and run this file.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "records"))
-
-import motion_layouts as layouts
-
 from pounding_cli.records import read_file
+from tests.helpers import motion_layouts as layouts
 
 CM = layouts.samples(60.0, 200)
 COUNTS = [round(40000 * np.sin(0.3 * i) * np.exp(-0.02 * i)) + 8009 for i in range(200)]

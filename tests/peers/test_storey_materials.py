@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.drawn import cycles, shears
 
 from pounding_cli.laws.imk import PeakOrientedImk, PinchingImk
+from tests.reference.drawn import cycles, shears
 
 ops = pytest.importorskip("openseespy.opensees", reason="openseespy is not installed (pip install -e .[peers])")
 

@@ -6,7 +6,12 @@ from __future__ import annotations
 import math
 
 import pytest
-from reference.contacts import (
+
+from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, INELASTIC, shake
+from tests.reference.contacts import (
     GAP,
     REDUCED,
     K,
@@ -16,11 +21,6 @@ from reference.contacts import (
     history_reaches_the_peak,
     keeps_its_accuracy,
 )
-from reference.scenes import ELASTIC, INELASTIC, shake
-
-from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
-from pounding_cli.model.scene import Scene
-from pounding_cli.solve import solve
 
 DEPTH = 0.01
 """Of the blow that the contacts are laid out for [m]."""

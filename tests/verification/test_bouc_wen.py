@@ -7,20 +7,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference import events
-from reference.rows import islands_equal_the_whole, row_of_ten, weaker
-from reference.scenes import (
-    ELASTIC,
-    FOUNDATION,
-    INELASTIC,
-    links,
-    oscillator,
-    shake,
-    shear_building,
-    still,
-)
 from scipy.optimize import brentq
-from test_event_reference import agree
 
 from pounding_cli.errors import InputError
 from pounding_cli.laws.bouc_wen import BoucWen
@@ -30,6 +17,19 @@ from pounding_cli.solve import METHODS, solve
 from pounding_cli.solve.assess import assess, difference
 from pounding_cli.solve.histories import history
 from tests.hard.random_scenes import random_scene
+from tests.helpers.scenes import (
+    ELASTIC,
+    FOUNDATION,
+    INELASTIC,
+    links,
+    oscillator,
+    shake,
+    shear_building,
+    still,
+)
+from tests.reference import events
+from tests.reference.agreement import agree
+from tests.reference.rows import islands_equal_the_whole, row_of_ten, weaker
 
 M, K, VY, A = 2e5, 2e7, 3e5, 0.1
 DY = VY / K

@@ -6,12 +6,12 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from reference.scenes import shear_building
 
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import solve
 from pounding_cli.study import expand, load_study
 from pounding_cli.study.digits import COSTS, WORTH, cheap_accuracy
+from tests.helpers.scenes import shear_building
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

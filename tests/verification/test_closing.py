@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference import events
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, links, shake, shear_building
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.laws.pounding import Pounding
@@ -20,6 +18,8 @@ from pounding_cli.solve import solve
 from pounding_cli.solve.closing import peak_closings
 from pounding_cli.solve.groups import GroupSolver
 from pounding_cli.study import expand, load_study
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, links, shake, shear_building
+from tests.reference import events
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 1e-6

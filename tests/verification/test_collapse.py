@@ -6,9 +6,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, oscillator, shake, shear_building, still
 from scipy.integrate import solve_ivp
-from test_p_delta import VY, A, H, K, M, leaning
+from test_p_delta import VY, A, H, K, M
 
 from pounding_cli.kernels import layout
 from pounding_cli.laws import link_laws
@@ -19,6 +18,17 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.solve import METHODS, solve
 from pounding_cli.solve.assess import assess, change, difference
 from pounding_cli.solve.histories import history
+from tests.helpers.scenes import (
+    ELASTIC,
+    FOUNDATION,
+    INELASTIC,
+    leaning,
+    links,
+    oscillator,
+    shake,
+    shear_building,
+    still,
+)
 
 THETA, SPEED = 0.25, 0.6
 WHERE = ("collapse_time", "collapse_building", "collapse_storey")

@@ -7,8 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference import events
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, oscillator, pair, shake, shear_building, still
 from test_columns import struck
 
 from pounding_cli.laws.hertz import HertzDamp
@@ -18,6 +16,8 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.groups import GroupSolver
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, links, oscillator, pair, shake, shear_building, still
+from tests.reference import events
 
 
 def asked(scene: Scene, share: float = 0.2) -> Scene:

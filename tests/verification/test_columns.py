@@ -6,10 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference.rows import islands_equal_the_whole, row_of_ten
-from reference.rows import struck as struck_floors
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, gather, links, pair, shake, shear_building
-from test_event_reference import agree
 
 from pounding_cli.laws.hertz import HertzDamp
 from pounding_cli.methods import METHODS
@@ -19,6 +15,10 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.assess import assess, difference
 from pounding_cli.solve.groups import GroupSolver
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, gather, links, pair, shake, shear_building
+from tests.reference.agreement import agree
+from tests.reference.rows import islands_equal_the_whole, row_of_ten
+from tests.reference.rows import struck as struck_floors
 
 ROCKS = Foundation(inertia=1e7, rocking_stiffness=1e11, rocking_damping=1e8, sways=False)
 

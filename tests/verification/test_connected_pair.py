@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from reference.exponential import march
-from reference.scenes import ELASTIC, FOUNDATION, links, oscillator, shake, shear_building, still
 
 from pounding_cli.laws.connector import Connector
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, FOUNDATION, links, oscillator, shake, shear_building, still
+from tests.reference.exponential import march
 
 pytestmark = pytest.mark.usefixtures("exact_steps_and_series")
 

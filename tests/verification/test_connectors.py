@@ -7,9 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from reference import events
-from reference.rows import islands_equal_the_whole, row_of_ten, struck
-from reference.scenes import ELASTIC, INELASTIC, gather, links, oscillator, shake, shear_building, still
 
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.damper import Damper
@@ -22,6 +19,9 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.assess import assess
 from pounding_cli.solve.histories import history
+from tests.helpers.scenes import ELASTIC, INELASTIC, gather, links, oscillator, shake, shear_building, still
+from tests.reference import events
+from tests.reference.rows import islands_equal_the_whole, row_of_ten, struck
 
 M1, M2, SPEED, T = 2e5, 3e5, 0.3, 0.2
 REDUCED = M1 * M2 / (M1 + M2)

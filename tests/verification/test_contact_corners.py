@@ -5,9 +5,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.contacts import K, contact_pair
-from reference.rows import islands_equal_the_whole, row_of_ten
-from reference.scenes import ELASTIC, INELASTIC, gather, shake, shear_building
 
 from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
 from pounding_cli.laws.hertz import Hertz, HertzDamp, HertzDamping
@@ -19,6 +16,9 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.assess import assess
+from tests.helpers.scenes import ELASTIC, INELASTIC, gather, shake, shear_building
+from tests.reference.contacts import K, contact_pair
+from tests.reference.rows import islands_equal_the_whole, row_of_ten
 
 _HERTZ = (1.0, -0.5, -2.0)
 """N/m^1.5 in kg, m and s."""

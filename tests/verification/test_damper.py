@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from reference import events
-from reference.scenes import ELASTIC, INELASTIC, gather, links, oscillator, shake, shear_building, still
 
 from pounding_cli.laws.damper import Damper
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, INELASTIC, gather, links, oscillator, shake, shear_building, still
+from tests.reference import events
 
 C = 2e6
 

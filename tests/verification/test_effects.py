@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, links, shake, shear_building
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.kernels import layout
@@ -25,6 +24,7 @@ from pounding_cli.solve.ground import segments
 from pounding_cli.solve.groups import GroupSolver
 from pounding_cli.solve.unpack import unpack
 from pounding_cli.study import expand, load_study
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, links, shake, shear_building
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 1e-6

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.closed_forms import kelvin_voigt, oscillator_under_ramp
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, oscillator, pair, shake, shear_building, still
 
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.dashpot import damping_ratio
@@ -16,6 +14,8 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, links, oscillator, pair, shake, shear_building, still
+from tests.reference.closed_forms import kelvin_voigt, oscillator_under_ramp
 
 pytestmark = pytest.mark.usefixtures("exact_steps_and_series")
 

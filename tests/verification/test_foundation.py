@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference.exponential import march
-from reference.modes import matrices, modes
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, gather, pair, shake, shear_building, still
 
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, gather, pair, shake, shear_building, still
+from tests.reference.exponential import march
+from tests.reference.modes import matrices, modes
 
 pytestmark = pytest.mark.usefixtures("exact_steps_and_series")
 

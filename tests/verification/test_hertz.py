@@ -6,28 +6,6 @@ import dataclasses
 import math
 
 import pytest
-from reference.contacts import (
-    GAP,
-    REDUCED,
-    V0,
-    K,
-    agrees_with_reference,
-    blow,
-    contact_pair,
-    history_reaches_the_peak,
-    keeps_its_accuracy,
-)
-from reference.scenes import (
-    ELASTIC,
-    FOUNDATION,
-    INELASTIC,
-    gather,
-    links,
-    oscillator,
-    shake,
-    shear_building,
-    still,
-)
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import gamma
@@ -38,6 +16,28 @@ from pounding_cli.laws.written import WrittenLaw
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import (
+    ELASTIC,
+    FOUNDATION,
+    INELASTIC,
+    gather,
+    links,
+    oscillator,
+    shake,
+    shear_building,
+    still,
+)
+from tests.reference.contacts import (
+    GAP,
+    REDUCED,
+    V0,
+    K,
+    agrees_with_reference,
+    blow,
+    contact_pair,
+    history_reaches_the_peak,
+    keeps_its_accuracy,
+)
 
 
 def touching(gap: float, restitution: float | None = None, floors=(1, 2, 3), left: int = 0, k: float = K):

@@ -6,10 +6,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference import events
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, pair, shake
 
 from pounding_cli.solve.histories import history
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, pair, shake
+from tests.reference import events
 
 EVERY = 0.004
 SCENES = {

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.closed_forms import bilinear_throw
-from reference.scenes import ELASTIC, INELASTIC, oscillator, still
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, INELASTIC, oscillator, still
+from tests.reference.closed_forms import bilinear_throw
 
 M, K, VY, A, V0 = 2e5, 2e7, 3e5, 0.4, 0.5
 

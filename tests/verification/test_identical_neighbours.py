@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, shake, shear_building
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.groups import GroupSolver
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, links, shake, shear_building
 
 
 def by_kernel(scene):

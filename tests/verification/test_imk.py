@@ -7,11 +7,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference import events
-from reference.drawn import shears
-from reference.rows import islands_equal_the_whole, row_of_ten, weaker
-from reference.scenes import INELASTIC, links, oscillator, shake, shear_building, still
-from test_event_reference import agree
 
 from pounding_cli.laws.imk import PeakOrientedImk, PinchingImk
 from pounding_cli.model.building import Building
@@ -21,6 +16,11 @@ from pounding_cli.solve import METHODS, solve
 from pounding_cli.solve.assess import assess, difference
 from pounding_cli.solve.histories import history
 from tests.hard.random_scenes import random_scene
+from tests.helpers.scenes import INELASTIC, links, oscillator, shake, shear_building, still
+from tests.reference import events
+from tests.reference.agreement import agree
+from tests.reference.drawn import shears
+from tests.reference.rows import islands_equal_the_whole, row_of_ten, weaker
 
 M, K, VY, V0 = 2e5, 2e7, 3e5, 0.25
 CAPPED = {"capping_ductility": 3.0, "post_capping_slope": 0.1, "residual_strength": 0.3}

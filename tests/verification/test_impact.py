@@ -6,8 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from reference.closed_forms import kelvin_voigt
-from reference.scenes import ELASTIC, oscillator, still
 
 from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio
 from pounding_cli.laws.pounding import Pounding
@@ -16,6 +14,8 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, oscillator, still
+from tests.reference.closed_forms import kelvin_voigt
 
 M1, M2, S, V0, GAP = 2e5, 3e5, 2e9, 0.6, 0.01
 REDUCED = M1 * M2 / (M1 + M2)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from reference import events
-from reference.closed_forms import infill_compression
-from reference.scenes import ELASTIC, links, oscillator, shake, still
 
 from pounding_cli.laws.infill import Infill, InfillLaw
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, links, oscillator, shake, still
+from tests.reference import events
+from tests.reference.closed_forms import infill_compression
 
 M1, M2, S_MAT, S_IMP, GAP = 2e5, 3e5, 1e8, 2e9, 0.02
 REDUCED = M1 * M2 / (M1 + M2)

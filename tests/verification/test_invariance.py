@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, gather, pair, shake
 
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, changed, gather, pair, shake
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference import events
-from reference.scenes import ELASTIC, INELASTIC, gather, links, shake, shear_building
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.taylor import ALWAYS_ONE_ISLAND
+from tests.helpers.scenes import ELASTIC, INELASTIC, gather, links, shake, shear_building
+from tests.reference import events
 
 PERIODS = (0.36, 0.60, 0.30, 0.60, 0.45, 0.36)
 BUILDING = ("shear", "drift", "acceleration", "displacement_max", "displacement_min")

@@ -6,7 +6,13 @@ from __future__ import annotations
 import math
 
 import pytest
-from reference.contacts import (
+from scipy.integrate import solve_ivp
+
+from pounding_cli.laws.jankowski import Jankowski, JankowskiDamping, restitution_of
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, shake
+from tests.reference.contacts import (
     GAP,
     REDUCED,
     V0,
@@ -17,12 +23,6 @@ from reference.contacts import (
     history_reaches_the_peak,
     keeps_its_accuracy,
 )
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, shake
-from scipy.integrate import solve_ivp
-
-from pounding_cli.laws.jankowski import Jankowski, JankowskiDamping, restitution_of
-from pounding_cli.model.scene import Scene
-from pounding_cli.solve import solve
 
 
 def jankowski_pair(gap, e, motion, analysis=ELASTIC, storeys=3, foundation=None, k=K) -> Scene:

@@ -7,14 +7,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from reference.closed_forms import oscillator_under_ramp
-from reference.exponential import march
-from reference.modes import modes
-from reference.scenes import ELASTIC, oscillator, shake, shear_building, still
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, oscillator, shake, shear_building, still
+from tests.reference.closed_forms import oscillator_under_ramp
+from tests.reference.exponential import march
+from tests.reference.modes import modes
 
 pytestmark = pytest.mark.usefixtures("exact_steps_and_series")
 

@@ -6,8 +6,15 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference import events, exponential
-from reference.scenes import (
+
+from pounding_cli.errors import InputError
+from pounding_cli.methods import METHODS
+from pounding_cli.model.scene import Scene
+from pounding_cli.solve import generalized_alpha as family
+from pounding_cli.solve import solve
+from pounding_cli.solve.arrays import at_rest, pack
+from pounding_cli.solve.method import integrator_of
+from tests.helpers.scenes import (
     ELASTIC,
     FOUNDATION,
     INELASTIC,
@@ -19,14 +26,7 @@ from reference.scenes import (
     shear_building,
     still,
 )
-
-from pounding_cli.errors import InputError
-from pounding_cli.methods import METHODS
-from pounding_cli.model.scene import Scene
-from pounding_cli.solve import generalized_alpha as family
-from pounding_cli.solve import solve
-from pounding_cli.solve.arrays import at_rest, pack
-from pounding_cli.solve.method import integrator_of
+from tests.reference import events, exponential
 
 STEPPING = [name for name, method in METHODS.items() if method.takes_step]
 FOLLOWING = [name for name, method in METHODS.items() if not method.takes_step]

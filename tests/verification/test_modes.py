@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from reference.modes import matrices, modes
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.foundation import Foundation
+from tests.reference.modes import matrices, modes
 
 
 def building(foundation, n=3):

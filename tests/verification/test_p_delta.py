@@ -6,9 +6,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference.rows import islands_equal_the_whole, row_of_ten, weaker
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, oscillator, shake, shear_building, still
-from test_event_reference import agree
 
 from pounding_cli.laws.peak_oriented import PeakOriented
 from pounding_cli.model.building import Building, UnstableError, weight_above
@@ -17,20 +14,23 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve import METHODS, solve
 from pounding_cli.solve.assess import assess, difference
 from pounding_cli.solve.histories import history
+from tests.helpers.scenes import (
+    ELASTIC,
+    FOUNDATION,
+    INELASTIC,
+    leaning,
+    links,
+    oscillator,
+    shake,
+    shear_building,
+    standing,
+    still,
+)
+from tests.reference.agreement import agree
+from tests.reference.rows import islands_equal_the_whole, row_of_ten, weaker
 
 M, K, H, VY, A = 2e5, 2e7, 3.0, 3e5, 0.05
 OMEGA = np.sqrt(K / M)
-
-
-def leaning(building: Building, theta: float | None = None) -> Building:
-    """The building with P-Delta of one stability coefficient in all storeys, or of the weights above."""
-    load = weight_above(building.mass) if theta is None else theta * building.stiffness * building.height
-    return dataclasses.replace(building, gravity_load=load)
-
-
-def standing(building: Building) -> Building:
-    """The building, run on however far it drifts."""
-    return dataclasses.replace(building, collapse=np.inf)
 
 
 @pytest.mark.parametrize("theta", [0.1, 0.5, 0.99])

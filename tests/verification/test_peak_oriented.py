@@ -6,11 +6,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from reference.rows import islands_equal_the_whole, row_of_ten, weaker
-from reference.scenes import INELASTIC, links, oscillator, shake, shear_building, still
 from scipy.linalg import expm
 from scipy.optimize import brentq
-from test_event_reference import agree
 
 from pounding_cli.laws.peak_oriented import PeakOriented
 from pounding_cli.model.building import Building
@@ -19,6 +16,9 @@ from pounding_cli.solve import METHODS, solve
 from pounding_cli.solve.assess import assess, difference
 from pounding_cli.solve.histories import history
 from tests.hard.random_scenes import random_scene
+from tests.helpers.scenes import INELASTIC, links, oscillator, shake, shear_building, still
+from tests.reference.agreement import agree
+from tests.reference.rows import islands_equal_the_whole, row_of_ten, weaker
 
 M, K, VY, A, V0 = 2e5, 2e7, 3e5, 0.1, 0.25
 

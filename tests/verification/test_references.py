@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from reference import closed_forms, events, exponential
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, oscillator, pair, shake, still
 
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, oscillator, pair, shake, still
+from tests.reference import closed_forms, events, exponential
 
 
 def test_ramp_response_solves_its_equation():

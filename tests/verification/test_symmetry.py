@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reference.scenes import ELASTIC, FOUNDATION, INELASTIC, links, shake, shear_building
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
+from tests.helpers.scenes import ELASTIC, FOUNDATION, INELASTIC, links, shake, shear_building
 
 
 @pytest.mark.parametrize(

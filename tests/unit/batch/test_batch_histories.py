@@ -7,7 +7,6 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-from study_plans import known, small_plan
 
 from pounding_cli.batch import histories, run_plan
 from pounding_cli.batch.progress import Quiet
@@ -16,6 +15,7 @@ from pounding_cli.solve import solve
 from pounding_cli.solve.histories import history
 from pounding_cli.store import is_current, open_results
 from pounding_cli.store.histories import FIELDS
+from tests.helpers.plans import known, small_plan
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ import time
 
 import numpy as np
 import pytest
-from study_plans import Axis, known, small_plan
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import MOST, Queue, solve_bundle
@@ -16,6 +15,7 @@ from pounding_cli.solve import solve
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import parse
 from pounding_cli.study import expand, load_study
+from tests.helpers.plans import Axis, known, small_plan
 
 MIXED = """\
 records: {use: [elcentro, taft], duration: 2 s}

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "store"))
-from study_plans import known, small_plan
 
 from pounding_cli.batch import run_plan
 from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.answers import Column, Table
 from pounding_cli.workflows import WORKFLOWS, Workflow
+from tests.helpers.plans import known, small_plan
 
 asked: list[int] = []
 

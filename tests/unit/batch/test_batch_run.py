@@ -12,12 +12,12 @@ from dataclasses import replace
 
 import h5py
 import pytest
-from study_plans import Axis, FakeStudy, known, small_plan
 
 from pounding_cli.batch import run_plan
 from pounding_cli.errors import InputError
 from pounding_cli.model.placed import Placed
 from pounding_cli.store import PartStore, locked, open_results, solution_key
+from tests.helpers.plans import Axis, FakeStudy, known, small_plan
 
 TIMES = {"seconds"}
 """Columns that are never the same twice."""

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from fragility_studies import MOTIONS, STUDY, ductility, known
 from test_fragility_runs import G, solved
 
 from pounding_cli.errors import InputError
 from pounding_cli.report.fragility_text import asked_of, notes
+from tests.helpers.fragility_studies import MOTIONS, STUDY, ductility, known
 
 FALLS = STUDY.replace(
     "A: {storeys: 3, period: 0.3 s}", "A: {storeys: 3, period: 0.3 s, p_delta: true, hardening: 0}"

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from fragility_studies import known
 from test_fragility_refusals import refused
 from test_fragility_runs import G, solved
 
 from pounding_cli.solve import solve as solver
 from pounding_cli.solve.places import struck_columns
 from pounding_cli.solve.response import ColumnResponse
+from tests.helpers.fragility_studies import known
 
 TALL, LOW = "A: {storeys: 1, height: 3 m, ", "B: {storeys: 1, height: 2 m, "
 STUDY = f"""\

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from fragility_studies import STUDY, write_study
 
 from pounding_cli.errors import InputError
 from pounding_cli.study import load_study
 from pounding_cli.study.fragility import expand_fragility
+from tests.helpers.fragility_studies import STUDY, write_study
 
 LIMITS = "  limits: [mu > 4, contact]\n"
 SWEEP = "sweep:\n  records.scale.pga: {from: 0.02 g, to: 1 g, step: 0.02 g}\n"

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from fragility_studies import MOTIONS, STUDY, fails_between, known, write_study
 
 from pounding_cli.batch import run_plan, runner
 from pounding_cli.fragility import fit, of_counts
@@ -17,6 +11,7 @@ from pounding_cli.report.fragility_text import asked_of, notes
 from pounding_cli.store import open_results
 from pounding_cli.study import load_study
 from pounding_cli.study.fragility import expand_fragility
+from tests.helpers.fragility_studies import MOTIONS, STUDY, fails_between, known, write_study
 
 G = 9.80665
 

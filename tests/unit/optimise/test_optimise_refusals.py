@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from optimise_studies import STUDY, write_study
 
 from pounding_cli.errors import InputError
 from pounding_cli.study import load_study
 from pounding_cli.study.optimise import expand_optimise
+from tests.helpers.optimise_studies import STUDY, write_study
 
 MASS = "buildings.A.mass: {from: 100 t, to: 200 t}"
 GAP = "cases.near.gap: {from: 10 mm, to: 20 mm}"

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from optimise_studies import GAP, KEYS, MASS, STUDY, bowl, fails_near_the_bottom, known, write_study
 
 from pounding_cli.batch import run_plan, runner
 from pounding_cli.store import open_results
 from pounding_cli.store.optimise import FOUND, NOTHING
 from pounding_cli.study import load_study
 from pounding_cli.study.optimise import expand_optimise
+from tests.helpers.optimise_studies import GAP, KEYS, MASS, STUDY, bowl, fails_near_the_bottom, known, write_study
 
 
 def solved(folder, text=STUDY, solve=known, motions=1, **more):

@@ -3,12 +3,12 @@
 import math
 from pathlib import Path
 
-import motion_layouts as layouts
 import numpy as np
 import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.records import GRAVITY, Reading, read_file
+from tests.helpers import motion_layouts as layouts
 
 CM = layouts.samples(60.0)
 IN_G = layouts.samples(0.3)

@@ -6,12 +6,12 @@ import importlib
 from pathlib import Path
 
 import h5py
-import motion_layouts as layouts
 import numpy as np
 import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.records import GRAVITY, LIBRARIES, held, library_of, matching, read_held, read_motion
+from tests.helpers import motion_layouts as layouts
 
 DT = 0.005
 RECORDS = {

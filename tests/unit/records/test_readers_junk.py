@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import motion_layouts as layouts
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -12,6 +11,7 @@ from hypothesis import strategies as st
 
 from pounding_cli.errors import InputError
 from pounding_cli.records import FORMATS, read_file
+from tests.helpers import motion_layouts as layouts
 
 CM = layouts.samples(60.0, 20)
 WHOLE = [

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from report_fakes import LEVEL, MOTIONS, PERIODS, PUSH, make
 
 from pounding_cli.laws.connector import Connector
 from pounding_cli.numbers import Unit
@@ -12,6 +11,7 @@ from pounding_cli.records import GRAVITY
 from pounding_cli.report.evidence import points
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer
+from tests.helpers.report_tables import LEVEL, MOTIONS, PERIODS, PUSH, make
 
 
 def test_every_case_has_the_largest_means_with_their_place():

@@ -7,13 +7,13 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from report_fakes import CASES, make
 
 from pounding_cli.errors import InputError
 from pounding_cli.report import figures
 from pounding_cli.report.build import nominal, write_comparison, write_report
 from pounding_cli.report.evidence import points
 from tests.helpers.pages import words
+from tests.helpers.report_tables import CASES, make
 
 
 def test_report_holds_page_figures_and_every_table(tmp_path):

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from report_fakes import CASES, RECORDS, make
 
 from pounding_cli.report.claims import CLAIMS, judge
 from pounding_cli.report.evidence import points
 from pounding_cli.report.verdicts import Claim, Finding, Verdict, found
+from tests.helpers.report_tables import CASES, RECORDS, make
 
 ALL = tuple(CASES)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
-from report_fakes import CASES, RECORDS, make
 
 from pounding_cli.report.evidence import motion_label, motion_sentence, points, split
+from tests.helpers.report_tables import CASES, RECORDS, make
 
 
 def test_mean_over_motions_is_the_mean_of_the_ratios():

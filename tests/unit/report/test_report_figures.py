@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
-from report_fakes import CASES, make
-from report_figures import assert_no_overlap, panels
 
 from pounding_cli.errors import InputError
 from pounding_cli.report import figures, inset
 from pounding_cli.report.evidence import points
 from pounding_cli.report.style import looks, save
+from tests.helpers.figures import assert_no_overlap, panels
+from tests.helpers.report_tables import CASES, make
 
 ALL = tuple(CASES)
 FOUR = {"report": {"plot": ["touching", "gap", "infill", "connected"]}}

@@ -7,12 +7,12 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from report_fakes import MOTIONS, make
 
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import Unit
 from pounding_cli.report.axes import swept_axes
 from pounding_cli.report.quantity import Choice, over_sweep, quantities
+from tests.helpers.report_tables import MOTIONS, make
 
 PERIODS = (0.4, 0.5, 0.6)
 GAPS = (0.0, 0.05)

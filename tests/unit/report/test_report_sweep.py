@@ -6,8 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.collections import PatchCollection, QuadMesh
-from report_fakes import MOTIONS, make
-from report_figures import assert_no_overlap, panels
 
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import Unit
@@ -16,6 +14,8 @@ from pounding_cli.report.maps import short
 from pounding_cli.report.quantity import Choice
 from pounding_cli.report.style import RC
 from pounding_cli.report.sweep import Asked, sweep_figures
+from tests.helpers.figures import assert_no_overlap, panels
+from tests.helpers.report_tables import MOTIONS, make
 
 STRUCK = "connector closes more than the gap, so the floors would have struck: stiff | soft, floor 5, by 3 mm"
 EDITIONS = ["UBC-1985", "UBC-1988", "UBC-1991"]

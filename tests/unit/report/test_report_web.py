@@ -9,7 +9,6 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from report_fakes import LEVEL, MOTIONS, PUSH, make
 
 from pounding_cli.laws.connector import Connector
 from pounding_cli.numbers import Unit
@@ -22,6 +21,7 @@ from pounding_cli.report.web import motion, story, sweep
 from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.page import _keys_as_code, _unbroken, write_page
 from pounding_cli.solve.histories import ENERGIES, History
+from tests.helpers.report_tables import LEVEL, MOTIONS, PUSH, make
 
 
 def page_of(results, folder, figures=None) -> str:

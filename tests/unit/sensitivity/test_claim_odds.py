@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.stats import binomtest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sensitivity_studies import write_study
 
 from pounding_cli.batch import run_plan
 from pounding_cli.errors import InputError
@@ -23,6 +17,7 @@ from pounding_cli.store.codec import failed
 from pounding_cli.study import claim_names, load_study
 from pounding_cli.study.expand import expand
 from pounding_cli.study.sensitivity import expand_sensitivity, question_of
+from tests.helpers.sensitivity_studies import write_study
 
 STUDY = """\
 title: Two small buildings

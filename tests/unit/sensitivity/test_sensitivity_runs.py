@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from sensitivity_studies import FIRST, STUDY, TOTAL, fails_in_a_corner, ishigami, known, write_study
 
 from pounding_cli.batch import run_plan, runner
 from pounding_cli.store import indices as store_indices
@@ -19,6 +14,7 @@ from pounding_cli.store import open_results
 from pounding_cli.store.indices import CONSTANT, FOUND, draws, indices
 from pounding_cli.study import load_study
 from pounding_cli.study.sensitivity import expand_sensitivity, question_of
+from tests.helpers.sensitivity_studies import FIRST, STUDY, TOTAL, fails_in_a_corner, ishigami, known, write_study
 
 KEYS = ["buildings.A.mass", "cases.near.gap", "buildings.A.hardening"]
 

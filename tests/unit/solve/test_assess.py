@@ -6,13 +6,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scenes import motion, pair, pounding
 
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import assess, solve
 from pounding_cli.solve.assess import change, difference, nudged_motion
+from tests.helpers.five_storeys import motion, pair, pounding
 
 ACCURACY = 1e-6
 

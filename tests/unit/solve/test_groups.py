@@ -6,11 +6,11 @@ import dataclasses
 from collections import Counter
 
 import pytest
-from scenes import motion, pair, pounding
 
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.groups import GroupSolver
+from tests.helpers.five_storeys import motion, pair, pounding
 
 
 def row(far: float) -> Scene:

@@ -6,12 +6,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from histories_scenes import SCENES, small
 
 from pounding_cli.errors import InputError
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
 from pounding_cli.solve.histories import history
+from tests.helpers.small_scenes import SCENES, small
 
 EVERY = 2.5e-4
 """Fine enough for contacts of 5 ms to show their largest force."""

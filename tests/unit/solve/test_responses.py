@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from scenes import motion, pair, pounding
 
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve.response import Response
 from pounding_cli.solve.run import Prepared, prepare, responses
 from pounding_cli.store.codec import encode
+from tests.helpers.five_storeys import motion, pair, pounding
 
 
 def runs() -> list[Prepared]:

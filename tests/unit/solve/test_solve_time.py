@@ -5,12 +5,11 @@ from __future__ import annotations
 import dataclasses
 import time
 
-from scenes import motion, pair
-
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import solve
 from pounding_cli.solve.method import Integrator, integrator_of
+from tests.helpers.five_storeys import motion, pair
 
 
 def test_the_first_call_of_a_kernel_is_not_timed(monkeypatch):

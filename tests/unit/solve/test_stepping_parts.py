@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 from numba import njit
-from reference.modes import matrices as building_matrices
 
 from pounding_cli.kernels import cholesky, hermite
 from pounding_cli.kernels import link_force as link_forces
@@ -21,6 +20,7 @@ from pounding_cli.records import Motion
 from pounding_cli.solve.arrays import pack
 from pounding_cli.solve.linear import central_difference_limit, matrices, runge_kutta_limit, with_links
 from pounding_cli.solve.method import steps_a_sample
+from tests.reference.modes import matrices as building_matrices
 
 
 def called(piece):

@@ -6,7 +6,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scenes import motion, pair, pounding
 
 from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Analysis, Scene
@@ -22,6 +21,7 @@ from pounding_cli.solve.work_precision import (
     errors_of,
     measure,
 )
+from tests.helpers.five_storeys import motion, pair, pounding
 
 
 def run(case: str, method: str, setting: float, seconds: float, error: float, status: str = "done") -> Run:

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from study_plans import FakeStudy, known, small_plan
 
 from pounding_cli.store import overview, write_results
 from pounding_cli.store.bracket import ADVICE, spreads
 from pounding_cli.store.bracket import said as said_of
 from pounding_cli.store.files import opened
 from pounding_cli.study import Axis
+from tests.helpers.plans import FakeStudy, known, small_plan
 
 KEY = "impact.stiffness"
 RATIOS = (0.05, 0.2, 0.4)

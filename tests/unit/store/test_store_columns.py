@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from study_plans import known
 
 from pounding_cli.solve.response import ColumnResponse
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.compare import compare
 from pounding_cli.study import expand, load_study
+from tests.helpers.plans import known
 
 STUDY = """title: x
 records: {use: [elcentro], duration: 1 s}

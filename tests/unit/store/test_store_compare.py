@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sealing import edited
-from study_plans import Axis, FakeStudy, known, small_plan
 
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.compare import compare
+from tests.helpers.plans import Axis, FakeStudy, known, small_plan
+from tests.helpers.sealing import edited
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import h5py
 import pytest
-from study_plans import known, small_plan
 
 from pounding_cli.store import write_results
 from pounding_cli.variables import COORDINATES, STATISTICS, VARIABLES
+from tests.helpers.plans import known, small_plan
 
 PAGE = (Path(__file__).parents[3] / "docs" / "results.md").read_text()
 RECIPES = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)

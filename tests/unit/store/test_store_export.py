@@ -12,12 +12,12 @@ import pandas as pd
 import pytest
 import xarray
 from pyarrow import parquet
-from study_plans import Axis, FakeStudy, known, small_plan
 
 from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.columns import TABLES, meaning
 from pounding_cli.store.export import export
+from tests.helpers.plans import Axis, FakeStudy, known, small_plan
 
 
 @pytest.fixture

@@ -8,8 +8,6 @@ import subprocess
 import sys
 
 import pytest
-from sealing import edited
-from study_plans import FakeStudy, known, small_plan
 
 from pounding_cli.errors import InputError
 from pounding_cli.store import (
@@ -24,6 +22,8 @@ from pounding_cli.store import (
 )
 from pounding_cli.store.files import refused_write
 from pounding_cli.store.keys import FORMAT_VERSION
+from tests.helpers.plans import FakeStudy, known, small_plan
+from tests.helpers.sealing import edited
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pandas as pd
 import pytest
-from study_plans import known, small_plan
 
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.infill import Infill
@@ -14,6 +13,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.solve.flags import flags_of, is_meaningless
 from pounding_cli.store import flag_groups_of, flagged_scenes, open_results, overview, write_results
 from pounding_cli.study import Axis
+from tests.helpers.plans import known, small_plan
 
 STRUCK = "connector closes more than the gap, so the floors would have struck"
 

@@ -8,12 +8,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from sealing import edited
-from study_plans import FakeStudy, known, small_plan
 
 from pounding_cli.errors import InputError
 from pounding_cli.store import check_results, write_results
 from pounding_cli.store.swept import create, write_head
+from tests.helpers.plans import FakeStudy, known, small_plan
+from tests.helpers.sealing import edited
 
 
 @pytest.fixture

@@ -9,14 +9,14 @@ from zlib import crc32
 import h5py
 import numpy as np
 import pytest
-from sealing import edited
-from study_plans import Axis, known, small_plan
 
 from pounding_cli.api import histories as api
 from pounding_cli.errors import InputError
 from pounding_cli.solve.histories import ENERGIES, History
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.histories import FIELDS, Kept, kept_places
+from tests.helpers.plans import Axis, known, small_plan
+from tests.helpers.sealing import edited
 
 TIMES, STOREYS = 7, 3
 

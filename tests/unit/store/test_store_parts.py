@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from study_plans import known, small_plan
 
 from pounding_cli.solve.response import ColumnResponse
 from pounding_cli.store import PartStore
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import decode, encode, parse
+from tests.helpers.plans import known, small_plan
 
 ARRAYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
 COLUMNS = ("link", "shear_below", "shear_above", "demand")

@@ -8,13 +8,13 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-from sealing import edited
-from study_plans import Axis, FakeStudy, known, small_plan
 
 from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.keys import FORMAT_VERSION
 from pounding_cli.variables import OF_COLUMNS, VARIABLES
+from tests.helpers.plans import Axis, FakeStudy, known, small_plan
+from tests.helpers.sealing import edited
 
 xarray = pytest.importorskip("xarray")
 

@@ -8,13 +8,13 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-from study_plans import known, small_plan
 
 from pounding_cli.batch import run_plan
 from pounding_cli.batch.progress import Quiet
 from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.seal import BLOCK, Sealed, Unsealed, is_sealed, seal
+from tests.helpers.plans import known, small_plan
 
 
 @pytest.fixture

@@ -7,14 +7,14 @@ import resource
 import h5py
 import numpy as np
 import pytest
-from sealing import edited
-from study_plans import known, small_plan
 
 from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.files import opened
 from pounding_cli.store.structure import number, text
 from pounding_cli.study import Axis
+from tests.helpers.plans import known, small_plan
+from tests.helpers.sealing import edited
 
 
 @pytest.fixture

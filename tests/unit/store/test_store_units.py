@@ -7,12 +7,12 @@ import dataclasses
 import h5py
 import numpy as np
 import pytest
-from study_plans import building, known, small_plan
 
 from pounding_cli.numbers import Unit
 from pounding_cli.store import open_results, overview
 from pounding_cli.store.write import write_results
 from pounding_cli.study import Axis
+from tests.helpers.plans import building, known, small_plan
 
 GRAVITY = 9.80665
 AXES = (

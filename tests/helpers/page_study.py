@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from sealing import edited
 
 from pounding_cli.batch import run_plan
 from pounding_cli.laws.connector import Connector
@@ -18,6 +17,7 @@ from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.store import open_results
 from pounding_cli.store.histories import write_history
 from pounding_cli.study import expand, load_study
+from tests.helpers.sealing import edited
 
 STUDY = """\
 title: Two buildings <known> & small
@@ -43,6 +43,9 @@ FACTOR = {"touching": 1.5, "gap": 1.25, "infill": 1.4, "connected": 1.3}
 """V/V0 of storey 1 of every case; storey s has (1 + s) / 2 times that, a gap 10 % more for each cm beyond the first."""
 PEAKS = {"weak": 1.0, "strong": 4.0}
 """Peak ground acceleration of the motions [m/s2]; V0 is 1e6 N times it."""
+KEPT = (("touching", "elastic"), ("connected", "elastic"))
+"""Scenes whose histories most tests keep."""
+
 DT = 0.002
 CONTACTS = {1: (0.5, 1e6), 2: (1.2, 4e6)}
 """Of the kept scenes: floor -> when it is struck hardest [s], force [N]; triangles of 10 ms."""

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from pounding_cli.model.scene import Scene
-from reference.assembly import coordinates, ground, reduced_mass, start
+from tests.reference.assembly import coordinates, ground, reduced_mass, start
 
 
 def march(scene: Scene, initial=None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -13,9 +13,9 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve
 from pounding_cli.solve.histories import history
 from pounding_cli.solve.response import Response
+from tests.helpers.scenes import ELASTIC, gather, oscillator, shear_building, still
 
 from . import events
-from .scenes import ELASTIC, gather, oscillator, shear_building, still
 
 M1, M2, K, V0, GAP = 2e5, 3e5, 2e9, 0.6, 0.01
 """Masses [kg], contact stiffness [N/m^b], approach speed [m/s] and gap [m] of a blow."""

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pounding_cli.model.scene import Scene
-from reference.assembly import Coordinates, coordinates, reduced_mass
-from reference.pens import WenPen, pen_of
+from tests.reference.assembly import Coordinates, coordinates, reduced_mass
+from tests.reference.pens import WenPen, pen_of
 
 ACTING = ("on", "beyond", "gaining", "parting", "yielding", "unloading", "returning", "up", "down")
 """Branches of a link whose force acts."""

@@ -13,8 +13,8 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from pounding_cli.model.scene import Scene
-from reference.assembly import ground, start
-from reference.branches import ACTING, Laws
+from tests.reference.assembly import ground, start
+from tests.reference.branches import ACTING, Laws
 
 PLACES = np.linspace(0.0, 1.0, 5)
 """Where in a step events are looked for."""

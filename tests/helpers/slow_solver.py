@@ -2,7 +2,7 @@
 
 import time
 
-from study_plans import known
+from tests.helpers.plans import known
 
 
 def solve_slowly(scene, **options):

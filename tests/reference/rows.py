@@ -12,8 +12,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve import solve
-
-from .scenes import INELASTIC, gather, links, shake, shear_building
+from tests.helpers.scenes import INELASTIC, gather, links, shake, shear_building
 
 PEAKS = ("shear", "drift", "acceleration", "displacement_max", "displacement_min")
 

@@ -9,7 +9,7 @@ import numpy as np
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.dashpot import damping_ratio
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.model.building import Building
+from pounding_cli.model.building import Building, weight_above
 from pounding_cli.model.code_design import UbcDesign
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import Link
@@ -43,6 +43,17 @@ def oscillator(
     """One storey; Rayleigh damping of ratio xi, half from each factor."""
     alpha, beta = rayleigh_factors([mass], [stiffness], xi)
     return Building("oscillator", [mass], [3.0], [stiffness], [yield_shear], [hardening], alpha, beta)
+
+
+def leaning(building: Building, theta: float | None = None) -> Building:
+    """The building with P-Delta of one stability coefficient in all storeys, or of the weights above."""
+    load = weight_above(building.mass) if theta is None else theta * building.stiffness * building.height
+    return replace(building, gravity_load=load)
+
+
+def standing(building: Building) -> Building:
+    """The building, run on however far it drifts."""
+    return replace(building, collapse=np.inf)
 
 
 def still(duration: float, dt: float = 0.02) -> Motion:

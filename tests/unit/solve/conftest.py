@@ -1,6 +1,0 @@
-"""The matrices of tests/verification/reference serve here too."""
-
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "verification"))
