@@ -55,8 +55,12 @@ class Arrays:
     laws: tuple[StoreyLaw | None, ...]  # by slot: what yields; None where nothing does
     columns: tuple[Columns, ...]  # whose shear is asked for
     memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
+    left_of_links: tuple[int, ...]  # by link, the building to its left
     yields: bool  # whether some storey can
     leans: bool  # whether some storey carries P-Delta of its own
+    collapses: bool  # whether a drift is looked for at which a storey counts as collapsed
+    flows: bool  # whether what a storey remembers changes between events too
+    written: bool  # whether the force of some link is written as operations
 
     @property
     def padded(self) -> int:
@@ -81,14 +85,16 @@ def pack(scene: Scene) -> Arrays:
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
     given = buildings, analysis, struck_between_floors(links), struck_columns(links)
     alone, _, storeys = _without_links(*given)
-    flowing = analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings])
-    flow = law_tables.flow_of(alone.laws) if flowing else 0
+    flow = law_tables.flow_of(alone.laws) if alone.flows else 0
     ends = _ends(*given, tuple([link.ends for link in links]))
     packed, links_at_rest = law_tables.pack_links(links, *ends, flow)
     tables, branch = law_tables.with_storeys(packed, *storeys)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)
-    return dataclasses.replace(alone, slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest)
+    return dataclasses.replace(
+        alone, slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest,
+        left_of_links=tuple([link.left for link in links]), written=any([link.law.general for link in links]),
+    )  # fmt: skip
 
 
 @functools.lru_cache(maxsize=64)  # the same for every gap and stiffness of a sweep
@@ -133,7 +139,9 @@ def _without_links(
     arrays = Arrays(
         slots, points, springs_of(buildings, places), *law_tables.pack_links((), [], []),
         tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), tuple(laws),
-        columns, memory.ravel(), any(law is not None for law in laws), bool(slots.geometric.any()),
+        columns, memory.ravel(), left_of_links=(), yields=any(law is not None for law in laws),
+        leans=bool(slots.geometric.any()), collapses=bool(np.isfinite(slots.collapse).any()),
+        flows=analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings]), written=False,
     )  # fmt: skip
     return arrays, places, law_tables.storey_rows(laws)
 

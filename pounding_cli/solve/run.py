@@ -145,7 +145,7 @@ class Prepared:
         scene, takes_step = self.scene, self.method.takes_step
         if takes_step and step_taken(scene, self.setting) > self.limit:
             return
-        _compile(self.code, scene, scene.motion.dt if takes_step else self.setting)
+        _compile(self.code, scene, self.arrays, scene.motion.dt if takes_step else self.setting)
         begin = time.perf_counter()
         status, steps, events, orders, self.reached = self.code.integrate(
             scene, self.arrays, *self.begun[:3], self.setting, self.bounds
@@ -323,19 +323,18 @@ def _what_runs(
     if free and not all_effects and (cheapest := METHODS[cheapest_method(scene, arrays)]) is not chosen:
         chosen, code = cheapest, integrator_of(cheapest)
         condensing += ("event location: nothing in the scene can change its stiffness, so it is stepped exactly",)
-    if code is taylor.TAYLOR and taylor.solved_in_islands(scene, arrays):
+    if code is taylor.TAYLOR and taylor.solved_in_islands(arrays):
         condensing += ("the rest of the row, while a few touch or yield: what does not touch takes steps of its own",)
     return _Runs(scene.buildings, arrays, chosen, code, condensing, code.largest_step(arrays))
 
 
-def _compile(code: Integrator, scene: Scene, setting: float) -> None:
+def _compile(code: Integrator, scene: Scene, arrays: Arrays, setting: float) -> None:
     """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
-    sort = (code.integrate, effects_of(scene).yielding, taylor.takes_programs(scene))
+    sort = code.integrate, arrays.yields, taylor.takes_programs(arrays)
     if sort in _compiled:
         return
     still = Motion("still", scene.motion.dt, np.zeros(2))
     silent = dataclasses.replace(scene, motion=still, tail=0.0)
-    arrays = pack(silent)
     bounds = MAX_STEPS, MAX_EVENTS
 
     def once() -> None:

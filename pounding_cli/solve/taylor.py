@@ -6,13 +6,13 @@ import functools
 import math
 import threading
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pounding_cli.kernels.history import History
 from pounding_cli.kernels.layout import Points, Row, Springs
 from pounding_cli.kernels.ledger import MAX_POINTS
-from pounding_cli.model.effects import effects_of, memories_flow
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
@@ -85,11 +85,11 @@ MOST_PADDING = 2
 one or two storeys would leave most of every eight places empty, the row stays one island."""
 
 
-def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Points, Springs]:
+def places_of(arrays: Arrays) -> tuple[Row, Points, Springs]:
     """The buildings by place (`layout.Row`), and points and springs likewise."""
     count = arrays.links.number
     left, right = arrays.links.left[:count].tolist(), arrays.links.right[:count].tolist()
-    row = _row(arrays.begins, tuple(link.left for link in scene.links), tuple(left), tuple(right))
+    row = _row(arrays.begins, arrays.left_of_links, tuple(left), tuple(right))
     points, springs = arrays.points, arrays.springs
     if points.number:
         table = points.shears
@@ -104,10 +104,10 @@ def places_of(scene: Scene, arrays: Arrays) -> tuple[Row, Points, Springs]:
     return row, points, springs
 
 
-def solved_in_islands(scene: Scene, arrays: Arrays) -> bool:
+def solved_in_islands(arrays: Arrays) -> bool:
     """Whether buildings that do not touch take steps of their own."""
-    several = len(scene.buildings) > ALWAYS_ONE_ISLAND and not effects_of(scene).collapse
-    return several and _allows_islands(places_of(scene, arrays)[0])
+    several = len(arrays.floors) > ALWAYS_ONE_ISLAND and not arrays.collapses
+    return several and _allows_islands(places_of(arrays)[0])
 
 
 def _allows_islands(row: Row) -> bool:
@@ -150,10 +150,42 @@ def _padded(count):
     return -(-count // LANES) * LANES
 
 
-def takes_programs(scene: Scene) -> bool:
+def takes_programs(arrays: Arrays) -> bool:
     """Whether the scene needs the larger of the two kernels (`kernels.taylor.build`)."""
-    linked = any([link.law.general or link.columns > 0.0 for link in scene.links])
-    return linked or memories_flow(scene)
+    return arrays.written or arrays.flows or bool(arrays.columns)
+
+
+class _Laid(NamedTuple):
+    """The kernel for scenes with the same arrays, what it is given of them, and the scratch that it needs: doubles and
+    integers."""
+
+    kernel: Callable[..., tuple[int, int, int, int, float]]
+    row: Row
+    points: Points
+    springs: Springs
+    doubles: int
+    integers: int
+    inelastic: bool
+    use_islands: bool
+    events_at_instant: int
+
+
+@functools.lru_cache(maxsize=64)  # the same for every motion
+def _laid_out(arrays: Arrays, all_effects: bool) -> _Laid:
+    from pounding_cli.kernels import scratch, taylor
+
+    row, points, springs = places_of(arrays)
+    registers = arrays.links.registers if arrays.flows or arrays.written else 0
+    doubles, integers = scratch.memory_needed(
+        row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size,
+        arrays.flows,
+    )  # fmt: skip
+    # A collapse ends the run of all buildings at one time, so they are solved together.
+    use_islands = not all_effects and not arrays.collapses and _allows_islands(row)  # fault: stands-apart
+    return _Laid(
+        taylor.build(takes_programs(arrays)), row, points, springs, doubles, integers, all_effects or arrays.yields,
+        use_islands, max_events_at_instant(arrays.begins[-1], arrays.links.number),
+    )  # fmt: skip
 
 
 def prepare(
@@ -162,31 +194,16 @@ def prepare(
     """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
     last three as in `ground.segments`, and a history to enter (`kernels.history`); see `kernels.taylor.build`. It does
     what the scene needs, or looks for everything there is."""
-    from pounding_cli.kernels import scratch, taylor
-
-    tolerance = local_tolerance(accuracy)
-    row, points, springs = places_of(scene, arrays)
-    flowing = memories_flow(scene)
-    registers = arrays.links.registers if flowing or any(link.law.general for link in scene.links) else 0
-    doubles, whole = scratch.memory_needed(
-        row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size,
-        flowing,
+    laid, tolerance = _laid_out(arrays, all_effects), local_tolerance(accuracy)
+    settings: tuple[Any, ...] = (
+        laid.inelastic, laid.use_islands, arrays.collapses, tolerance, least_acceleration_scale(scene, arrays, state),
+        max_order(tolerance), *bounds, laid.events_at_instant,
     )  # fmt: skip
-    kernel, rules = taylor.build(takes_programs(scene)), gauss_rules(MAX_POINTS)
-    inelastic = all_effects or effects_of(scene).yielding
-    watched = effects_of(scene).collapse
-    # A collapse ends the run of all buildings at one time, so they are solved together.
-    use_islands = not all_effects and not watched and _allows_islands(row)  # fault: stands-apart
-    least_scale = least_acceleration_scale(scene, arrays, state)
-    events_at_instant = max_events_at_instant(arrays.begins[-1], arrays.links.number)
-    order = max_order(tolerance)
-    settings = inelastic, use_islands, watched, tolerance, least_scale, order, *bounds, events_at_instant
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float, history: History = NO_HISTORY):
-        memory, integers = _scratch(doubles, whole)
-        return kernel(
-            arrays.slots, points, springs, arrays.links, row, state, peaks, ledger, history, *rules, memory,
-            integers, starts, slopes, dt, *settings,
+        return laid.kernel(
+            arrays.slots, laid.points, laid.springs, arrays.links, laid.row, state, peaks, ledger, history,
+            *gauss_rules(MAX_POINTS), *_scratch(laid.doubles, laid.integers), starts, slopes, dt, *settings,
         )  # fmt: skip
 
     return run

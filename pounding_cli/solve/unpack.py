@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from pounding_cli.kernels.layout import Peaks, State
-from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays, drift_of
 from pounding_cli.solve.places import struck_columns
@@ -22,7 +21,6 @@ def unpack(scenes: Sequence[Scene], arrays: Arrays, state: State, peaks: Peaks) 
     """Peaks by slot and link, a row a scene, as responses by building, link and struck column, which share their
     memory. The scenes have the same buildings and analysis, and as many links."""
     drift_now = drift_of(arrays, state.u)
-    yielding = effects_of(scenes[0]).yielding  # elsewhere the kernels track drifts alone
     still = np.zeros(len(scenes))
     buildings = []
     for b, building in enumerate(scenes[0].buildings):
@@ -31,7 +29,7 @@ def unpack(scenes: Sequence[Scene], arrays: Arrays, state: State, peaks: Peaks) 
         sway = _furthest(peaks, base) if base >= 0 else still
         rocking = _furthest(peaks, rock) / float(building.elevation[-1]) if rock >= 0 else still
         rows = zip(
-            peaks.shear[:, span] if yielding else building.stiffness * drift,
+            peaks.shear[:, span] if arrays.yields else building.stiffness * drift,  # elastic kernels track drifts alone
             drift,
             drift / building.yield_drift,
             peaks.acceleration[:, span],
