@@ -56,6 +56,7 @@ class Arrays:
     columns: tuple[Columns, ...]  # whose shear is asked for
     memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
     left_of_links: tuple[int, ...]  # by link, the building to its left
+    yield_drift: np.ndarray  # by slot [m]; inf where there is no storey
     yields: bool  # whether some storey can
     leans: bool  # whether some storey carries P-Delta of its own
     collapses: bool  # whether a drift is looked for at which a storey counts as collapsed
@@ -88,7 +89,7 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
     flow = law_tables.flow_of(alone.laws) if alone.flows else 0
     ends = _ends(*given, tuple([link.ends for link in links]))
     packed, links_at_rest = law_tables.pack_links(links, *ends, flow)
-    tables, branch = law_tables.with_storeys(packed, *storeys)
+    tables, branch = storeys.after(packed)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)
     return dataclasses.replace(
@@ -120,9 +121,9 @@ def _ends(
 @functools.lru_cache(maxsize=64)
 def _without_links(
     buildings: tuple[Building, ...], analysis: Analysis, struck: tuple[Struck, ...], columns: tuple[Columns, ...]
-) -> tuple[Arrays, Places, tuple[law_tables.Rows | None, np.ndarray]]:
+) -> tuple[Arrays, Places, law_tables.Storeys]:
     """The arrays of buildings alone, with the points that links need; where all stands; the rows of their storeys'
-    laws, and by slot the first of them, -1 for none."""
+    laws."""
     places = places_of(buildings, struck, columns)
     slots = _slots(buildings, places)
     laws: list[StoreyLaw | None] = [None] * slots.size
@@ -131,6 +132,9 @@ def _without_links(
             laws[span] = (law if law.can_yield else None for law in building.laws)
             slots.collapse[span] = building.collapse_drift
     slots = slots._replace(memories=law_tables.memories_of(laws))
+    yield_drift = np.full(slots.size, np.inf)
+    for building, span in zip(buildings, places.floors, strict=True):
+        yield_drift[span] = building.yield_drift
     memory = np.zeros((MEMORIES, slots.size))
     for i, law in enumerate(laws):
         begin = law.memories_at_rest if law else ()
@@ -139,11 +143,11 @@ def _without_links(
     arrays = Arrays(
         slots, points, springs_of(buildings, places), *law_tables.pack_links((), [], []),
         tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), tuple(laws),
-        columns, memory.ravel(), left_of_links=(), yields=any(law is not None for law in laws),
+        columns, memory.ravel(), left_of_links=(), yield_drift=yield_drift, yields=any(law is not None for law in laws),
         leans=bool(slots.geometric.any()), collapses=bool(np.isfinite(slots.collapse).any()),
         flows=analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings]), written=False,
     )  # fmt: skip
-    return arrays, places, law_tables.storey_rows(laws)
+    return arrays, places, law_tables.storeys_of(laws)
 
 
 def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:
@@ -207,9 +211,10 @@ def stacked(arrays: Arrays, runs: Sequence[Begun]) -> tuple[State, Peaks, Ledger
     """What runs have left, as rows of arrays, and which of them have left finite peaks; `arrays` are those of one of
     them, the others are laid out alike."""
     blank = _blank(arrays.padded, arrays.links.size)
-    memory = np.stack([run.memory for run in runs])
+    memory = runs[0].memory[None] if len(runs) == 1 else np.stack([run.memory for run in runs])
     state, peaks, ledger = blank.tuples(memory)
-    return state, peaks, ledger, np.isfinite(memory[:, blank.spans[1]]).all(axis=1)
+    whole = [np.isfinite(memory[:, span]).all(axis=1) for span in blank.spans[1]]
+    return state, peaks, ledger, np.logical_and.reduce(whole)
 
 
 @functools.lru_cache(maxsize=64)

@@ -11,7 +11,7 @@ import numpy as np
 from pounding_cli.kernels.layout import Peaks, State
 from pounding_cli.kernels.ledger import Ledger
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.arrays import Arrays, drift_of, with_points
+from pounding_cli.solve.arrays import Arrays, with_points
 from pounding_cli.solve.storeys import shear_and_stored
 
 Held = tuple[float, float, float]
@@ -21,21 +21,19 @@ AT_REST: Held = (0.0, 0.0, 0.0)
 
 
 def held(
-    scenes: Sequence[Scene], runs: Sequence[Arrays], state: State, ledger: Ledger | None = None
+    scenes: Sequence[Scene], runs: Sequence[Arrays], state: State, drift: np.ndarray, ledger: Ledger | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Energy in the scenes now [J], shape (runs,) each: kinetic, stored in storeys and foundations less what their
     weights have lost by leaning (P-Delta), stored in links. What storeys hold is in the ledger of a run that has come
-    to this state."""
+    to this state; `drift` as of `drift_of` [m]."""
     arrays = runs[0]
     kinetic = 0.5 * _dots(arrays.slots.mass, state.v**2)
     if not arrays.yields:
-        drift = drift_of(arrays, state.u)
-        stored = (0.5 * (arrays.slots.stiffness * drift) * drift).sum(axis=1)
+        stored = _sums(0.5 * (arrays.slots.stiffness * drift) * drift)
     elif ledger is None:
-        drift = drift_of(arrays, state.u)
         stored = shear_and_stored(arrays, drift, state.storey_branch, state.storey_memory)[1]
     else:
-        stored = ledger.stored.sum(axis=1)
+        stored = _sums(ledger.stored)
     if arrays.springs.number:
         springs = np.sum(arrays.springs.weight * state.u[:, arrays.springs.freedom], axis=1)
         stored = stored + 0.5 * _dots(arrays.springs.stiffness, springs**2)
@@ -44,6 +42,11 @@ def held(
         leans = state.u - arrays.slots.couple * below
         stored = stored - 0.5 * _dots(arrays.slots.geometric, leans**2)  # fault: p-delta-energy
     return kinetic, stored, _in_links(scenes, runs, state)
+
+
+def _sums(rows: np.ndarray) -> np.ndarray:
+    """The sum of every row."""
+    return np.add.reduce(rows, axis=1)
 
 
 def _dots(weights: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -71,6 +74,7 @@ def balance(
     runs: Sequence[Arrays],
     before: Sequence[Held],
     state: State,
+    drift: np.ndarray,
     peaks: Peaks,
     ledger: Ledger,
 ) -> list[dict[str, float]]:
@@ -82,14 +86,14 @@ def balance(
         less than nothing
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
-    now = held(scenes, runs, state, ledger)
+    now = held(scenes, runs, state, drift, ledger)
     at_start, in_links = np.array([sum(each) for each in before]), np.array([each[2] for each in before])
-    work_on_links = ledger.links.sum(axis=1)
+    work_on_links = _sums(ledger.links)
     entries = {
-        "input": ledger.input.sum(axis=1) + at_start,
+        "input": _sums(ledger.input) + at_start,
         **dict(zip(("kinetic", "stored", "links_stored"), now, strict=True)),
-        "damping": ledger.dashpots.sum(axis=1) + ledger.drag.sum(axis=1),
-        "hysteresis": ledger.hysteresis.sum(axis=1),
+        "damping": _sums(ledger.dashpots) + _sums(ledger.drag),
+        "hysteresis": _sums(ledger.hysteresis),
         "links": work_on_links - now[2] + in_links,  # fault: links-energy
     }
     books = []

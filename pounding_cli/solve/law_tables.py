@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -62,32 +63,53 @@ def flow_of(laws: Sequence[StoreyLaw | None]) -> int:
     return max((GIVEN + len(operations(flow)) for flow in flows if flow is not None), default=0)
 
 
-def storey_rows(laws: Sequence[StoreyLaw | None]) -> tuple[Rows | None, np.ndarray]:
-    """(the rows of these laws of storeys, each once, which count from the first; by slot its first branch among them,
-    -1 for none); None where there are no laws."""
+def storeys_of(laws: Sequence[StoreyLaw | None]) -> Storeys:
+    """The rows of these laws, by slot."""
     first = np.full(len(laws), -1)
     tables = Tables()
     for i, law in enumerate(laws):
         if law is not None:
             first[i] = tables.add(law, functools.partial(_storey_rows, law))[0] - 1
     if not tables.places:
-        return None, first
+        return Storeys(None, first)
     branches, guards, steps = (rows[1:] for rows in tables.rows())
-    return (branches - _GUARD_PLACES - _STEP_PLACES, guards - _BRANCH_PLACE - _SET_PLACES, steps), first
+    return Storeys((branches - _GUARD_PLACES - _STEP_PLACES, guards - _BRANCH_PLACE - _SET_PLACES, steps), first)
 
 
-def with_storeys(links: Links, storeys: Rows | None, first: np.ndarray) -> tuple[Rows, np.ndarray]:
-    """(the tables of the links with the rows of storeys behind them, flat; by slot the first branch of its law)."""
-    tables = links.branches, links.guards, links.operations
-    if storeys is None:
-        return tables, np.zeros(first.size, np.int64)
-    count, asked, done = (
-        rows.size // width for rows, width in zip(tables, (t.BRANCH_ROW, t.GUARD_ROW, t.OPERATION_ROW), strict=True)
-    )
-    branches, guards, steps = storeys
-    moved = branches + asked * _GUARD_PLACES + done * _STEP_PLACES, guards + count * _BRANCH_PLACE + done * _SET_PLACES
-    behind = tuple(np.concatenate((rows, new.ravel())) for rows, new in zip(tables, (*moved, steps), strict=True))
-    return behind, np.where(first >= 0, count + first, t.NO_BRANCH)  # type: ignore[return-value]
+@dataclass(eq=False)
+class Storeys:
+    """The rows of the laws of a scene's storeys, to stand behind those of its links.
+
+    Parameters
+    ----------
+    rows : of the laws, each once, which count from the first; None where there are none
+    first : by slot the first branch of its law among them, -1 for none
+    """
+
+    rows: Rows | None
+    first: np.ndarray
+    _behind: dict[tuple[int, int, int], tuple[tuple[np.ndarray, ...], np.ndarray]] = field(default_factory=dict)
+    """By how many rows stand before them, which is the same for all gaps of a sweep."""
+
+    def after(self, links: Links) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+        """(the tables of the links with these rows behind them, flat; by slot the first branch of its law)."""
+        tables = links.branches, links.guards, links.operations
+        if self.rows is None:
+            return tables, np.zeros(self.first.size, np.int64)
+        before = tables[0].size // t.BRANCH_ROW, tables[1].size // t.GUARD_ROW, tables[2].size // t.OPERATION_ROW
+        if before not in self._behind:
+            self._behind[before] = self._moved(*before)
+        rows, first = self._behind[before]
+        return tuple([np.concatenate(two) for two in zip(tables, rows, strict=True)]), first
+
+    def _moved(self, count: int, asked: int, done: int) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+        """Behind so many branches, guards and operations."""
+        assert self.rows is not None
+        branches, guards, steps = self.rows
+        branches = branches + asked * _GUARD_PLACES + done * _STEP_PLACES
+        guards = guards + count * _BRANCH_PLACE + done * _SET_PLACES
+        flat = branches.ravel(), guards.ravel(), steps.ravel()
+        return flat, np.where(self.first >= 0, count + self.first, t.NO_BRANCH)
 
 
 def pack_links(

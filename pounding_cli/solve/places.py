@@ -41,8 +41,8 @@ class Places:
 
 def struck_between_floors(links: Sequence[Link]) -> tuple[Struck, ...]:
     """The places between floors at which links stand."""
-    ends = (end for link in links for end in link.ends)
-    return tuple(dict.fromkeys(end for end in ends if end[2] != 1.0))
+    ends = [end for link in links if link.left_at != 1.0 or link.right_at != 1.0 for end in link.ends]
+    return tuple(dict.fromkeys([end for end in ends if end[2] != 1.0]))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import gc
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import nan
+from math import isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import taylor
-from pounding_cli.solve.arrays import Arrays, Begun, at_rest, pack, stacked
+from pounding_cli.solve.arrays import Arrays, Begun, at_rest, drift_of, pack, stacked
 from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.energy import AT_REST, Held, balance, held
 from pounding_cli.solve.flags import collapse_flag, flags_of
@@ -190,18 +190,19 @@ def _responses(runs: Sequence[Prepared]) -> list[Response]:
     """Of runs that are laid out alike."""
     arrays, scenes = runs[0].arrays, [run.scene for run in runs]
     state, peaks, ledger, finite = stacked(arrays, [run.begun for run in runs])
+    drift = drift_of(arrays, state.u)
     books: list[dict[str, float]] = [{} for _ in runs]
     if runs[0].method.keeps_ledger:
         with np.errstate(over="ignore", invalid="ignore"):  # a run that failed may have ended at any numbers
             every = [run.arrays for run in runs]
-            books = balance(scenes, every, [run.before for run in runs], state, peaks, ledger)
+            books = balance(scenes, every, [run.before for run in runs], state, drift, peaks, ledger)
     ends = [_end(run, is_finite, book) for run, is_finite, book in zip(runs, finite.tolist(), books, strict=True)]
     for row, (outcome, _) in enumerate(ends):
         if outcome not in ENDS:  # no number of a run that failed is ever shown
-            for numbers in (*(each for each in peaks[1:-1] if each is not peaks.samples), state.u, state.v):
+            for numbers in (*(each for each in peaks[1:-1] if each is not peaks.samples), state.u, state.v, drift):
                 numbers[row].fill(np.nan)
             runs[row].begun.peaks.samples.fill(np.nan)
-    unpacked = unpack(scenes, arrays, state, peaks)
+    unpacked = unpack(scenes, arrays, drift, peaks)
     final = list(zip(*(zip(state.u[:, span], state.v[:, span], strict=True) for span in arrays.floors), strict=True))
     return [_response(*each) for each in zip(runs, ends, books, unpacked, final, strict=True)]
 
@@ -270,7 +271,8 @@ def prepare(
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
     before = AT_REST
     if initial is not None:
-        kinetic, stored, in_links = held([scene], [arrays], stacked(arrays, [begun])[0])
+        rows = stacked(arrays, [begun])[0]
+        kinetic, stored, in_links = held([scene], [arrays], rows, drift_of(arrays, rows.u))
         before = float(kinetic[0]), float(stored[0]), float(in_links[0])
     return Prepared(
         scene, arrays, runs.method, runs.code, setting, accuracy, bounds, watch, begun, before, runs.limit,
@@ -309,7 +311,7 @@ def _what_runs(
     ------
     InputError : a scene that the method does not run
     """
-    scene = Scene(buildings, links, Motion("still", dt, np.zeros(2)), analysis)
+    scene = Scene(buildings, links, _still(dt), analysis)
     code = integrator_of(chosen)
     condensing: tuple[str, ...] = ()
     if all_effects and code is taylor.TAYLOR:
@@ -328,13 +330,18 @@ def _what_runs(
     return _Runs(scene.buildings, arrays, chosen, code, condensing, code.largest_step(arrays))
 
 
+@functools.lru_cache(maxsize=16)
+def _still(dt: float) -> Motion:
+    """Two samples of still ground."""
+    return Motion("still", dt, np.zeros(2))
+
+
 def _compile(code: Integrator, scene: Scene, arrays: Arrays, setting: float) -> None:
     """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
     sort = code.integrate, arrays.yields, taylor.takes_programs(arrays)
     if sort in _compiled:
         return
-    still = Motion("still", scene.motion.dt, np.zeros(2))
-    silent = dataclasses.replace(scene, motion=still, tail=0.0)
+    silent = dataclasses.replace(scene, motion=_still(scene.motion.dt), tail=0.0)
     bounds = MAX_STEPS, MAX_EVENTS
 
     def once() -> None:
@@ -368,7 +375,7 @@ def chosen_method(name: str, accuracy: float, time_step: float | None = None) ->
             Problem(f"a time step says nothing to method {name}", "leave it out; `accuracy` sets the cost")
         )
     setting = accuracy if time_step is None else time_step
-    if not (np.isfinite(setting) and setting > 0):
+    if not (isfinite(setting) and setting > 0):
         what = method.setting
         hint = f"write e.g. `{what.key}: {what.example}`"
         raise InputError(Problem(f"{what.title} is {setting:g}; it must be above zero", hint))

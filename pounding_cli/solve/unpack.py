@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pounding_cli.kernels.layout import Peaks, State
+from pounding_cli.kernels.layout import Peaks
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.arrays import Arrays, drift_of
+from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.places import struck_columns
 from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse
 
@@ -17,32 +17,32 @@ Unpacked = tuple[tuple[BuildingResponse, ...], LinkResponse, ColumnResponse]
 _NO_COLUMNS = ColumnResponse()
 
 
-def unpack(scenes: Sequence[Scene], arrays: Arrays, state: State, peaks: Peaks) -> list[Unpacked]:
+def unpack(scenes: Sequence[Scene], arrays: Arrays, drift_now: np.ndarray, peaks: Peaks) -> list[Unpacked]:
     """Peaks by slot and link, a row a scene, as responses by building, link and struck column, which share their
-    memory. The scenes have the same buildings and analysis, and as many links."""
-    drift_now = drift_of(arrays, state.u)
-    still = np.zeros(len(scenes))
+    memory. The scenes have the same buildings and analysis, and as many links.
+
+    drift_now : at the end, by slot [m], shape (scenes, slots)
+    """
+    of_slots = (
+        peaks.shear if arrays.yields else arrays.slots.stiffness * peaks.drift,  # elsewhere drifts alone are tracked
+        peaks.drift,
+        peaks.drift / arrays.yield_drift,
+        peaks.acceleration,
+        peaks.displacement_max,
+        peaks.displacement_min,
+        drift_now,
+    )
     buildings = []
     for b, building in enumerate(scenes[0].buildings):
-        span, base, rock = arrays.floors[b], arrays.bases[b], arrays.rocks[b]
-        drift = peaks.drift[:, span]
-        sway = _furthest(peaks, base) if base >= 0 else still
-        rocking = _furthest(peaks, rock) / float(building.elevation[-1]) if rock >= 0 else still
-        rows = zip(
-            peaks.shear[:, span] if arrays.yields else building.stiffness * drift,  # elastic kernels track drifts alone
-            drift,
-            drift / building.yield_drift,
-            peaks.acceleration[:, span],
-            peaks.displacement_max[:, span],
-            peaks.displacement_min[:, span],
-            drift_now[:, span],
-            sway.tolist(),
-            rocking.tolist(),
-            strict=True,
-        )
-        buildings.append([BuildingResponse(*row) for row in rows])
+        rows = zip(*[each[:, arrays.floors[b]] for each in of_slots], strict=True)
+        if building.foundation is None:
+            buildings.append([BuildingResponse(*row) for row in rows])
+            continue
+        sway, rocking = _furthest(peaks, arrays.bases[b]), _furthest(peaks, arrays.rocks[b])
+        moving = zip(rows, sway.tolist(), (rocking / float(building.elevation[-1])).tolist(), strict=True)
+        buildings.append([BuildingResponse(*row, *moved) for row, *moved in moving])
     of_links = (peaks.impacts, peaks.force, peaks.closing, peaks.impulse, peaks.contact_time)
-    links = [LinkResponse(*row) for row in zip(*(each[:, : arrays.links.number] for each in of_links), strict=True)]
+    links = [LinkResponse(*row) for row in zip(*[each[:, : arrays.links.number] for each in of_links], strict=True)]
     columns = [_NO_COLUMNS] * len(scenes)
     if arrays.columns:
         shears = peaks.shear[:, arrays.points.shears.slot]
@@ -51,7 +51,9 @@ def unpack(scenes: Sequence[Scene], arrays: Arrays, state: State, peaks: Peaks) 
 
 
 def _furthest(peaks: Peaks, slot: int) -> np.ndarray:
-    """Largest displacement of a slot, to either side [m], shape (scenes,)."""
+    """Largest displacement of a slot, to either side [m], shape (scenes,); 0 of slot -1, which is none."""
+    if slot < 0:
+        return np.zeros(len(peaks.drift))
     return np.maximum(peaks.displacement_max[:, slot], -peaks.displacement_min[:, slot])
 
 
