@@ -211,10 +211,9 @@ def stacked(arrays: Arrays, runs: Sequence[Begun]) -> tuple[State, Peaks, Ledger
     """What runs have left, as rows of arrays, and which of them have left finite peaks; `arrays` are those of one of
     them, the others are laid out alike."""
     blank = _blank(arrays.padded, arrays.links.size)
-    memory = runs[0].memory[None] if len(runs) == 1 else np.stack([run.memory for run in runs])
+    memory = runs[0].memory[None] if len(runs) == 1 else np.array([run.memory for run in runs])
     state, peaks, ledger = blank.tuples(memory)
-    whole = [np.isfinite(memory[:, span]).all(axis=1) for span in blank.spans[1]]
-    return state, peaks, ledger, np.logical_and.reduce(whole)
+    return state, peaks, ledger, np.isfinite(memory[:, blank.spans[1]]).all(axis=1)
 
 
 @functools.lru_cache(maxsize=64)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -22,49 +21,35 @@ def aligned(count: int) -> np.ndarray:
 class Blank:
     """Named tuples of vectors of doubles or of 64-bit integers, to be copied, and of other values, which are shared.
 
-    To make forty arrays takes as long as all else about a small scene; a copy makes one. Vectors of one type and size
-    are rows of one table, which numpy makes together.
+    To make forty arrays takes as long as all else about a small scene; a copy makes one.
 
     Parameters
     ----------
-    filled : the tuples; sizes of their vectors are multiples of LANES
+    filled : the tuples
 
-    spans : by tuple, where in a copy its doubles stand
+    spans : where in a copy each tuple stands, padding included
     """
 
     def __init__(self, *filled: Any) -> None:
-        tables: dict[tuple[bool, int], list[tuple[int, int, np.ndarray]]] = {}
-        self._shared: list[Any] = []
-        places: dict[tuple[int, int], int] = {}
-        for t, values in enumerate(filled):
-            for field, value in enumerate(values):
+        self.spans: list[slice] = []
+        self._parts: list[tuple[Callable[[Iterable[Any]], Any], list[tuple[bool, Any]]]] = []
+        vectors: list[tuple[slice, np.ndarray]] = []
+        end = 0
+        for each in filled:
+            begin, values = end, []
+            for value in each:
                 if isinstance(value, np.ndarray) and value.ndim == 1:
-                    tables.setdefault((value.dtype == np.int64, value.size), []).append((t, field, value))
+                    span = slice(end, end + value.size)
+                    vectors.append((span, value))
+                    end += -(-value.size // LANES) * LANES
+                    values.append((value.dtype == np.int64, span))
                 else:
-                    places[t, field] = len(self._shared)
-                    self._shared.append(value)
-        self.spans: list[list[slice]] = [[] for _ in filled]
-        self._tables: list[tuple[bool, slice, tuple[int, int]]] = []
-        memory: list[np.ndarray] = []
-        place, end = len(self._shared), 0
-        for (whole, size), rows in tables.items():
-            begin = end
-            for t, field, vector in rows:
-                places[t, field] = place
-                spans = self.spans[t]
-                if not whole and spans and spans[-1].stop == end:
-                    spans[-1] = slice(spans[-1].start, end + size)
-                elif not whole:
-                    spans.append(slice(end, end + size))
-                memory.append(vector.view(np.float64))
-                place, end = place + 1, end + size
-            self._tables.append((whole, slice(begin, end), (len(rows), size)))
+                    values.append((False, value))
+            self._parts.append((type(each)._make, values))
+            self.spans.append(slice(begin, end))
         self._memory = aligned(end)
-        self._memory[:] = np.concatenate(memory)
-        self._parts: list[tuple[Callable[[Iterable[Any]], Any], itemgetter]] = [
-            (type(values)._make, itemgetter(*(places[t, field] for field in range(len(values)))))
-            for t, values in enumerate(filled)
-        ]
+        for span, vector in vectors:
+            self._memory[span] = vector.view(np.float64)
 
     def copy(self) -> np.ndarray:
         """The memory of all tuples, for a run to fill, shape (k,)."""
@@ -74,8 +59,8 @@ class Blank:
 
     def tuples(self, memory: np.ndarray) -> list[Any]:
         """The tuples in such a memory, or with rows of arrays in those of several runs, shape (runs, k)."""
-        values, whole = list(self._shared), memory.view(np.int64)
-        for is_whole, span, shape in self._tables:
-            table = (whole if is_whole else memory)[..., span].reshape(*memory.shape[:-1], *shape)
-            values.extend(table if memory.ndim == 1 else table.swapaxes(0, 1))
-        return [make(chosen(values)) for make, chosen in self._parts]
+        whole = memory.view(np.int64)
+        return [
+            make([v if type(v) is not slice else (whole if is_whole else memory)[..., v] for is_whole, v in values])
+            for make, values in self._parts
+        ]

@@ -177,6 +177,8 @@ class Prepared:
 def responses(runs: Sequence[Prepared]) -> list[Response]:
     """What came of runs, in their order; those that are laid out alike are read as rows of the same arrays, since a
     row's numbers cost as little as the smallest step of Python."""
+    if len(runs) == 1:
+        return _responses(runs)
     alike: dict[tuple[object, ...], list[int]] = {}
     for place, run in enumerate(runs):
         alike.setdefault(run.layout, []).append(place)
