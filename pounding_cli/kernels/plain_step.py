@@ -122,7 +122,8 @@ def plain_step(run, terms, settings, pinned_at_event):
         end_at_event(run, terms, order)
     else:
         clock[END] = 1.0
-    account(run, terms, settings.nodes, settings.weights, order, any_closed, curved, inelastic, has_terms)
+    if settings.booked > 0:
+        account(run, terms, settings.nodes, settings.weights, order, any_closed, curved, inelastic, has_terms)
     track(run, order, any_closed, inelastic)
     if settings.use_islands > 0:
         widen_ranges(run)

@@ -28,6 +28,7 @@ SETTINGS = Frame(
             "has_terms",
             "use_islands",
             "watched",
+            "booked",
             "max_order",
             "max_steps",
             "max_events",
@@ -38,7 +39,8 @@ SETTINGS = Frame(
     | {"tolerance": types.float64, "nodes": DOUBLES, "weights": DOUBLES},
 )
 """Arguments of `taylor.build` of these names; inelastic, has_terms, use_islands: whether storeys can yield,
-there are points or springs (`terms`), islands and collapse (`watched`) are looked for (1 or 0)."""
+there are points or springs (`terms`), islands and collapse (`watched`) are looked for, energies of plain steps are
+`booked` (1 or 0)."""
 
 settings_frame = filler(SETTINGS)
 

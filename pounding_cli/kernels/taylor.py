@@ -203,13 +203,14 @@ def _solve_islands(solve_island, run, row, terms, programs, settings):
 def _integrate(
     solve_island, slot_arrays, point_arrays, spring_arrays, link_arrays, row_arrays, state_arrays, peak_arrays,
     ledger_arrays, history_arrays, nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands,
-    watched, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
+    watched, booked, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
 ):  # fmt: skip
     """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
 
     `memory` and `integers` are scratch (`memory_needed`), zeroed, `memory` at a cache line. `nodes` and `weights` are
     Gauss-Legendre rules on [0, 1] (`ledger.MAX_POINTS`). `inelastic`: storeys can yield. `use_islands`: islands are
     looked for; without it the row is one. `watched`: whether a storey collapses, which takes a row that is one.
+    `booked`: plain steps book their energies.
     `least_scale`: the least acceleration that errors are measured by [m/s2].
     With a history every segment has a length of its own and is begun anew. Fills state, peaks, ledger and history in
     place; returns (status, steps, events, orders computed, time reached [s]).
@@ -223,8 +224,8 @@ def _integrate(
     terms = terms_frame(frames, point_pointers(point_arrays), springs, rest)
     settings = settings_frame(further(frames, FRAMES), (
         1 if inelastic else 0, 1 if terms.points + terms.springs > 0 else 0, 1 if use_islands else 0,
-        1 if watched else 0, max_order, max_steps, max_events, max_events_at_instant, tolerance, pointer(nodes),
-        pointer(weights),
+        1 if watched else 0, 1 if booked else 0, max_order, max_steps, max_events, max_events_at_instant, tolerance,
+        pointer(nodes), pointer(weights),
     ))  # fmt: skip
     programs = programs_frame(
         further(frames, 2 * FRAMES), run, links.registers, ROWS, further(rest, room_for_terms(springs.size, ROWS)),
@@ -299,8 +300,8 @@ def build(programs: bool):
         @njit(**PLAIN)
         def integrate_programs(
             slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers,
-            starts, slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order, max_steps,
-            max_events, max_events_at_instant,
+            starts, slopes, length, inelastic, use_islands, watched, booked, tolerance, least_scale, max_order,
+            max_steps, max_events, max_events_at_instant,
         ):  # fmt: skip
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return _integrate(
@@ -314,14 +315,14 @@ def build(programs: bool):
     @njit(**PLAIN)
     def integrate(
         slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
-        slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order, max_steps, max_events,
-        max_events_at_instant,
+        slopes, length, inelastic, use_islands, watched, booked, tolerance, least_scale, max_order, max_steps,
+        max_events, max_events_at_instant,
     ):  # fmt: skip
         _ = source
         return _integrate(
             _solve_island, slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory,
-            integers, starts, slopes, length, inelastic, use_islands, watched, tolerance, least_scale, max_order,
-            max_steps, max_events, max_events_at_instant,
+            integers, starts, slopes, length, inelastic, use_islands, watched, booked, tolerance, least_scale,
+            max_order, max_steps, max_events, max_events_at_instant,
         )  # fmt: skip
 
     return integrate

@@ -146,7 +146,8 @@ def judging(scene: Scene, method: str, accuracy: float, all_effects: bool = Fals
     fixed steps, or of a very fine accuracy, a finer one and another with the motion nudged besides."""
     finer_run = _finer_run(scene, method, accuracy, all_effects)
     if _at_once(method, accuracy):
-        return (_with_nudge(finer_run, LITTLE * accuracy),)
+        nudged, settings = _with_nudge(finer_run, LITTLE * accuracy)
+        return ((nudged, settings | {"ledger": False}),)  # it is compared and left: its energies tell nobody anything
     return finer_run, _with_nudge(finer_run, NUDGE)
 
 

@@ -55,12 +55,14 @@ class Integrator:
     largest_step : stability limit of the time step from the arrays [s]; inf where there is none
     refusal : why it does not run a scene, or "" when it does
     note : a sentence about a run from its counts of steps and events, or ""
+    keeps_ledger : whether it fills the ledger where the method keeps one
     """
 
     integrate: Callable[..., tuple[int, int, int, int, float]]
     largest_step: Callable[[Arrays], float] = any_step
     refusal: Callable[[Scene], str] = any_scene
     note: Callable[[int, int], str] = no_note
+    keeps_ledger: bool = True
 
 
 def integrator_of(method: Method) -> Integrator:

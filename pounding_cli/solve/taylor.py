@@ -189,15 +189,21 @@ def _laid_out(arrays: Arrays, all_effects: bool) -> _Laid:
 
 
 def prepare(
-    scene: Scene, arrays: Arrays, state, accuracy: float, bounds: tuple[int, int], all_effects: bool = False
+    scene: Scene,
+    arrays: Arrays,
+    state,
+    accuracy: float,
+    bounds: tuple[int, int],
+    all_effects: bool = False,
+    booked: bool = True,
 ) -> Callable[..., tuple[int, int, int, int, float]]:
     """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
     last three as in `ground.segments`, and a history to enter (`kernels.history`); see `kernels.taylor.build`. It does
-    what the scene needs, or looks for everything there is."""
+    what the scene needs, or looks for everything there is; energies are `booked`, or left out."""
     laid, tolerance = _laid_out(arrays, all_effects), local_tolerance(accuracy)
     settings: tuple[Any, ...] = (
-        laid.inelastic, laid.use_islands, arrays.collapses, tolerance, least_acceleration_scale(scene, arrays, state),
-        max_order(tolerance), *bounds, laid.events_at_instant,
+        laid.inelastic, laid.use_islands, arrays.collapses, booked, tolerance,
+        least_acceleration_scale(scene, arrays, state), max_order(tolerance), *bounds, laid.events_at_instant,
     )  # fmt: skip
 
     def run(state, peaks, ledger, starts: np.ndarray, slopes: np.ndarray, dt: float, history: History = NO_HISTORY):
@@ -224,18 +230,16 @@ def _scratch(doubles: int, integers: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def integrate(
-    scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds: tuple[int, int]
+    scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds: tuple[int, int], **how: bool
 ) -> tuple[int, int, int, int, float]:
-    """Run the kernel over the whole motion and its tail."""
-    return prepare(scene, arrays, state, accuracy, bounds)(state, peaks, ledger, *segments(scene))
-
-
-def integrate_all_effects(
-    scene: Scene, arrays: Arrays, state, peaks, ledger, accuracy: float, bounds: tuple[int, int]
-) -> tuple[int, int, int, int, float]:
-    """The same looking for every effect, whether or not the scene calls for it."""
-    return prepare(scene, arrays, state, accuracy, bounds, all_effects=True)(state, peaks, ledger, *segments(scene))
+    """Run the kernel over the whole motion and its tail; `how` as in `prepare`."""
+    return prepare(scene, arrays, state, accuracy, bounds, **how)(state, peaks, ledger, *segments(scene))
 
 
 TAYLOR = Integrator(integrate)
-ALL_EFFECTS = Integrator(integrate_all_effects)
+
+ALL_EFFECTS = Integrator(functools.partial(integrate, all_effects=True))
+"""Looks for every effect, whether or not the scene calls for it."""
+
+WITHOUT_LEDGER = Integrator(functools.partial(integrate, booked=False), keeps_ledger=False)
+"""Leaves the energies out, a sixth of the time: for runs that others are judged by."""
