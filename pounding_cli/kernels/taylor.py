@@ -306,7 +306,7 @@ def build(programs: bool):
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return _integrate(
                 _solve_island_with_programs, slots, points, springs, links, row, state, peaks, ledger, history, nodes,
-                weights, memory, integers, starts, slopes, length, inelastic, use_islands, watched, tolerance,
+                weights, memory, integers, starts, slopes, length, inelastic, use_islands, watched, booked, tolerance,
                 least_scale, max_order, max_steps, max_events, max_events_at_instant,
             )  # fmt: skip
 

@@ -46,6 +46,21 @@ def kernel(scene: Scene, everything: bool) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("kind", ["pounding", "infill", "connector"])
+@pytest.mark.parametrize("analysis", [ELASTIC, INELASTIC])
+def test_a_run_without_a_ledger_gives_the_same_numbers(kind, analysis):
+    """Bit for bit; it says nothing of energies. Fails if it steps otherwise, or shows energies that it did not book."""
+    scene = Scene((STIFF, SOFT), links(kind, 0.02, FLOORS), shake(2.0), analysis)
+    booked, left = solve(scene, ACCURACY), solve(scene, ACCURACY, ledger=False)
+    assert booked.energy
+    assert not left.energy
+    assert (left.status, left.steps, left.events, left.orders) == ("done", booked.steps, booked.events, booked.orders)
+    for one, other in ((booked.buildings, left.buildings), ([booked.links], [left.links])):
+        for numbers, same in zip(one, other, strict=True):
+            for x, y in zip(dataclasses.astuple(numbers), dataclasses.astuple(same), strict=True):
+                assert np.array_equal(x, y)
+
+
+@pytest.mark.parametrize("kind", ["pounding", "infill", "connector"])
 def test_looking_for_yielding_changes_nothing_in_an_elastic_scene(kind):
     """Bit for bit, steps and orders too; all other effects are told by the scene's own arrays. Fails if storeys yield
     in an elastic analysis."""
