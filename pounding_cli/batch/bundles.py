@@ -15,6 +15,9 @@ from pounding_cli.store.chunk import Chunk
 CHUNK_SECONDS = 0.5
 """Work in one chunk: long against sending and keeping it (milliseconds), little to lose."""
 
+LEAST = 0.1
+"""Work in the last chunks over that in the others: an idle worker waits for so much at most."""
+
 MOST = 1000
 """Scenes in one bundle at most."""
 
@@ -46,9 +49,10 @@ class Queue:
 
     def take(self, work: float | None = None) -> list[str]:
         """The next bundle, of about `work` seconds; towards the end smaller ones, so that all workers end together."""
-        each = self._seconds / self._scenes
-        size = min((CHUNK_SECONDS if work is None else work) / each, MOST, math.ceil(len(self) / (3 * self._workers)))
-        size = max(1, int(size))
+        size = (CHUNK_SECONDS if work is None else work) / (self._seconds / self._scenes)
+        if self._workers > 1:
+            size = min(size, max(len(self) / (3 * self._workers), LEAST * size))
+        size = max(1, min(math.ceil(size), MOST))
         bundle = self._back[: -size - 1 : -1]
         del self._back[len(self._back) - len(bundle) :]
         new = self._digests[self._next : self._next + size - len(bundle)]

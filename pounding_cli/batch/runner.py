@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import sys
 import threading
@@ -22,7 +23,6 @@ from pounding_cli.batch.progress import Progress, Quiet
 from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
 from pounding_cli.errors import InputError
-from pounding_cli.model.digest_map import pieces
 from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_output
 from pounding_cli.store import (
@@ -36,7 +36,6 @@ from pounding_cli.store import (
     write_results,
 )
 from pounding_cli.store.chunk import Chunk
-from pounding_cli.store.codec import parse
 from pounding_cli.store.files import is_results, refused_write
 from pounding_cli.store.locks import lock_of
 from pounding_cli.workflows import WORKFLOWS
@@ -204,7 +203,7 @@ def _solve_missing(
             parts.flush()
             saved = time.monotonic()
         spent += float(chunk.seconds.sum())
-        done = sum(chunk.is_done)
+        done = int(chunk.is_done.sum())
         progress.step(done, len(chunk) - done)
 
     def here(digest: str) -> float:
@@ -264,8 +263,7 @@ def _notes_of_kernels() -> Iterator[str]:
 
 def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:
     """Every failed scene once, named by the first place in the study where it stands."""
-    lines = zip(plan.scenes, (line for some in pieces(plan.scenes) for line in parts.lines(some)), strict=True)
-    failed = {digest for digest, line in lines if not parse(line).is_done}
+    failed = set(itertools.compress(plan.scenes, ~parts.is_done(plan.scenes)))
     for row in plan.rows if failed else ():
         swept = [
             f"{name} = {value}"

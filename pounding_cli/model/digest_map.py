@@ -41,6 +41,12 @@ def pieces(digests: Iterable[str]) -> Iterator[list[str]]:
         yield some
 
 
+def runs(numbers: np.ndarray) -> list[np.ndarray]:
+    """The places of equal numbers, for each of them in rising order, shape of `numbers` (n,)."""
+    order = np.argsort(numbers, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(numbers[order])) + 1) if order.size else []
+
+
 def heads(digests: np.ndarray) -> np.ndarray:
     """The first eight bytes of `packed` digests as numbers, shape (digests,): two digests hardly ever share them."""
     return np.ascontiguousarray(digests).view(np.uint64)[:, 0]

@@ -5,20 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pounding_cli.model.digest_map import runs
+from pounding_cli.model.placed import among
 from pounding_cli.solve.response import COLLAPSED, DONE
 from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, empty
-from pounding_cli.store.parts import PartStore
+from pounding_cli.store.parts import Alike, PartStore
 from pounding_cli.store.statistics import over_records, ratio, trust_of_means
 from pounding_cli.variables import RATIOS, RESPONSES, SCENES, STATISTICS
 
 if TYPE_CHECKING:
-    from pounding_cli.study import Plan, Row
+    from pounding_cli.study import Plan
+    from pounding_cli.study.plan import LinkSeen
 
 BLOCK_BYTES = 8 << 20
 """Numbers gathered at a time [bytes], about."""
@@ -76,53 +78,50 @@ def cut_of(shape: Shape) -> Cut:
 def blocks(plan: Plan, responses: PartStore, shape: Shape) -> Iterator[Block]:
     """Every variable of RESPONSES, SCENES and STATISTICS for all rows in their order."""
     cut, dims = cut_of(shape), shape.rows
-    rows = iter(plan.rows)
+    row = 0
     whole = dims[cut.before + 1 :]
     for at in np.ndindex(dims[: cut.before]):
         for begin in range(0, dims[cut.before], cut.step):
             end = min(begin + cut.step, dims[cut.before])
-            some = list(islice(rows, (end - begin) * math.prod(whole)))
-            data = _filled(plan, some, responses, shape)
+            first, row = row, row + (end - begin) * math.prod(whole)
+            data = _filled(plan, slice(first, row), responses, shape)
             for name, array in data.items():
                 ahead = whole[:-1] if name in _OVER_RECORDS else whole
                 data[name] = array.reshape(end - begin, *ahead, *array.shape[1:])
             yield Block((*at, slice(begin, end)), data)
 
 
-def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> Arrays:
-    """The block's variables, rows first; statistics have one row for all records."""
-    named = dict.fromkeys(digest for row in rows for digest in (row.scene, *row.baselines))
-    digests = [digest for digest in named if digest in plan.scenes]  # a workflow need not ask for all
-    taken = dict(zip(digests, responses.take(digests), strict=True))
+def _filled(plan: Plan, some: slice, responses: PartStore, shape: Shape) -> Arrays:
+    """The variables of some rows, rows first; statistics have one row for all records."""
+    found, group, inside, digests = _taken(plan, some, responses)
+    rows = len(group)
     variables = (v for v in (*RESPONSES, *SCENES) if v.name not in shape.left_out)
-    arrays = {v.name: empty(v, (len(rows), *shape.of(v.dims[3:]))) for v in variables}
-    arrays["scene"][:] = [row.scene if row.scene in taken else "" for row in rows]
+    arrays = {v.name: empty(v, (rows, *shape.of(v.dims[3:]))) for v in variables}
+    arrays["scene"][:] = digests
     columns = {place: number for number, place in enumerate(shape.links)}
-    alike: dict[tuple, list[int]] = {}
-    for number, row in enumerate(rows):
-        if row.scene in taken:
-            alike.setdefault((taken[row.scene][0], row.links), []).append(number)
-    for (line, links), numbers in alike.items():
-        values = np.stack([taken[rows[number].scene][1] for number in numbers])
-        _put_scene(arrays, np.array(numbers), line, values)
-        _put_peaks(arrays, np.array(numbers), line, values)
-        chosen = [columns[link.place] for link in links]
-        _put_links(arrays, np.array(numbers), line, values, chosen)
-    alone_errors = np.full((len(rows), len(plan.buildings)), np.nan)
+    layout, layouts = _layouts(plan, some)
+    for alike in runs(group[:, 0] * len(layouts) + layout):
+        if group[alike[0], 0] < 0:
+            continue
+        line, _, values = found[group[alike[0], 0]]
+        values = values[inside[alike, 0]]
+        _put_scene(arrays, alike, line, values)
+        _put_peaks(arrays, alike, line, values)
+        _put_links(arrays, alike, line, values, [columns[link.place] for link in layouts[layout[alike[0]]]])
+    alone_errors = np.full((rows, len(plan.buildings)), np.nan)
     for place, building in enumerate(plan.buildings):
-        free: dict[str, list[int]] = {}
-        for number, row in enumerate(rows):
-            if row.baselines[place] in taken:
-                free.setdefault(taken[row.baselines[place]][0], []).append(number)
-        for line, numbers in free.items():
-            values = np.stack([taken[rows[number].baselines[place]][1] for number in numbers])
-            _put_alone(arrays, np.array(numbers), place, line, values)
-            alone_errors[numbers, place] = values[:, parse(line).columns["error_estimate"]]
+        for alike in runs(group[:, 1 + place]):
+            if group[alike[0], 1 + place] < 0:
+                continue
+            line, _, values = found[group[alike[0], 1 + place]]
+            values = values[inside[alike, 1 + place]]
+            _put_alone(arrays, alike, place, line, values)
+            alone_errors[alike, place] = values[:, parse(line).columns["error_estimate"]]
             status = parse(line).facts["status"]
             if status == COLLAPSED:
-                _flag(arrays["flags"], numbers, f"{building} alone collapsed: its ratios are left out")
+                _flag(arrays["flags"], alike.tolist(), f"{building} alone collapsed: its ratios are left out")
             elif status != DONE:
-                _flag(arrays["flags"], numbers, f"{building} alone: {status}, ratios refused")
+                _flag(arrays["flags"], alike.tolist(), f"{building} alone: {status}, ratios refused")
     for variable in RESPONSES:
         if variable.ratio:
             value, alone = variable.ratio
@@ -133,6 +132,43 @@ def _filled(plan: Plan, rows: list[Row], responses: PartStore, shape: Shape) -> 
             with np.errstate(all="ignore"):
                 arrays[variable.name][:] = variable.formula(arrays)
     return arrays | _statistics(arrays, alone_errors, shape)
+
+
+def _taken(plan: Plan, some: slice, responses: PartStore) -> tuple[list[Alike], np.ndarray, np.ndarray, np.ndarray]:
+    """The responses that some rows name, the scene of the row and those of the buildings alone.
+
+    Returns
+    -------
+    found : responses of one header line each
+    group, inside : which of `found` it is, -1 for one that nobody asked for, and its place there; shape
+        (rows, 1 + buildings)
+    digests : of the scenes of the rows, "" for one that nobody asked for, shape (rows,)
+    """
+    scenes = plan.rows.scenes[some]
+    used, number = np.unique(scenes, return_inverse=True)
+    number = number.reshape(scenes.shape)
+    digests = plan.rows.table.texts(used)
+    asked = np.flatnonzero(among(plan.scenes, digests))  # a workflow need not ask for all
+    found = responses.alike([digests[place] for place in asked.tolist()])
+    group, inside = np.full(len(used), -1), np.zeros(len(used), np.int64)
+    for place, each in enumerate(found):
+        group[asked[each.which]], inside[asked[each.which]] = place, np.arange(len(each.which))
+    names = np.array(digests, dtype=object)
+    names[group < 0] = ""
+    return found, group[number], inside[number], names[number[:, 0]]
+
+
+def _layouts(plan: Plan, some: slice) -> tuple[np.ndarray, list[tuple[LinkSeen, ...]]]:
+    """Of some rows the number of their links among the different ones, gaps left out, shape (rows,); and these."""
+    rows = plan.rows
+    each = len(plan.analyses) * len(plan.records)
+    sets, number = np.unique(rows.links[np.arange(some.start, some.stop) // each], return_inverse=True)
+    layout = np.zeros(len(sets), np.int64)
+    layouts: list[tuple[LinkSeen, ...]] = []
+    for links, alike, _ in rows.sets.alike(sets):
+        layout[alike] = len(layouts)
+        layouts.append(links)
+    return layout[number], layouts
 
 
 def _put_scene(arrays: Arrays, numbers: np.ndarray, line: str, values: np.ndarray) -> None:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from pounding_cli.solve.response import Response
-from pounding_cli.store.codec import encode, parse
+from pounding_cli.store.codec import Header, encode, parse
 
 _MAGIC = b"pound part 2\n"
 _SHA = 64
@@ -21,48 +21,71 @@ _SHA = 64
 class Chunk:
     """Responses taken apart.
 
-    digests : of the scenes; lines : the header line of each scene (see `codec`), equal lines being one object
+    digests : of the scenes
+    texts : the different header lines (see `codec`)
+    words : of each scene the number of its header line, shape (scenes,)
     numbers : of one scene after another, shape (k,)
     """
 
     digests: Sequence[str]
-    lines: Sequence[str]
+    texts: Sequence[str]
+    words: np.ndarray
     numbers: np.ndarray
 
     @classmethod
     def of(cls, responses: Mapping[str, Response]) -> Chunk:
         """The chunk of responses by scene digest."""
-        coded = [encode(response) for response in responses.values()]
-        same: dict[str, str] = {}
-        found = [same.setdefault(text, text) for text, _ in coded]
-        return cls(list(responses), found, np.concatenate([numbers for _, numbers in coded] or [np.zeros(0)]))
+        texts: dict[str, int] = {}
+        words, rows = [], []
+        for response in responses.values():
+            text, numbers = encode(response)
+            words.append(texts.setdefault(text, len(texts)))
+            rows.append(numbers)
+        return cls(list(responses), list(texts), np.array(words, np.int64), np.concatenate(rows or [np.zeros(0)]))
+
+    @classmethod
+    def saying(cls, digests: Sequence[str], texts: Sequence[str], words: np.ndarray, numbers: np.ndarray) -> Chunk:
+        """The chunk of responses whose header lines are some of `texts`; the others are left out."""
+        used, words = np.unique(words, return_inverse=True)
+        return cls(digests, [texts[number] for number in used.tolist()], words, numbers)
 
     @classmethod
     def joined(cls, chunks: Sequence[Chunk]) -> Chunk:
         """Chunks, one behind the other, as one."""
-        same: dict[str, str] = {}
-        found = [same.setdefault(text, text) for chunk in chunks for text in chunk.lines]
+        texts: dict[str, int] = {}
+        words = []
+        for chunk in chunks:
+            numbers = [texts.setdefault(text, len(texts)) for text in chunk.texts]
+            words.append(np.array(numbers, np.int64)[chunk.words])
         digests = [digest for chunk in chunks for digest in chunk.digests]
-        return cls(digests, found, np.concatenate([chunk.numbers for chunk in chunks]))
+        return cls(digests, list(texts), np.concatenate(words), np.concatenate([chunk.numbers for chunk in chunks]))
 
     def __len__(self) -> int:
         return len(self.digests)
 
+    @property
+    def lines(self) -> list[str]:
+        """The header line of each scene."""
+        return [self.texts[word] for word in self.words.tolist()]
+
     @cached_property
     def starts(self) -> np.ndarray:
         """Where the numbers of each scene begin, and where the last end; shape (scenes + 1,)."""
-        return np.cumsum([0, *(parse(text).size for text in self.lines)])
+        return np.concatenate([[0], np.cumsum(self._of_texts(lambda header: header.size)[self.words])])
 
-    @property
+    @cached_property
     def seconds(self) -> np.ndarray:
         """Time in the solver [s], shape (scenes,)."""
-        places = [parse(text).columns["seconds"] for text in self.lines]
-        return self.numbers[self.starts[:-1] + np.array(places, int)]
+        places = self._of_texts(lambda header: header.columns["seconds"])
+        return self.numbers[self.starts[:-1] + places[self.words]]
 
     @property
-    def is_done(self) -> list[bool]:
-        """Whether each scene has a result."""
-        return [parse(text).is_done for text in self.lines]
+    def is_done(self) -> np.ndarray:
+        """Whether each scene has a result, shape (scenes,)."""
+        return self._of_texts(lambda header: header.is_done)[self.words] > 0
+
+    def _of_texts(self, what: Callable[[Header], int]) -> np.ndarray:
+        return np.array([what(parse(text)) for text in self.texts], np.int64)
 
     def row(self, place: int) -> np.ndarray:
         """The numbers of one scene."""
@@ -71,22 +94,13 @@ class Chunk:
     def only(self, places: Sequence[int]) -> Chunk:
         """The chunk of some of the scenes."""
         rows = [self.row(place) for place in places]
-        return Chunk(
-            [self.digests[place] for place in places],
-            [self.lines[place] for place in places],
-            np.concatenate(rows or [np.zeros(0)]),
-        )
+        digests = [self.digests[place] for place in places]
+        words = self.words[np.array(places, np.int64)]
+        return Chunk.saying(digests, self.texts, words, np.concatenate(rows or [np.zeros(0)]))
 
     def to_bytes(self, key: str) -> bytes:
         """A magic line, the SHA-256 of the rest, a line of JSON, the numbers as little-endian doubles."""
-        distinct = list(dict.fromkeys(self.lines))
-        number = {text: place for place, text in enumerate(distinct)}
-        head = {
-            "key": key,
-            "digests": list(self.digests),
-            "lines": distinct,
-            "words": [number[text] for text in self.lines],
-        }
+        head = {"key": key, "digests": list(self.digests), "lines": list(self.texts), "words": self.words.tolist()}
         body = json.dumps(head).encode() + b"\n" + self.numbers.astype("<f8").tobytes()
         return _MAGIC + hashlib.sha256(body).hexdigest().encode() + b"\n" + body
 
@@ -108,12 +122,14 @@ class Chunk:
         head = json.loads(content[begin:end])
         if head["key"] != key:
             return None
-        lines = head["lines"]
+        texts, words = head["lines"], np.array(head["words"])
         if not all(isinstance(digest, str) and len(digest) <= _SHA and digest.isascii() for digest in head["digests"]):
+            raise ValueError("damaged part")
+        if words.shape != (len(head["digests"]),) or not np.isin(words, np.arange(len(texts))).all():
             raise ValueError("damaged part")
         numbers = np.frombuffer(content, "<f8", offset=end + 1)
         digests, mine = head["digests"], asked[: len(head["digests"])]
-        chunk = cls(mine if mine == digests else digests, [lines[place] for place in head["words"]], numbers)
-        if len(chunk.digests) != len(chunk.lines) or chunk.starts[-1] != numbers.size:
+        chunk = cls(mine if mine == digests else digests, texts, words.astype(np.int64), numbers)
+        if chunk.starts[-1] != numbers.size:
             raise ValueError("damaged part")
         return chunk

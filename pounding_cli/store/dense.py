@@ -53,8 +53,8 @@ class Shape:
 def shape_of(plan: Plan, responses: PartStore) -> Shape:
     """The dimensions of a plan whose scenes are all in `responses`."""
     axes = tuple(axis.names[0] for axis in plan.axes)
-    seen = set(row.links for row in plan.rows)
-    links = tuple(sorted({link.place for some in seen for link in some}))
+    sets = plan.rows.sets.alike(np.unique(plan.rows.links))
+    links = tuple(sorted({link.place for some, _, _ in sets for link in some}))
     sizes = {name: len(axis.values) for name, axis in zip(axes, plan.axes, strict=True)}
     sizes |= {"case": len(plan.cases), "analysis": len(plan.analyses), "record": len(plan.records)}
     storeys = responses.storeys(plan.scenes)
@@ -77,20 +77,15 @@ def facts(plan: Plan, shape: Shape) -> Iterator[Data]:
 
 def _links(plan: Plan, shape: Shape) -> Data:
     places = {place: number for number, place in enumerate(shape.links)}
-    case_number = {case: number for number, case in enumerate(plan.cases)}
     arrays = {v.name: empty(v, shape.of((*shape.axes, *v.dims))) for v in LINKS}
-    last = None
-    for row in plan.rows:
-        at = (*row.point, case_number[row.case])
-        if at == last:
-            continue  # the same links for every analysis and record
-        last = at
-        for link in row.links:
+    flat = {name: array.reshape(-1, len(shape.links)) for name, array in arrays.items() if array.size}
+    for links, points, gaps in plan.rows.sets.alike(plan.rows.links):  # the same for every analysis and record
+        for number, link in enumerate(links):
             column = places[link.place]
-            arrays["kind"][(*at, column)] = link.kind
-            arrays["left_at"][(*at, column)], arrays["right_at"][(*at, column)] = link.left_at, link.right_at
+            flat["kind"][points, column] = link.kind
+            flat["left_at"][points, column], flat["right_at"][points, column] = link.left_at, link.right_at
             if link.kind != APART:
-                arrays["gap"][(*at, column)] = link.gap
+                flat["gap"][points, column] = gaps[:, number]
     return {v.name: ((*shape.axes, *v.dims), arrays[v.name]) for v in LINKS if v.name not in shape.left_out}
 
 

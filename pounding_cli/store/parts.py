@@ -9,10 +9,11 @@ import uuid
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from pounding_cli.model.digest_map import DigestMap, pieces
+from pounding_cli.model.digest_map import DigestMap, pieces, runs
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.response import Response
@@ -72,7 +73,7 @@ class PartStore(Mapping[str, Response]):
         """Take a chunk in, for now in memory; `content`: its bytes, where they are at hand."""
         if len(chunk):
             self._unsaved[len(self._chunks)] = content
-            self._note(_Held(chunk, None), chunk.digests, [True] * len(chunk))
+            self._note(_Held(chunk, None), chunk.digests, np.ones(len(chunk), bool))
 
     def only(self, wanted: Mapping[str, Scene]) -> None:
         """Forget every other scene."""
@@ -88,7 +89,7 @@ class PartStore(Mapping[str, Response]):
         ------
         OSError : the disk is full, or the folder cannot be written; no part is left half written
         """
-        self._join([number for number in self._unsaved if len(self._chunks[number].lines) == 1])
+        self._join([number for number in self._unsaved if len(self._chunks[number].words) == 1])
         for number, content in list(self._unsaved.items()):
             chunk = self._chunks[number].chunk
             assert chunk is not None
@@ -126,22 +127,34 @@ class PartStore(Mapping[str, Response]):
 
     def header(self, digest: str) -> Header:
         """What is known of a response without its numbers."""
-        return parse(self.lines([digest])[0])
+        return parse(self.lines([digest])[0][0])
 
-    def lines(self, digests: Iterable[str]) -> list[str]:
-        """The header lines of many responses."""
-        chunks = self._chunks
-        places = (place for some in pieces(digests) for place in self._places(some).tolist())
-        return [chunks[place // _SPAN].lines[place % _SPAN] for place in places]
+    def lines(self, digests: Iterable[str]) -> tuple[list[str], np.ndarray]:
+        """The different header lines of many responses, and of each response the number of its line."""
+        found: dict[str, int] = {}
+        where = self._all_places(digests)
+        words = np.empty(where.size, np.int64)
+        for held, asked, places in self._by_chunk(where):
+            numbers = np.array([found.setdefault(text, len(found)) for text in held.texts], np.int64)
+            words[asked] = numbers[held.words[places]]
+        texts = list(found)
+        used, first, words = np.unique(words, return_index=True, return_inverse=True)
+        order = np.argsort(first)  # as they come first
+        return [texts[number] for number in used[order].tolist()], np.argsort(order)[words]
+
+    def is_done(self, digests: Iterable[str]) -> np.ndarray:
+        """Whether each of many scenes has a result, shape (digests,)."""
+        lines, words = self.lines(digests)
+        return np.array([parse(line).is_done for line in lines], bool)[words]
 
     def seconds(self, digests: Collection[str]) -> float:
         """Time of scenes in the solver, all together [s]."""
-        return float(sum(held.seconds[places].sum() for held, _, places in self._by_chunk(digests)))
+        chunks = self._by_chunk(self._all_places(digests))
+        return float(sum(held.seconds[places].sum() for held, _, places in chunks))
 
     def storeys(self, digests: Iterable[str]) -> int:
         """Storeys of the tallest building of some scenes."""
-        lines = set(line for some in pieces(digests) for line in self.lines(some))
-        spans = (spans["shear"] for line in lines for spans in parse(line).buildings)
+        spans = (spans["shear"] for line in self.lines(digests)[0] for spans in parse(line).buildings)
         return max((span.stop - span.start for span in spans), default=0)
 
     def take(self, digests: Collection[str]) -> list[tuple[str, np.ndarray]]:
@@ -152,23 +165,36 @@ class PartStore(Mapping[str, Response]):
         OSError : a part cannot be read any more, or was damaged since it was written
         """
         found: list[tuple[str, np.ndarray]] = [("", np.zeros(0))] * len(digests)
-        for held, asked, places in self._by_chunk(digests):
+        for held, asked, places in self._by_chunk(self._all_places(digests)):
             numbers = held.numbers()
-            few = len(places) < len(held.lines) / _FEW  # that would hold all the numbers of the chunk
+            few = len(places) < len(held.words) / _FEW  # that would hold all the numbers of the chunk
             begins, ends = held.starts[places].tolist(), held.starts[places + 1].tolist()
-            for number, place, begin, end in zip(asked.tolist(), places.tolist(), begins, ends, strict=True):
+            words = held.words[places].tolist()
+            for number, word, begin, end in zip(asked.tolist(), words, begins, ends, strict=True):
                 row = numbers[begin:end]
-                found[number] = held.lines[place], row.copy() if few else row
+                found[number] = held.texts[word], row.copy() if few else row
         return found
 
-    def _by_chunk(self, digests: Collection[str]) -> Iterator[tuple[_Held, np.ndarray, np.ndarray]]:
-        """(chunk, which of the digests it has, their places in it), chunk by chunk."""
-        where = np.concatenate([self._places(some) for some in pieces(digests)] or [np.zeros(0, np.int64)])
+    def alike(self, digests: Iterable[str]) -> list[Alike]:
+        """Many responses, those of one header line together; as `take`."""
+        found: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+        for held, asked, places in self._by_chunk(self._all_places(digests)):
+            numbers, words = held.numbers(), held.words[places]
+            for some in runs(words):
+                text = held.texts[words[some[0]]]
+                values = numbers[held.starts[places[some], None] + np.arange(parse(text).size)]
+                found.setdefault(text, []).append((asked[some], values))
+        return [Alike(text, *map(np.concatenate, zip(*each, strict=True))) for text, each in found.items()]
+
+    def _by_chunk(self, where: np.ndarray) -> Iterator[tuple[_Held, np.ndarray, np.ndarray]]:
+        """(chunk, which of the scenes it has, their places in it), chunk by chunk; `where`: `_all_places`."""
         chunks, places = np.divmod(where, _SPAN)
-        order = np.argsort(chunks, kind="stable")
-        for some in np.split(order, np.flatnonzero(np.diff(chunks[order])) + 1):
-            if some.size:
-                yield self._chunks[chunks[some[0]]], some, places[some]
+        for some in runs(chunks):
+            yield self._chunks[chunks[some[0]]], some, places[some]
+
+    def _all_places(self, digests: Iterable[str]) -> np.ndarray:
+        """Where scenes stand.  Raises `KeyError`."""
+        return np.concatenate([self._places(some) for some in pieces(digests)] or [np.zeros(0, np.int64)])
 
     def _places(self, digests: Sequence[str]) -> np.ndarray:
         """Where scenes stand.  Raises `KeyError`."""
@@ -199,11 +225,12 @@ class PartStore(Mapping[str, Response]):
             self._chunks[number] = whole  # nothing stands there any more
             del self._unsaved[number]
 
-    def _note(self, held: _Held, digests: Sequence[str], good: Iterable[bool]) -> None:
+    def _note(self, held: _Held, digests: Sequence[str], good: np.ndarray) -> None:
         number = len(self._chunks) * _SPAN
         self._chunks.append(held)
-        places = [place for place, is_good in enumerate(good) if is_good]
-        self._where.put([digests[place] for place in places], number + np.array(places, np.int64))
+        places = np.flatnonzero(good)
+        all_good = len(places) == len(digests)
+        self._where.put(digests if all_good else [digests[place] for place in places.tolist()], number + places)
 
     def _write(self, content: bytes) -> Path:
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -226,13 +253,22 @@ def _content(path: Path) -> bytes:
         return stream.read()
 
 
+class Alike(NamedTuple):
+    """Responses of one header line: which ones they are of those that were asked for, shape (responses,), and their
+    numbers, shape (responses, numbers of each)."""
+
+    line: str
+    which: np.ndarray
+    values: np.ndarray
+
+
 class _Held:
     """A chunk in memory, or where it is on disk."""
 
     def __init__(self, chunk: Chunk, path: Path | None) -> None:
         self.path = path
         self.chunk = chunk if path is None else None
-        self.lines, self.starts, self.seconds = chunk.lines, chunk.starts, chunk.seconds
+        self.texts, self.words, self.starts, self.seconds = chunk.texts, chunk.words, chunk.starts, chunk.seconds
         self._sum = zlib.crc32(chunk.numbers.astype("<f8").tobytes())
 
     def numbers(self) -> np.ndarray:

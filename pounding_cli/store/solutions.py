@@ -33,9 +33,8 @@ def write_solutions(file: h5py.File, digests: Sequence[str], responses: PartStor
     group = file.create_group("solutions")
     group.attrs["long_name"] = "responses by scene digest, linked scenes and buildings alone; kept for reuse"
     packed.write(group, "digest", np.array(digests, "S64"))
-    lines: dict[str, int] = {}
-    words = np.array([lines.setdefault(line, len(lines)) for line in responses.lines(digests)], np.int64)
-    group.create_dataset("line", data=list(lines), dtype=h5py.string_dtype())
+    lines, words = responses.lines(digests)
+    group.create_dataset("line", data=lines, dtype=h5py.string_dtype())
     packed.write(group, "words", words)
     total = int(np.array([parse(line).size for line in lines], np.int64)[words].sum())
     size = min(total, _NUMBERS)
@@ -73,9 +72,9 @@ def stored_chunks(path: Path, key: str) -> Iterator[Chunk]:
             for begin in range(0, len(digests), _SCENES):
                 for first, last, numbers in _sound(group["numbers"], starts, begin, min(begin + _SCENES, len(digests))):
                     some = [digest.decode() for digest in digests[first:last]]
-                    chunk = Chunk(some, [lines[place] for place in words[first:last]], numbers)
-                    good = [place for place, done in enumerate(chunk.is_done) if done]
-                    yield chunk if len(good) == len(some) else chunk.only(good)
+                    chunk = Chunk.saying(some, lines, words[first:last], numbers)
+                    good = np.flatnonzero(chunk.is_done)
+                    yield chunk if len(good) == len(some) else chunk.only(good.tolist())
     except (InputError, OSError, KeyError, ValueError, TypeError, IndexError):
         return  # nothing more that can be used again
 

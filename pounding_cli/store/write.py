@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 import platform
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -18,11 +17,11 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError
+from pounding_cli.model.digest_map import AT_ONCE
 from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
 from pounding_cli.store import answers
 from pounding_cli.store.blocks import blocks
-from pounding_cli.store.codec import parse
 from pounding_cli.store.datasets import Datasets, put
 from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import damage_of, opened
@@ -105,8 +104,10 @@ def content_digest(plan: Plan) -> str:
         sha.update(part.encode() + b"\0")
     if plan.workflow != "run":
         sha.update(plan.workflow.encode() + b"\0")
-    for row in plan.rows:
-        sha.update(f"{row.scene} {' '.join(row.baselines)}\0".encode())
+    rows = plan.rows
+    for begin in range(0, len(rows), AT_ONCE):
+        columns = (rows.table.texts(numbers) for numbers in rows.scenes[begin : begin + AT_ONCE].T)
+        sha.update("".join([" ".join(row) + "\0" for row in zip(*columns, strict=True)]).encode())
     return sha.hexdigest()
 
 
@@ -219,9 +220,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             **({} if plan.time_step is None else {"time_step": plan.time_step}),
             "method": plan.method,
             "scenes": len(plan.scenes),
-            "scenes_failed": sum(
-                count for line, count in Counter(responses.lines(plan.scenes)).items() if not parse(line).is_done
-            ),
+            "scenes_failed": int((~responses.is_done(plan.scenes)).sum()),
             "scenes_solved_last": run.solved,
             "scenes_reused_last": run.reused,
             "solver_seconds": responses.seconds(plan.scenes),

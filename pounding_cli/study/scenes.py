@@ -12,7 +12,7 @@ from typing import overload
 
 import numpy as np
 
-from pounding_cli.model.digest_map import AT_ONCE, Sorted, heads, texts
+from pounding_cli.model.digest_map import AT_ONCE, Sorted, heads, runs, texts
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
@@ -85,6 +85,17 @@ class LinkSets:
             gaps *= len(layout)
         return tuple([link._replace(gap=gap) for link, gap in zip(layout, gaps, strict=True)])
 
+    def alike(self, numbers: np.ndarray) -> Iterator[tuple[tuple[LinkSeen, ...], np.ndarray, np.ndarray]]:
+        """Sets whose links differ in their gaps only: the links with gaps of 0, the places of these sets in `numbers`,
+        and their gaps [m], shape (sets, links)."""
+        begins, gaps = np.asarray(self._begin), np.asarray(self._gaps)
+        begin = begins[numbers]
+        end = np.append(begins[1:], gaps.size)[numbers]
+        for which in runs(np.asarray(self._layout)[numbers]):
+            links = self._layouts[self._layout[numbers[which[0]]]]
+            each = np.arange(len(links)) * (end - begin > 1)[which, None]  # a set of one gap has it once
+            yield links, which, gaps[begin[which, None] + each]
+
 
 class DigestList(Sequence[str]):
     """Digests as texts, made when they are looked at.
@@ -143,6 +154,10 @@ class DigestTable:
         """Numbers of digests, -1 for one that is not there, shape (digests,)."""
         return self._sorted.find(self.digests, digests)
 
+    def texts(self, numbers: np.ndarray) -> list[str]:
+        """Digests by number, "" for -1; shape of `numbers` (digests,)."""
+        return DigestList(self.digests, numbers)[:]
+
 
 class Rows(Sequence[Row]):
     """The rows of the tables, made when they are looked at; two are equal when all their rows are.
@@ -158,7 +173,7 @@ class Rows(Sequence[Row]):
 
     def __init__(self, frame: Frame, table: DigestTable, scenes: np.ndarray, links: np.ndarray, sets: LinkSets) -> None:
         self.frame, self.table, self.scenes = frame, table, scenes
-        self._links, self._sets = links, sets
+        self.links, self.sets = links, sets
 
     def __len__(self) -> int:
         return len(self.scenes)
@@ -175,12 +190,12 @@ class Rows(Sequence[Row]):
         number = range(len(self))[number]
         point, case, analysis, record = self.frame.place(number)
         scene, *baselines = DigestList(self.table.digests, self.scenes[number])
-        links = self._sets[self._links[number // (len(self.frame.analyses) * len(self.frame.records))]]
+        links = self.sets[self.links[number // (len(self.frame.analyses) * len(self.frame.records))]]
         names = self.frame.cases[case], self.frame.analyses[analysis], self.frame.records[record]
         return Row(point, *names, scene, tuple(baselines), links)
 
     def __iter__(self) -> Iterator[Row]:
-        frame, links = self.frame, map(self._sets.__getitem__, self._links.tolist())
+        frame, links = self.frame, map(self.sets.__getitem__, self.links.tolist())
         columns = (DigestList(self.table.digests, self.scenes[:, place]) for place in range(self.scenes.shape[1]))
         scenes = zip(*columns, strict=True)
         for point in product(*map(range, frame.shape[:-3])):

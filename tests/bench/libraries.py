@@ -85,7 +85,8 @@ def parts(folder: Path) -> None:
 
     def inserted() -> None:
         for chunk in chunks:
-            rows = ((d, chunk.lines[n], chunk.row(n).tobytes()) for n, d in enumerate(chunk.digests))
+            named = zip(chunk.digests, chunk.lines, strict=True)
+            rows = ((d, line, chunk.row(n).tobytes()) for n, (d, line) in enumerate(named))
             with sqlite3.connect(place) as base:
                 base.executemany("insert into response values (?, ?, ?)", rows)
 
