@@ -6,54 +6,13 @@ when they are first used, so that importing the package stays quick.
 
 from typing import TYPE_CHECKING, Any
 
+from pounding_cli.api import __all__ as _offered
+
 if TYPE_CHECKING:
-    from pounding_cli.api import (
-        Building,
-        Connector,
-        History,
-        Infill,
-        InputError,
-        Link,
-        Motion,
-        Pounding,
-        Response,
-        Results,
-        Scene,
-        Study,
-        building,
-        history,
-        load_study,
-        motion,
-        open_results,
-        run,
-        scene,
-        solve,
-    )
+    from pounding_cli.api import *  # noqa: F403
 
 __version__ = "0.1.0"
-__all__ = [
-    "Building",
-    "Connector",
-    "History",
-    "Infill",
-    "InputError",
-    "Link",
-    "Motion",
-    "Pounding",
-    "Response",
-    "Results",
-    "Scene",
-    "Study",
-    "__version__",
-    "building",
-    "history",
-    "load_study",
-    "motion",
-    "open_results",
-    "run",
-    "scene",
-    "solve",
-]
+__all__ = ["__version__", *_offered]
 
 
 def __getattr__(name: str) -> Any:
@@ -66,4 +25,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__} - {"Any", "TYPE_CHECKING"})
+    return sorted({*globals(), *__all__} - {"Any", "TYPE_CHECKING", "_offered"})

@@ -1,7 +1,6 @@
 """The Python API: studies, single scenes, results and histories as a person at a prompt or in a notebook uses them.
 
-Nothing is imported until it is asked for: the commands take `default_output` and `load_study` from here before they
-know whether anything will run.
+Nothing is imported until it is asked for.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ if TYPE_CHECKING:
     from pounding_cli.api.histories import History
     from pounding_cli.api.results import Results
     from pounding_cli.api.scenes import building, history, motion, scene
-    from pounding_cli.api.studies import default_output, load_study, open_results, run
+    from pounding_cli.api.studies import load_study, open_results, run
     from pounding_cli.errors import InputError
     from pounding_cli.laws.connector import Connector
     from pounding_cli.laws.infill import Infill
@@ -40,7 +39,6 @@ __all__ = [
     "Scene",
     "Study",
     "building",
-    "default_output",
     "history",
     "load_study",
     "motion",
@@ -64,7 +62,6 @@ _HOMES = {
     "Scene": "model.scene",
     "Study": "study.load",
     "building": "api.scenes",
-    "default_output": "api.studies",
     "history": "api.scenes",
     "load_study": "api.studies",
     "motion": "api.scenes",

@@ -97,7 +97,7 @@ def solve_study(
     _alone_on_its_core()
     gc.disable()  # what is imported stays: looking for garbage in it takes a fifteenth of a short run
     ctx.call_on_close(gc.enable)
-    from pounding_cli.api import default_output, load_study
+    from pounding_cli.api.studies import default_output, load_study
     from pounding_cli.batch.progress import JsonLines, chosen
 
     log = JsonLines() if how.log_json else None

@@ -35,6 +35,8 @@ def pound(request, folder, monkeypatch, capsys) -> Callable[..., tuple[int, str,
         monkeypatch.setattr("sys.argv", ["pound", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:
             main()
-        return int(ended.value.code or 0), *capsys.readouterr()
+        code, (out, err) = int(ended.value.code or 0), capsys.readouterr()
+        request.node.add_report_section("call", f"pound {arguments}, exit code {code}", out + err)  # where a test fails
+        return code, out, err
 
     return run
