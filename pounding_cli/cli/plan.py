@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.cli.solving import time_text
 from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
             later = "; later rounds follow from its answers"
         first = "the first round has" if later else "it has"
         scenes = f"{about}{counted(round(times * len(plan.scenes)), 'scene')}"
-        time = _time(times * forecast(plan, prove=False).total)
+        time = time_text(times * forecast(plan, prove=False).total)
         lines.append(f"  pound {name:<12} {first} {scenes}, about {time} on one core{later}")
     return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
@@ -116,7 +117,7 @@ def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
         lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
     lines += [
         f"method     {plan.method}, {setting}",
-        f"scenes     {about}{found.all}, on one core about {_time(found.total)} with estimate: {plan.estimate}"
+        f"scenes     {about}{found.all}, on one core about {time_text(found.total)} with estimate: {plan.estimate}"
         " (reference core; stiff links take longer)",
     ]
     if found.looked_at < 1:
@@ -124,7 +125,7 @@ def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
     if about:
         lines.append("           combinations of swept values that were not looked at are checked as the run begins")
     for (what, method), count in sorted(found.scenes.items()):
-        lines.append(f"  run      {round(count):6d} {what}, {method}, about {_time(found.seconds[what, method])}")
+        lines.append(f"  run      {round(count):6d} {what}, {method}, about {time_text(found.seconds[what, method])}")
     who = "the buildings alone" + (" and smaller groups" if any(what == PARTS for what, _ in found.scenes) else "")
     for case, count in found.not_simulated.items():
         lines.append(f"  not run  {round(count):6d} of {case}: gaps that {who} never close")
@@ -160,12 +161,6 @@ def _meetings(plan: Plan) -> list[str]:
     group = [plan.study.building(first, place) for place in range(len(plan.buildings))]
     swept = " (at the first point of the sweep)" if any(plan.study.touching("buildings")) else ""
     return [f"meetings{swept}", *(f"  {line}" for line in meetings_in_words(group))]
-
-
-def _time(seconds: float) -> str:
-    if seconds < 1:
-        return f"{1000 * seconds:.0f} ms"
-    return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"
 
 
 def _factors(study: Study, plan: Plan) -> str:

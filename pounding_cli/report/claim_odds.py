@@ -15,7 +15,7 @@ from pounding_cli.report.claim_samples import ODDS, OUTCOMES
 from pounding_cli.report.claims import CLAIMS
 from pounding_cli.report.evidence import Evidence, Tables, motion_sentence
 from pounding_cli.report.sensitivity_text import interval, method_of
-from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.report.verdicts import Finding
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store.indices import FOUND
@@ -136,7 +136,7 @@ def draw_odds(odds: pd.DataFrame, indices: pd.DataFrame, shown: Evidence) -> Fig
     bars.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=3, fontsize=8, frameon=False)
     words = "total index (part of the variance)" if measure == "total" else "mean effect over the range of the key"
     matrix.set_title(f"What decides its verdict: {words}", loc="left", fontsize=9)
-    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    entitle(figure, shown.title)
     caption(figure, f"Whiskers: interval of the probability that it holds. {motion_sentence(shown.records)}")
     return figure
 

@@ -82,6 +82,13 @@ class Evidence:
         """The point in words and the units of the study: "cases.gap.gap = 5 cm"; empty where nothing is swept."""
         return ", ".join(f"{key} = {self.units.get(key, Unit()).text(value)}" for key, value in self.point.items())
 
+    def here(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """The rows of a table at this point; swept keys that are no column of it do not matter."""
+        for key, value in self.point.items():
+            if key in frame:
+                frame = frame[frame[key] == value]
+        return frame
+
     def unit(self, column: str) -> Unit:
         """The unit a column is shown in: that of the study, SI where it is not known."""
         return self.units.get(column, Unit(VARIABLES[column].unit))

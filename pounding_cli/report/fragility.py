@@ -17,7 +17,7 @@ from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.fragility_text import Asked, asked_of, intensity_unit, median_text, notes, subject, table
-from pounding_cli.report.style import Look, caption, looks, new_figure, styled
+from pounding_cli.report.style import Look, caption, entitle, looks, new_figure, shared_legend, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
@@ -35,10 +35,10 @@ _WHERE = ("case", "analysis", "limit", "building")
 def fragility_page(results: Results, shown: Evidence, with_figures: bool = True) -> AnswerPage:
     """What the report of fragility curves says, at one point of the sweep."""
     answer, asked = results.answer(CURVES), asked_of(results)
-    rows = _at(answer.frame, shown)
+    rows = shown.here(answer.frame)
     figures = {}
     if with_figures:
-        motions = _at(results.answer(MOTIONS).frame, shown)
+        motions = shown.here(results.answer(MOTIONS).frame)
         for analysis in dict.fromkeys(rows["analysis"]):
             here = rows[rows["analysis"] == analysis]
             text = " ".join(_sentence(answer, row) for row in here.to_dict("records"))
@@ -50,14 +50,6 @@ def fragility_page(results: Results, shown: Evidence, with_figures: bool = True)
     return AnswerPage(
         "Fragility", lead, figures, [("Intensity at which half of the motions pass", grid)], notes(asked, rows)
     )
-
-
-def _at(frame: pd.DataFrame, shown: Evidence) -> pd.DataFrame:
-    """The rows of the point that is shown; the intensity is no column."""
-    for key, value in shown.point.items():
-        if key in frame:
-            frame = frame[frame[key] == value]
-    return frame
 
 
 def _sentence(answer: Answer, row: Mapping[Any, Any]) -> str:
@@ -100,9 +92,8 @@ def draw_curves(answer: Answer, asked: Asked, rows: pd.DataFrame, motions: pd.Da
         for ax in line:
             ax.set_xlim(0, max(each.get_xlim()[1] for each in line[: len(columns[limit])]))
         line[0].set_ylabel("probability of passing the limit")
-    handles = {label: h for ax in axes.flat for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    figure.legend(handles.values(), handles.keys(), loc="outside right upper", fontsize=8)
-    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    shared_legend(figure, axes.flat)
+    entitle(figure, shown.title)
     kept = {key: value for key, value in shown.point.items() if key in rows}
     where = ", ".join(f"{key} = {shown.units[key].text(value)}" for key, value in kept.items())
     left_out = f" Of {len(cases)} cases the first {MOST_CASES} are drawn." if len(cases) > MOST_CASES else ""

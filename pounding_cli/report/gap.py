@@ -23,7 +23,7 @@ from pounding_cli.report.gap_text import (
     pair_heading,
     width_unit,
 )
-from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.style import caption, entitle, new_figure, shared_legend, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
@@ -48,9 +48,7 @@ _CODE = ("#666666", (0, (3, 1)), "X")
 def gap_page(results: Results, shown: Evidence, with_figures: bool = True) -> AnswerPage:
     """What the report of required separations says, at one point of the sweep."""
     answer, keys = results.answer("gap"), list(results.axes)
-    frame = answer.frame
-    for key in keys:
-        frame = frame[frame[key] == shown.point[key]]
+    frame = shown.here(answer.frame)
     parts = governing(frame, [])
     figures = {}
     if with_figures and len(frame):
@@ -130,9 +128,8 @@ def draw_profiles(answer: Answer, frame: pd.DataFrame, shown: Evidence) -> Figur
         ax.set_xlabel(f"gap [{unit.name}]")
     reach = frame[["largest", contact_columns(answer)[0]]].max().max() / unit.factor
     axes[0, 0].set_xlim(0, 1.25 * reach if reach > 0 else None)  # a wide interval of confidence leaves the panel
-    handles = {label: h for ax in axes.flat for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    figure.legend(handles.values(), handles.keys(), loc="outside right upper", fontsize=8)
-    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    shared_legend(figure, axes.flat)
+    entitle(figure, shown.title)
     where = f"At {shown.label}. " if shown.label else ""
     caption(
         figure,
@@ -205,9 +202,8 @@ def draw_sweep(results: Results, answer: Answer, shown: Evidence) -> Figure:
             ax.set_ylim(0, None)
             ax.set_xlabel(results.axis_label(key))
         line[0].set_ylabel(f"gap, mean over the motions [{unit.name}]")
-    handles = {label: h for ax in axes.flat for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    figure.legend(handles.values(), handles.keys(), loc="outside right upper", fontsize=8)
-    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    shared_legend(figure, axes.flat)
+    entitle(figure, shown.title)
     return figure
 
 

@@ -16,7 +16,7 @@ from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.maps import COLOURS
 from pounding_cli.report.optimise_text import Optimum, cells, heads, notes, optimum_of, sentences
-from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 
@@ -62,7 +62,7 @@ def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
     handles = {h.get_label(): h for ax in axes[:panels] for h in ax.get_legend_handles_labels()[0]}
     below_title = (0.005, 1.0 - 0.27 / figure.get_figheight())
     figure.legend(handles.values(), handles.keys(), loc="upper left", bbox_to_anchor=below_title, ncols=5, fontsize=8)
-    figure.suptitle(f"{shown.title}\n", x=0.015, ha="left", fontsize=11)  # the second line is the legend's
+    entitle(figure, f"{shown.title}\n")  # the second line is the legend's
     caption(figure, f"{' '.join(sentences(found))} {motion_sentence(shown.records)}")
     return figure
 

@@ -26,7 +26,7 @@ from pounding_cli.report.sensitivity_text import (
     split_claims,
     spread_sentence,
 )
-from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.style import caption, entitle, new_figure, shared_legend, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
@@ -112,9 +112,8 @@ def draw_indices(answer: Answer, drawn: list[Part], shown: Evidence) -> Figure:
         for ax in line:
             ax.set_ylim(-0.6, len(rows) - 0.4)
             ax.grid(False, axis="y")
-    handles = {label: h for ax in axes[0] for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4, fontsize=8)
-    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    shared_legend(figure, axes[0], "outside lower center", columns=4)
+    entitle(figure, shown.title)
     return figure
 
 
@@ -163,7 +162,7 @@ def draw_samples(samples: Answer, frame: pd.DataFrame, drawn: list[Part], shown:
             ax.tick_params(labelsize=7)
         words = f"\n{part.words}" if part.words else ""
         line[0].set_ylabel(f"{part.output}{f' [{part.unit}]' if part.unit else ''}{words}", fontsize=7)
-    figure.suptitle(shown.title, x=0.015, ha="left", fontsize=11)
+    entitle(figure, shown.title)
     caption(figure, f"Dots: samples. Line: mean of the output along the key. {motion_sentence(shown.records)}")
     return figure
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -116,6 +116,17 @@ def legend(ax: Axes, cases: Mapping[str, str], **keywords: Any) -> None:
         for case, look in looks(chosen).items()
     ]
     ax.legend(handles=handles, handlelength=3.2, **keywords)
+
+
+def entitle(figure: Figure, title: str) -> None:
+    """The study's title at the head of a figure."""
+    figure.suptitle(title, x=0.015, ha="left", fontsize=11)
+
+
+def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside right upper", columns: int = 1) -> None:
+    """One legend of all panels, each label once."""
+    handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    figure.legend(handles.values(), handles.keys(), loc=where, fontsize=8, ncols=columns)
 
 
 def caption(figure: Figure, text: str) -> None:

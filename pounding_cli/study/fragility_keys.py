@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, Field, Tag
 
 from pounding_cli.study import units
-from pounding_cli.study.base import Model, optional
+from pounding_cli.study.base import EITHER, Model, optional
 from pounding_cli.study.limits import Limit, read_limit
 from pounding_cli.study.problems import nearest
 from pounding_cli.study.shares import CONFIDENCE
@@ -50,17 +50,13 @@ def read_measure(value: Any) -> Measure:
     return Measure("sa", _PERIOD.read(found["period"]))
 
 
-def _list_or_one(value: Any) -> str:
-    return "list" if isinstance(value, list | tuple) else "one"
-
-
 OneLimit = Annotated[Limit, TextForm(read_limit, "limit in words", ("mu > 4", "drift > 2 %", "contact"))]
 _SeveralLimits = Annotated[tuple[OneLimit, ...], Field(max_length=20), Tag("list")]
 _OnlyLimit = Annotated[OneLimit, AfterValidator(lambda limit: (limit,)), Tag("one")]
 if TYPE_CHECKING:
     Limits = tuple[Limit, ...]
 else:
-    Limits = Annotated[_SeveralLimits | _OnlyLimit, Discriminator(_list_or_one)]
+    Limits = Annotated[_SeveralLimits | _OnlyLimit, EITHER]
 
 
 class FragilitySpec(Model):

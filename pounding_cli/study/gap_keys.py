@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import AfterValidator, Field, Tag, WithJsonSchema
 
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
-from pounding_cli.study.base import Model, optional
+from pounding_cli.study.base import EITHER, Model, optional
 from pounding_cli.study.shares import percent
 from pounding_cli.study.units import Quantity, whole_number
 
 _MOST = 20
 
 
-def _list_or_one(value: Any) -> str:
-    return "list" if isinstance(value, list | tuple) else "one"
-
-
 _FORM = WithJsonSchema({"type": "string", "pattern": r"^\s*[0-9.eE+-]+\s*%\s*$", "examples": ["84 %"]})
 Percentile = Annotated[float, percent("percentile", "84 %"), _FORM]
 Probability = Annotated[float, percent("probability of contact", "10 %"), _FORM]
 _SOME = Field(min_length=1, max_length=_MOST)
-_EITHER = Discriminator(_list_or_one)
 _ONE = AfterValidator(lambda share: (share,))
 
 if TYPE_CHECKING:
@@ -30,10 +25,10 @@ if TYPE_CHECKING:
     Probabilities = tuple[float, ...]
 else:
     Percentiles = Annotated[
-        Annotated[tuple[Percentile, ...], _SOME, Tag("list")] | Annotated[Percentile, _ONE, Tag("one")], _EITHER
+        Annotated[tuple[Percentile, ...], _SOME, Tag("list")] | Annotated[Percentile, _ONE, Tag("one")], EITHER
     ]
     Probabilities = Annotated[
-        Annotated[tuple[Probability, ...], _SOME, Tag("list")] | Annotated[Probability, _ONE, Tag("one")], _EITHER
+        Annotated[tuple[Probability, ...], _SOME, Tag("list")] | Annotated[Probability, _ONE, Tag("one")], EITHER
     ]
 
 

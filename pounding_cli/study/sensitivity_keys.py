@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, Field, Tag
 
-from pounding_cli.study.base import Model, optional
+from pounding_cli.study.base import EITHER, Model, optional
 from pounding_cli.study.claim_names import CLAIMS
 from pounding_cli.study.problems import nearest
 from pounding_cli.study.shares import CONFIDENCE
@@ -25,13 +25,12 @@ def _read_text(value: Any) -> str:
 
 
 EXPRESSION = TextForm(_read_text, "expression over the tables", ("mu", "largest V_ratio in stiff", "max(mu, mu0)"))
-_EITHER = Discriminator(lambda value: "list" if isinstance(value, list | tuple) else "one")
 _Several = Annotated[tuple[Annotated[str, EXPRESSION], ...], Field(max_length=50), Tag("list")]
 _Only = Annotated[Annotated[str, EXPRESSION], AfterValidator(lambda text: (text,)), Tag("one")]
 if TYPE_CHECKING:
     Outputs = tuple[str, ...]
 else:
-    Outputs = Annotated[_Several | _Only, _EITHER]
+    Outputs = Annotated[_Several | _Only, EITHER]
 
 
 def _read_claim(value: Any) -> str:
@@ -47,7 +46,7 @@ _OneClaim = Annotated[Annotated[str, _CLAIM], AfterValidator(lambda text: (text,
 if TYPE_CHECKING:
     ClaimNames = tuple[str, ...]
 else:
-    ClaimNames = Annotated[_Claims | _OneClaim, _EITHER]
+    ClaimNames = Annotated[_Claims | _OneClaim, EITHER]
 
 
 class SensitivitySpec(Model):

@@ -20,7 +20,7 @@ from pounding_cli.numbers import counted
 from pounding_cli.report.answer_page import AnswerPage
 from pounding_cli.report.claim_tables import Column
 from pounding_cli.report.evidence import Evidence, Tables, axis_keys, motion_label, motion_sentence
-from pounding_cli.report.figures import drawn_part
+from pounding_cli.report.figures import drawn_part, main_building
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer
@@ -83,7 +83,7 @@ def write_page(
         "cases": shown.cases,
         "motions": len(shown.records),
         "buildings": shown.group,
-        "building": _main(shown),
+        "building": main_building(shown),
         "periods": shown.periods,
         "charted": charted("height"),
         "alone": ALONE,
@@ -195,16 +195,10 @@ def _scripts() -> str:
     return "(() => {\n'use strict';\n" + "\n".join(asset(name) for name in SCRIPTS) + "\n})();"
 
 
-def _main(evidence: Evidence) -> str:
-    """The building shown first: the study's choice, else the stiffer."""
-    chosen = (evidence.resolved.get("report") or {}).get("building")
-    return chosen if chosen in evidence.group else evidence.stiffer
-
-
 def _group(evidence: Evidence) -> list[dict[str, Any]]:
     """Name, period [s], storeys and V/W [-] of every building, left to right, for the drawing."""
     parts = dict(iter(evidence.buildings.groupby("building", sort=False)))
-    main = _main(evidence)
+    main = main_building(evidence)
     return [
         {
             "name": name,
