@@ -18,8 +18,8 @@ from pounding_cli.solve.run import Prepared, prepare, responses, solve
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
-"""solve(scene, accuracy=..., method=..., all_effects=..., watch=...) -> Response; with time_step=... where the
-study has one."""
+"""solve(scene, accuracy=..., method=..., all_effects=..., watch=..., ledger=...) -> Response; with time_step=... where
+the study has one."""
 
 
 HARDER = 0.01
