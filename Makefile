@@ -4,9 +4,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.stamp
 POUND := $(BIN)/pound
-STUDIES := fig6 fig7
-SYSTEMS := fig5 fig8
-PAGES := $(patsubst %,results/%/report.html,$(STUDIES) $(SYSTEMS))
+STUDIES := fig5:connector fig6:run fig7:run fig8:wall
+PAGES := $(foreach study,$(STUDIES),results/$(firstword $(subst :, ,$(study)))/report.html)
 
 .PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench mutants kills fuzz dist clean
 
@@ -20,22 +19,17 @@ $(STAMP): requirements/dev.txt pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	touch $(STAMP)
 
-# `pound run` finds out by itself what is missing and leaves a finished file alone, so pages are drawn only when needed.
+# `pound` finds out by itself what is missing and leaves a finished file alone, so pages are drawn only when needed.
 figures: studies
 	@$(MAKE) --no-print-directory pages
 	@echo "Figures and claims: $(PAGES)"
 
 studies: setup
 	@mkdir -p results
-	@for study in $(STUDIES); do $(POUND) run configs/$$study.yaml -o results/$$study.h5 || exit $$?; done
+	@for each in $(STUDIES); do \
+		study=$${each%:*}; $(POUND) $${each#*:} configs/$$study.yaml -o results/$$study.h5 || exit $$?; done
 
 pages: $(PAGES)
-
-results/fig5.h5: configs/fig5.yaml $(wildcard pounding_cli/connector/*.py)
-	$(POUND) connector $< -o $@
-
-results/fig8.h5: configs/fig8.yaml $(wildcard pounding_cli/wall/*.py)
-	$(POUND) wall $< -o $@
 
 results/%/report.html: results/%.h5
 	$(POUND) report $< -o results/$*

@@ -3,9 +3,9 @@
 They are stated here alone; commands, results files, reports and citations read this list. A part is named as
 "module:name" and imported when it is needed, so that reading the list costs nothing.
 
-A workflow over time histories proposes scenes (`expand`, then `refine` as often as it likes); the one batch solves them
-with every engine, resume and progress (`batch.run_plan`), the one store keeps them, and `tables` says what follows from
-them. A workflow with a model of its own (`load`, `compute`) does the work itself."""
+A workflow proposes scenes (`expand`, then `refine` as often as it likes); the one batch solves them with every engine,
+resume and progress (`batch.run_plan`), the one store keeps them, and `tables` says what follows from them. Its scenes
+are rows of buildings over time, or points of a model of its own, which it says how to `solve`."""
 
 from __future__ import annotations
 
@@ -27,19 +27,20 @@ class Workflow:
     title : its line in `pound --help`
     marks : top-level keys that only its studies have; none where its studies are those of `pound run`
     shows : tables that it adds to a results file
-    schema : pydantic model of its section of a study file
+    schema : pydantic model of its section of a study file; of the whole file where it has `marks`, then a
+        `study.system_study.SystemModel`
     question : (Study) -> what its section asks; raises `InputError` where it asks what the study cannot answer
-    load : (path) -> study with `title`, `warnings`, `resolved`
-    expand : (Study) -> Plan, the scenes of the first round
+    expand : (study) -> Plan, the scenes of the first round
     refine : (Plan, responses by digest) -> Plan of the next round, which holds the scenes of all rounds before;
         None when nothing is left to ask
-    tables : (Plan, read) -> list of `store.answers.Table`; `read(name)` gives a variable of `variables` over the
-        whole study, shape (swept axes, dimensions of the variable)
+    solve : (model of a point) -> response with the fields that its `variables` name; "" where scenes are rows of
+        buildings
+    variables : `variables.Variable` of every number that a point has, of a workflow with `solve`
+    tables : (Plan, read) -> list of `store.answers.Table`; `read(name)` gives a variable over the whole study, shape
+        (swept axes, dimensions of the variable)
     page : (Results, Evidence of the point shown, with_figures) -> `report.answer_page.AnswerPage`: what the report says
-        and draws in place of the ratios to the building alone
+        and draws in place of the ratios to the building alone; of a workflow with `solve` there is no Evidence
     cite : (resolved study, used) -> None; calls `used(key of REFERENCES, what for)`
-    compute : (study, path) of a workflow with a model of its own: computes every point and writes the results file
-    report : (path, folder, formats, with_page) -> files, of a workflow with a model of its own
     sampled : whether its last swept axis holds samples that nobody wrote: reports show none of them by itself
     """
 
@@ -49,20 +50,19 @@ class Workflow:
     shows: tuple[str, ...] = ()
     schema: str = ""
     question: str = ""
-    load: str = "pounding_cli.study.load:load_study"
     expand: str = ""
     refine: str = ""
+    solve: str = ""
+    variables: str = ""
     tables: str = ""
     page: str = ""
     cite: str = ""
-    compute: str = ""
-    report: str = ""
     sampled: bool = False
 
     @property
-    def has_own_model(self) -> bool:
-        """Whether it solves something else than time histories of a row of buildings."""
-        return bool(self.compute)
+    def is_section(self) -> bool:
+        """Whether it asks by a section of a study of `pound run`."""
+        return bool(self.schema) and not self.marks
 
     def part(self, name: str) -> Any:
         """One of its parts, imported; None where it has none."""
@@ -138,19 +138,27 @@ _LIST = (
         "connector",
         "Solve two connected oscillators in closed form (Figs 4 and 5).",
         ("first", "second", "connector", "frequencies"),
-        load="pounding_cli.study.connector_study:load_connector_study",
-        cite="pounding_cli.report.citations:cite_connector",
-        compute="pounding_cli.store.connector_store:write_connector",
-        report="pounding_cli.report.systems:write_system_report",
+        shows=("connector",),
+        schema="pounding_cli.study.connector_study:ConnectorStudyModel",
+        expand="pounding_cli.study.system_study:expand_system",
+        solve="pounding_cli.connector.findings:answer",
+        variables="pounding_cli.connector.findings:VARIABLES",
+        tables="pounding_cli.store.points:point_tables",
+        page="pounding_cli.report.connector:connector_page",
+        cite="pounding_cli.report.connector:cite_connector",
     ),
     Workflow(
         "wall",
         "Solve an impact on a bumper wall (Fig. 8).",
         ("wall", "frame", "striker", "concrete", "mesh"),
-        load="pounding_cli.study.wall_study:load_wall_study",
-        cite="pounding_cli.report.citations:cite_wall",
-        compute="pounding_cli.store.wall_store:write_wall",
-        report="pounding_cli.report.systems:write_system_report",
+        shows=("wall",),
+        schema="pounding_cli.study.wall_study:WallStudyModel",
+        expand="pounding_cli.study.system_study:expand_system",
+        solve="pounding_cli.wall.analysis:strike",
+        variables="pounding_cli.wall.variables:VARIABLES",
+        tables="pounding_cli.store.points:point_tables",
+        page="pounding_cli.report.wall:wall_page",
+        cite="pounding_cli.report.wall:cite_wall",
     ),
 )
 
@@ -159,10 +167,7 @@ WORKFLOWS: Mapping[str, Workflow] = {workflow.name: workflow for workflow in _LI
 
 
 def expansion(name: str) -> Callable[..., Any]:
-    """`expand` of a workflow over time histories.  Raises InputError: there is none of that name."""
-    known = [each.name for each in _LIST if each.expand]
-    if name not in known:
-        raise InputError(
-            Problem(f"there is no workflow {name} over time histories", f"write one of {', '.join(known)}")
-        )
+    """`expand` of a workflow.  Raises InputError: there is none of that name."""
+    if name not in WORKFLOWS:
+        raise InputError(Problem(f"there is no workflow {name}", f"write one of {', '.join(WORKFLOWS)}"))
     return WORKFLOWS[name].part("expand")

@@ -12,6 +12,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 from pounding_cli.store.files import opened, opened_dataset
 from pounding_cli.store.structure import strings
+from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -91,7 +92,7 @@ class Results(store.Results):
     @cached_property
     def _names(self) -> dict[str, list[str]]:
         with opened(self.path) as file:
-            return {dim: list(strings(file[dim])) for dim in _DIMS}
+            return {dim: list(strings(file[dim])) for dim in _DIMS if dim in file}
 
     def __repr__(self) -> str:
         try:
@@ -101,6 +102,7 @@ class Results(store.Results):
         parts = [
             counted(len(names[dim]), *words) + (f" ({', '.join(names[dim])})" if len(names[dim]) <= 5 else "")
             for dim, words in _DIMS.items()
+            if dim in names
         ]
         if self.axes:
             parts.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))
@@ -112,8 +114,12 @@ class Results(store.Results):
         return f"<p>{escape(repr(self))}</p>{self._worst().to_html(float_format='{:.3f}'.format, max_rows=40)}"
 
     def _worst(self) -> pd.DataFrame:
-        """The largest mean ratio over the storeys and the sweep by case and building; columns analysis and ratio."""
+        """The largest mean ratio over the storeys and the sweep by case and building; columns analysis and ratio. Of
+        points of a model of its own their table."""
         import pandas as pd
+
+        if WORKFLOWS[self.workflow].solve:
+            return self.table(self.workflow)
 
         summary = self.summary()
         order = [list(dict.fromkeys(summary[name])) for name in ("case", "building")]

@@ -52,18 +52,23 @@ def run(
 
     Raises
     ------
-    InputError : the study or the output is refused, or there is no such workflow over time histories
+    InputError : the study or the output is refused, or there is no such workflow
 
     Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables; so do scenes in
     which a storey collapses ("collapsed"), which are no failures.
     """
     from pounding_cli.batch import run_plan
+    from pounding_cli.study.kinds import load_for
     from pounding_cli.workflows import expansion
 
-    loaded = load_study(study) if isinstance(study, str | Path | Mapping) else study
+    expand = expansion(workflow)
+    if isinstance(study, Mapping):
+        loaded = load_study(study)
+    else:
+        loaded = load_for(Path(study), workflow) if isinstance(study, str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
     run_plan(
-        expansion(workflow)(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler,
+        expand(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler,
         replace=replace,
     )  # fmt: skip
     return open_results(path)
@@ -83,5 +88,7 @@ def open_results(path: str | Path) -> Results:
 
 def default_output(study: Path, workflow: str = "run") -> Path:
     """Where results go unless told otherwise: `results/<study stem>.h5` in the current directory, with the name of the
-    workflow behind the stem where it is another than `run`."""
-    return Path("results") / (f"{study.stem}.h5" if workflow == "run" else f"{study.stem}-{workflow}.h5")
+    workflow behind the stem where the study is one that `pound run` takes too."""
+    from pounding_cli.workflows import WORKFLOWS
+
+    return Path("results") / (f"{study.stem}.h5" if WORKFLOWS[workflow].marks else f"{study.stem}-{workflow}.h5")

@@ -49,7 +49,7 @@ class _Begun:
 
 @dataclass(frozen=True)
 class Task:
-    """How every scene of a run is solved; goes to the workers once.
+    """How every row of buildings is solved: a `bundles.Work`.
 
     estimate : which scenes are assessed: none, sample or all; alone, those of buildings with nothing beside them
     all_effects : simulate what cannot matter too, and every row of buildings whole
@@ -63,6 +63,7 @@ class Task:
     all_effects: bool = False
     time_step: float | None = None
     harder: bool = False
+    solver: str = ""
 
     def __call__(self, scene: Scene) -> Response:
         """The response; an exception becomes a failed response that names it."""

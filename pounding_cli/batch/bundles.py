@@ -6,11 +6,12 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any, Protocol
 
-from pounding_cli.batch.attempt import Task
-from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import Response
+from pounding_cli.solve.response import PointResponse, Response
 from pounding_cli.store.chunk import Chunk
+
+Answer = Response | PointResponse
 
 CHUNK_SECONDS = 0.5
 """Work in one chunk: long against sending and keeping it (milliseconds), little to lose."""
@@ -22,10 +23,37 @@ MOST = 1000
 """Scenes in one bundle at most."""
 
 TOGETHER = 64
-"""Scenes that are taken step by step together (`Task.each`)."""
+"""Scenes that are taken step by step together (`Work.each`)."""
 
 _LATE = 2.0
 """A worker that has been at a bundle for so many times the work wanted gives the rest of it back."""
+
+
+class Work(Protocol):
+    """How every scene of a run is solved; goes to the workers once.
+
+    solver : as of `store.keys.solver_version`
+    """
+
+    @property
+    def solver(self) -> str: ...
+
+    def __call__(self, scene: Any) -> Answer:
+        """The response of a scene; whatever goes wrong in it becomes a failed response."""
+        ...
+
+    def each(
+        self, scenes: Sequence[Any], begins: Callable[[int], None], halted: Callable[[], bool]
+    ) -> Sequence[Answer]:
+        """The responses of scenes in their order; only the first of them, at least one, where it is `halted`.
+
+        begins : told the place of every scene before something of it is run
+        """
+        ...
+
+    def without(self, scene: Any, status: str, advice: str) -> Answer:
+        """The response of a scene that gave none."""
+        ...
 
 
 class Queue:
@@ -71,8 +99,8 @@ class Queue:
 
 def solve_bundle(
     bundle: Sequence[str],
-    scene_of: Callable[[str], Scene],
-    task: Task,
+    scene_of: Callable[[str], Any],
+    task: Work,
     begins: Callable[[int], None] = lambda place: None,
     stopped: Callable[[], bool] = lambda: False,
     work: float = CHUNK_SECONDS,
@@ -81,7 +109,7 @@ def solve_bundle(
 
     begins : told the place in the bundle of every scene before it is solved
     """
-    found: dict[str, Response] = {}
+    found: dict[str, Answer] = {}
     begin = time.perf_counter()
 
     def halted() -> bool:

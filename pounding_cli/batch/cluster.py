@@ -11,13 +11,11 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli.batch.attempt import Task
-from pounding_cli.batch.bundles import Queue, solve_bundle
+from pounding_cli.batch.bundles import Queue, Work, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
 from pounding_cli.batch.local_cluster import local_cluster
 from pounding_cli.batch.processes import ADVICE, DIED
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.model.scene import Scene
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.keys import solver_version
 
@@ -63,7 +61,7 @@ class Cluster(Engine):
             hint = "install it with: pip install 'pounding-cli[dask]'"
             raise InputError(Problem("the dask engine needs the package 'distributed'", hint)) from None
 
-    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Task, key: str) -> Generator[Finished]:
+    def solve(self, queue: Queue, scenes: Mapping[str, Any], task: Work, key: str) -> Generator[Finished]:
         """The scenes as workers finish them."""
         from distributed import wait
         from distributed.comm.core import CommClosedError
@@ -226,18 +224,18 @@ def _quiet() -> Iterator[None]:
             log.disabled = False
 
 
-def _sent(client: Client, bundle: list[str], scenes: Mapping[str, Scene], task: Task, key: str) -> Future:
+def _sent(client: Client, bundle: list[str], scenes: Mapping[str, Any], task: Work, key: str) -> Future:
     # A key of its own for every try: Dask takes equal calls for one.
     name = f"pound-{next(_numbers)}-{bundle[0][:12]}"
     whole = [(digest, scenes[digest]) for digest in bundle]
-    return client.submit(solve_there, whole, task, key, solver_version(), key=name, pure=False)
+    return client.submit(solve_there, whole, task, key, solver_version(task.solver), key=name, pure=False)
 
 
 def _received(
     future: Future,
     bundle: list[str],
-    scenes: Mapping[str, Scene],
-    task: Task,
+    scenes: Mapping[str, Any],
+    task: Work,
     key: str,
     queue: Queue,
     suspects: list[str],
@@ -272,10 +270,10 @@ class WrongSolver(Exception):
     """A worker runs another version of the solver."""
 
 
-def solve_there(bundle: list[tuple[str, Scene]], task: Task, key: str, version: str) -> tuple[bytes, float]:
+def solve_there(bundle: list[tuple[str, Any]], task: Work, key: str, version: str) -> tuple[bytes, float]:
     """On a worker: a chunk as bytes, and the time it took [s].  Raises WrongSolver."""
-    if solver_version() != version:
-        raise WrongSolver(f"they run solver {solver_version()}, this is {version}")
+    if (mine := solver_version(task.solver)) != version:
+        raise WrongSolver(f"they run solver {mine}, this is {version}")
     at_hand: Any = dict(bundle)
     chunk, seconds = solve_bundle(list(at_hand), at_hand.__getitem__, task, work=WORK)
     return chunk.to_bytes(key), seconds

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
-from pounding_cli.batch.attempt import Task
-from pounding_cli.batch.bundles import Queue
+from pounding_cli.batch.bundles import Queue, Work
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.model.scene import Scene
 from pounding_cli.store.chunk import Chunk
 
 ENGINES = ("serial", "threads", "processes", "dask")
@@ -33,7 +31,7 @@ class Engine(Protocol):
     name: str
     workers: int
 
-    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Task, key: str) -> Generator[Finished]:
+    def solve(self, queue: Queue, scenes: Mapping[str, Any], task: Work, key: str) -> Generator[Finished]:
         """Everything in the queue, chunk by chunk as workers finish.
 
         key : `solution_key`, which chunks made into bytes carry

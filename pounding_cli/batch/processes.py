@@ -15,8 +15,7 @@ from functools import partial
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from pounding_cli.batch.attempt import Task
-from pounding_cli.batch.bundles import Queue, solve_bundle
+from pounding_cli.batch.bundles import Queue, Work, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
@@ -49,7 +48,7 @@ class Processes(Engine):
     def __init__(self, workers: int) -> None:
         self.workers = workers
 
-    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Task, key: str) -> Generator[Finished]:
+    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Work, key: str) -> Generator[Finished]:
         """The scenes as workers finish them."""
         staff = _Staff(scenes, task, key)
         suspects: list[str] = []
@@ -85,7 +84,7 @@ class Processes(Engine):
 class _Staff:
     """The workers: at work on a bundle, or idle; hired when they are needed."""
 
-    def __init__(self, scenes: Mapping[str, Scene], task: Task, key: str) -> None:
+    def __init__(self, scenes: Mapping[str, Scene], task: Work, key: str) -> None:
         # Forked workers inherit the compiled kernels and the plan; elsewhere forking is not safe: scenes are sent.
         method = multiprocessing.get_start_method(allow_none=True) or ("fork" if sys.platform == "linux" else "spawn")
         self._forks = method == "fork"
@@ -132,7 +131,7 @@ class _Worker:
     """One worker process, seen from the parent."""
 
     def __init__(
-        self, context: Any, scenes: Mapping[str, Scene] | None, task: Task, key: str, others: Sequence[Connection]
+        self, context: Any, scenes: Mapping[str, Scene] | None, task: Work, key: str, others: Sequence[Connection]
     ) -> None:
         self.line, far = context.Pipe()
         self._place = context.RawValue("q", 0)
@@ -196,7 +195,7 @@ def _work(
     line: Connection,
     place: Any,
     scenes: Mapping[str, Scene] | None,
-    task: Task,
+    task: Work,
     key: str,
     inherited: Sequence[Connection],
 ) -> None:

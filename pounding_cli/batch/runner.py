@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pounding_cli.batch.attempt import Solve, Task
-from pounding_cli.batch.bundles import CHUNK_SECONDS, Queue
+from pounding_cli.batch.bundles import CHUNK_SECONDS, Queue, Work
 from pounding_cli.batch.engines import Engine, Finished, engine
 from pounding_cli.batch.families import Order, order_of
 from pounding_cli.batch.histories import kept_histories
 from pounding_cli.batch.outcome import Failure, Outcome
+from pounding_cli.batch.point_task import PointTask
 from pounding_cli.batch.progress import Progress, Quiet
 from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
@@ -32,11 +33,11 @@ from pounding_cli.store import (
     former_run,
     is_current,
     locked,
-    solution_key,
     write_results,
 )
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.files import is_results, refused_write
+from pounding_cli.store.keys import key_of
 from pounding_cli.store.locks import lock_of
 from pounding_cli.workflows import WORKFLOWS
 
@@ -87,7 +88,7 @@ def run_plan(
     progress = progress or Quiet()
     chosen = engine(engine_name, workers or cores(), scheduler)
     check_output(output, [plan.study.path], lambda path, _: is_results(path))
-    key = solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step)
+    key = key_of(plan)
     parts = PartStore(output, key)
     if not replace and is_current(output, plan):
         _tidy(output, parts)
@@ -188,11 +189,7 @@ def _solve_missing(
 
     Returns the engine's name and the time in the solver, all workers together [s].
     """
-    estimate = "alone" if plan.rough and plan.estimate == "all" else plan.estimate
-    task = Task(
-        solve or _default_solve(), plan.accuracy, plan.method, estimate, plan.all_effects, plan.time_step,
-        plan.harder,
-    )  # fmt: skip
+    task = _work(plan, solve)
     spent, saved = 0.0, time.monotonic()
 
     def keep(finished: Finished, small: bool = True) -> None:
@@ -211,7 +208,7 @@ def _solve_missing(
         keep(Finished(Chunk.of({digest: task(plan.scenes[digest])})))
         return time.perf_counter() - begin
 
-    with _compile_notice(progress, solve):
+    with _compile_notice(progress, isinstance(task, PointTask) or solve is not None):
         for digests in order.samples.values():
             here(digests[0])
     progress.compiled()
@@ -230,6 +227,17 @@ def _solve_missing(
     return used.name, spent
 
 
+def _work(plan: Plan, solve: Solve | None) -> Work:
+    """How the scenes of a plan are solved."""
+    if WORKFLOWS[plan.workflow].solve:
+        return PointTask(plan.workflow)
+    estimate = "alone" if plan.rough and plan.estimate == "all" else plan.estimate
+    return Task(
+        solve or _default_solve(), plan.accuracy, plan.method, estimate, plan.all_effects, plan.time_step,
+        plan.harder,
+    )  # fmt: skip
+
+
 def _default_solve() -> Solve:
     from pounding_cli.solve import solve  # here, so that a finished study need not load it
 
@@ -237,11 +245,11 @@ def _default_solve() -> Solve:
 
 
 @contextlib.contextmanager
-def _compile_notice(progress: Progress, solve: Solve | None) -> Iterator[None]:
-    """Say that kernels are being compiled, if the first scenes take as long as that."""
+def _compile_notice(progress: Progress, without: bool) -> Iterator[None]:
+    """Say that kernels are being compiled, if the first scenes take as long as that; not where these need none."""
     from pounding_cli.solve import is_compiled
 
-    if solve is not None or is_compiled():
+    if without or is_compiled():
         yield
         return
     notice = threading.Timer(_COMPILE_PATIENCE, progress.say, ["compiling kernels (first run only)"])
@@ -270,13 +278,14 @@ def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:
             for axis, number in zip(plan.axes, row.point, strict=True)
             for name, value in zip(axis.names, axis.values[number], strict=True)
         ]
-        places = [(row.scene, row.case)]
+        places = [(row.scene, "" if WORKFLOWS[plan.workflow].solve else row.case)]
         places += [(key, f"{building} alone") for building, key in zip(plan.buildings, row.baselines, strict=True)]
         for digest, what in places:
             if digest in failed:
                 failed.remove(digest)
                 facts = parts.header(digest).facts
-                yield Failure(", ".join([*swept, what, row.analysis, row.record]), facts["status"], facts["advice"])
+                place = ", ".join(filter(None, [*swept, what, row.analysis, row.record]))
+                yield Failure(place or "the study", facts["status"], facts["advice"])
 
 
 def cores() -> int:

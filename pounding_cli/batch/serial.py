@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping
+from typing import Any
 
-from pounding_cli.batch.attempt import Task
-from pounding_cli.batch.bundles import Queue, solve_bundle
+from pounding_cli.batch.bundles import Queue, Work, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
-from pounding_cli.model.scene import Scene
 
 
 class Serial(Engine):
@@ -16,7 +15,7 @@ class Serial(Engine):
     name = "serial"
     workers = 1
 
-    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Task, key: str) -> Generator[Finished]:
+    def solve(self, queue: Queue, scenes: Mapping[str, Any], task: Work, key: str) -> Generator[Finished]:
         """The scenes in their order."""
         while queue:
             bundle = queue.take()

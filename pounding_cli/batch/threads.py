@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from threading import Event
+from typing import Any
 
-from pounding_cli.batch.attempt import Task
-from pounding_cli.batch.bundles import Queue, solve_bundle
+from pounding_cli.batch.bundles import Queue, Work, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
-from pounding_cli.model.scene import Scene
 from pounding_cli.store.chunk import Chunk
 
 
@@ -21,7 +20,7 @@ class Threads(Engine):
     def __init__(self, workers: int) -> None:
         self.workers = workers
 
-    def solve(self, queue: Queue, scenes: Mapping[str, Scene], task: Task, key: str) -> Generator[Finished]:
+    def solve(self, queue: Queue, scenes: Mapping[str, Any], task: Work, key: str) -> Generator[Finished]:
         """The scenes as threads finish them."""
         stop = Event()
         running: dict[Future[tuple[Chunk, float]], list[str]] = {}

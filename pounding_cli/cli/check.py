@@ -18,26 +18,26 @@ MOST_ROWS = 50_000
 def command(study: Path) -> None:
     """Validate STUDY and report every problem as file:line:column, what is wrong and what to write instead.
 
-    The command accepts studies of `pound run`, `pound connector` and `pound wall`, including their sections for
-    `pound fragility`, `pound sensitivity` and `pound optimise`. It computes and writes nothing.
+    The command accepts studies of all commands, including their sections for `pound fragility`, `pound sensitivity`
+    and `pound optimise`. It computes and writes nothing.
     Exit code 0: the study is valid; 2: it was refused.
 
     Example: pound check configs/fig6.yaml
     """
     from pounding_cli.reading import shortened
-    from pounding_cli.study import expand, load_study
-    from pounding_cli.study.kinds import kind_of_file
+    from pounding_cli.study import expand
+    from pounding_cli.study.kinds import kind_of_file, load_for
     from pounding_cli.workflows import WORKFLOWS
 
     name = shortened(study)
-    if (kind := kind_of_file(study)) != "run":
-        loaded = WORKFLOWS[kind].part("load")(study)
-        for warning in loaded.warnings:
+    kind = kind_of_file(study)
+    read = load_for(study, kind)
+    if WORKFLOWS[kind].solve:
+        for warning in read.warnings:
             click.echo(f"warning: {warning}", err=True)
-        count = counted(len(loaded.points), "point")
+        count = counted(len(read.points), "point")
         click.echo(f"OK: {name}: a study of `pound {kind}`, {count} to compute")
         return
-    read = load_study(study)
     for each, workflow in WORKFLOWS.items():
         if workflow.question and read.resolver.root.get(each) is not None:
             workflow.part("question")(read)

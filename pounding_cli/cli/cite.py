@@ -57,31 +57,26 @@ _Used = tuple[str, str, Mapping[str, Any], Mapping[str, str], Collection[str]]
 
 
 def _study(path: Path) -> _Used:
-    from pounding_cli.study.kinds import kind_of_file
-    from pounding_cli.workflows import WORKFLOWS
+    from pounding_cli.study.kinds import kind_of_file, load_for
+    from pounding_cli.workflows import WORKFLOWS, expansion
 
     kind = kind_of_file(path)
-    if WORKFLOWS[kind].has_own_model:
-        own = WORKFLOWS[kind].part("load")(path)
-        return own.title, kind, own.resolved, {}, ()
+    study = load_for(path, kind)
+    if WORKFLOWS[kind].solve:
+        return study.title, kind, study.resolved(), {}, ()
     from pounding_cli.batch.forecast import methods_needed
-    from pounding_cli.study import expand, load_study
 
-    study = load_study(path)
-    plan = expand(study)
+    plan = expansion(kind)(study)
     return study.title, kind, study.resolved(), {use.name: use.source for use in plan.motions}, methods_needed(plan)
 
 
 def _results(path: Path) -> _Used:
-    import json
-
     from pounding_cli.store import open_results
-    from pounding_cli.store.files import kind_of, opened_kind
+    from pounding_cli.workflows import WORKFLOWS
 
-    if kind := kind_of(path):
-        with opened_kind(path, kind) as file:
-            return str(file.attrs["title"]), kind, json.loads(file.attrs["resolved"]), {}, ()
     results = open_results(path)
+    if WORKFLOWS[results.workflow].solve:
+        return results.title, results.workflow, results.resolved, {}, ()
     records = results.records()
     sources = dict(zip(records["record"], records["source"], strict=True))
     return results.title, results.workflow, results.resolved, sources, results.methods

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 def _asking(*names: str) -> dict[str, tuple[str, str]]:
-    """The commands of workflows; without names all that are answered by time histories."""
-    chosen = names or [each.name for each in WORKFLOWS.values() if each.expand]
+    """The commands of workflows; without names all over the histories of buildings."""
+    chosen = names or [each.name for each in WORKFLOWS.values() if not each.solve]
     return {name: (f"pounding_cli.cli.{name}", WORKFLOWS[name].title) for name in chosen}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
     from pounding_cli.laws.law import LinkLaw
     from pounding_cli.numbers import Unit
-    from pounding_cli.study import Plan
+    from pounding_cli.study import Axis, Plan
     from pounding_cli.study.load import Study
 
 
@@ -50,10 +51,21 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     """
     import dataclasses
 
-    from pounding_cli.study import expand, load_study
+    from pounding_cli.study import expand
+    from pounding_cli.study.kinds import kind_of_file, load_for
     from pounding_cli.study.thinned import thinned
+    from pounding_cli.workflows import WORKFLOWS, expansion
 
-    read = load_study(study)
+    kind = kind_of_file(study)
+    read = load_for(study, kind)
+    if WORKFLOWS[kind].solve:
+        for warning in read.warnings:
+            click.echo(f"warning: {warning}", err=True)
+        points = expansion(kind)(read)
+        count = counted(len(points.scenes), "point")
+        for line in (read.title, *_sweep(points.axes), f"points     {len(points.rows)}: pound {kind} solves {count}"):
+            click.echo(line)
+        return
     some = read if math.prod(len(axis.values) for axis in read.axes) <= MOST_POINTS else thinned(read, FEW_POINTS)
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
@@ -77,7 +89,7 @@ def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
     about = "" if some is study else "about "
     lines = []
     for name, workflow in WORKFLOWS.items():
-        if not workflow.schema or study.resolver.root.get(name) is None:
+        if not workflow.is_section or study.resolver.root.get(name) is None:
             continue
         plan = dataclasses.replace(workflow.part("expand")(some), all_effects=all_effects)
         later = ""
@@ -111,11 +123,8 @@ def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
         f"group      {' | '.join(plan.buildings)}",
         f"rows       {rows}: {_factors(study, plan)}",
     ]
-    for axis in study.axes:
-        shown = [", ".join(axis.shown(place)) for place in range(len(axis.values))]
-        listed = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
-        lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
     lines += [
+        *_sweep(study.axes),
         f"method     {plan.method}, {setting}",
         f"scenes     {about}{found.all}, on one core about {time_text(found.total)} with estimate: {plan.estimate}"
         " (reference core; stiff links take longer)",
@@ -150,6 +159,16 @@ def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
     ]
     if (match := plan.study.spectrum_match()) is not None:
         lines.append(f"  {match.words}")
+    return lines
+
+
+def _sweep(axes: Sequence[Axis]) -> list[str]:
+    """The swept keys with their values, one axis a line."""
+    lines = []
+    for axis in axes:
+        shown = [", ".join(axis.shown(place)) for place in range(len(axis.values))]
+        listed = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
+        lines.append(f"sweep      {', '.join(axis.names)}: {listed}")
     return lines
 
 

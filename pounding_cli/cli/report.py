@@ -81,31 +81,26 @@ def command(
     from pounding_cli.report.quantity import Choice
     from pounding_cli.report.sweep import Asked
     from pounding_cli.store import open_results
-    from pounding_cli.store.files import kind_of
     from pounding_cli.workflows import WORKFLOWS
 
     chosen = () if no_figures else formats or FORMATS
-    systems = [path for path in files if kind_of(path)]
-    opened = {path: open_results(path) for path in files if path not in systems}
+    opened = {path: open_results(path) for path in files}
     choice = Choice("", case, analysis, building, storey, floor, link, record)
     asked = {path: Asked(quantities, choice, points_at(results, at)) for path, results in opened.items()}
     folders = _folders(files, output)
-    for path in systems:
-        written = WORKFLOWS[kind_of(path)].part("report")(path, folders[path], chosen, not no_page)
-        if not quiet:
-            click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
+    judged = {path: results for path, results in opened.items() if not WORKFLOWS[results.workflow].solve}
     for path, results in opened.items():
         written = write_report(results, folders[path], chosen, not no_page, asked[path])
         if quiet:
             continue
         click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
-        evidences = points(results)
+        evidences = points(results) if path in judged else []
         if len(evidences) == 1:
             for judgement in judge(evidences[0]):
                 click.echo(f"  {judgement.claim.key:22} {judgement.verdict}")
-    if len(opened) > 1:
+    if len(judged) > 1:
         folder = output or Path("comparison")
-        page, _ = write_comparison({folders[path].name: results for path, results in opened.items()}, folder)
+        page, _ = write_comparison({folders[path].name: results for path, results in judged.items()}, folder)
         if not quiet:
             click.echo(str(page))
 

@@ -97,11 +97,12 @@ def solve_study(
     _alone_on_its_core()
     gc.disable()  # what is imported stays: looking for garbage in it takes a fifteenth of a short run
     ctx.call_on_close(gc.enable)
-    from pounding_cli.api.studies import default_output, load_study
+    from pounding_cli.api.studies import default_output
     from pounding_cli.batch.progress import JsonLines, chosen
+    from pounding_cli.study.kinds import load_for
 
     log = JsonLines() if how.log_json else None
-    loaded = load_study(study)
+    loaded = load_for(study, workflow)
     for warning in loaded.warnings:
         if log:
             log.tell("warning", text=str(warning))

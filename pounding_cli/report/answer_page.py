@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pounding_cli.report.evidence import Evidence, Tables
@@ -33,6 +34,7 @@ class AnswerPage:
     figures : by file name, the one that answers at a glance first; none where none are wanted
     tables : caption and rows
     notes : what a reader should know of the numbers, one sentence each
+    beside : (folder) -> files that it writes there for other programs
     """
 
     heading: str
@@ -40,6 +42,7 @@ class AnswerPage:
     figures: Mapping[str, Illustration]
     tables: Sequence[tuple[str, Grid]]
     notes: Sequence[str] = ()
+    beside: Callable[[Path], list[Path]] | None = None
 
     @property
     def words(self) -> dict[str, tuple[str, str]]:

@@ -43,7 +43,7 @@ def citations(
     kind : the workflow, a key of WORKFLOWS
     resolved : the study with every default filled in
     sources : motion -> "real", "stand-in" or "user"
-    methods : of a workflow over time histories, the keys in METHODS that solve its scenes, buildings alone included
+    methods : where scenes are rows of buildings, the keys in METHODS that solve its scenes, buildings alone included
     """
     uses: dict[str, dict[str, None]] = {}
 
@@ -52,7 +52,7 @@ def citations(
 
     used("pounding_cli", "the computations")
     workflow = WORKFLOWS[kind]
-    if not workflow.has_own_model:
+    if not workflow.solve:
         _groups(resolved, sources, used)
         _methods(methods, resolved["estimate"] != "none", used)
     if (cite := workflow.part("cite")) is not None:
@@ -124,19 +124,3 @@ def _methods(names: Collection[str], estimated: bool, used) -> None:
         judge = METHODS["taylor"] if method.takes_step else method  # as solve.assess has it
         for reference in named_in(judge.source) if estimated else ():
             used(reference.key, "the finer runs that error and sensitivity are estimated by")
-
-
-def cite_connector(resolved: Mapping[str, Any], used: Use) -> None:
-    """The references of `pound connector`."""
-    used("spiliopoulos1996", "two connected oscillators, Figs 4 and 5")
-    used("westermo1989", "connecting buildings")
-    if resolved["connector"]["damping_ratio"]:
-        used("anagnostopoulos1988", "the connector's dashpot, eq. (7)")
-
-
-def cite_wall(resolved: Mapping[str, Any], used: Use) -> None:
-    """The references of `pound wall`."""
-    used("spiliopoulos1996", "the bumper wall, Fig. 8")
-    used("anagnostopoulos1992", "bumper walls")
-    used("gustafsson2020", "the plane-stress elements of the wall")
-    used("wood1980", "the time integration")

@@ -1,122 +1,86 @@
-"""Fig. 8: stress on the deformed mesh, histories, stress against distance, sweeps; fields as VTU."""
+"""Fig. 8: stress on the deformed mesh, histories, stress against distance, and numbers over the sweep."""
 
 from __future__ import annotations
 
-from itertools import product
-from pathlib import Path
+import math
+from collections.abc import Iterator, Sequence
 
-import h5py
 import numpy as np
+import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from pounding_cli.report.connector_figures import point_label
-from pounding_cli.report.style import caption, new_figure, save, styled
-from pounding_cli.store.files import opened_kind
-from pounding_cli.store.swept import axes_of, coordinate
-from pounding_cli.store.wall_store import point_group
+from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.store import Results
+from pounding_cli.store.points import Point
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
-_FIELDS_DRAWN = 8
-_UNITS = {
-    "length": "m",
-    "thickness": "m",
-    "averaging_length": "m",
-    "storey_height": "m",
-    "patch": "m",
-    "size": "m",
-    "height": "m",
-    "width": "m",
-    "depth": "m",
-    "mass": "kg",
-    "floor_mass": "kg",
-    "speed": "m/s",
-    "young": "N/m²",
-    "density": "kg/m³",
-    "end": "s",
-    "step": "s",
-}
+_MANY = 400
+"""Elements from which a mesh is an image within a figure of lines and letters."""
 
 
-def draw_wall(path: Path, folder: Path, formats: tuple[str, ...] = ("png", "svg"), vtu: bool = True) -> list[Path]:
-    """Draw the results of `pound wall` and write its fields for ParaView; returns the files."""
-    with opened_kind(path, "wall") as file:
-        points = list(product(*(range(n) for n in file["peak_force"].shape)))
-        figures = {f"{path.stem}-history": history_figure(file, points)}
-        for point in points[:_FIELDS_DRAWN]:
-            suffix = "-" + "-".join(map(str, point)) if point else ""
-            figures[f"{path.stem}-stress{suffix}"] = stress_figure(file, point)
-        for axis in range(len(axes_of(file, "peak_force"))):
-            if file["peak_force"].shape[axis] > 1:
-                name = axes_of(file, "peak_force")[axis]
-                figures[f"{path.stem}-{name.replace('.', '-')}"] = sweep_figure(file, axis)
-        if "mesh.size" in axes_of(file, "peak_force"):
-            figures[f"{path.stem}-accuracy"] = accuracy_figure(file)
-        written = save(figures, folder, formats)
-        if vtu:
-            written += [_write_vtu(file, point, folder / path.stem) for point in points[:_FIELDS_DRAWN]]
-    return written
+def along(results: Results, frame: pd.DataFrame, *keys: str) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The rows of a sweep that differ in some swept keys alone, and what they have in common in words."""
+    rest = [names[0] for names in results.swept if names[0] not in keys]
+    for values, part in frame.groupby(rest, sort=False) if rest else [((), frame)]:
+        yield ", ".join(f"{k} = {results.value_label(k, v)}" for k, v in zip(rest, values, strict=True)), part
 
 
 @styled
-def history_figure(file: h5py.File, points: list[tuple[int, ...]]) -> Figure:
+def draw_histories(results: Results, points: Sequence[Point]) -> Figure:
     """Contact force, speed of the striker, energies and averaged stress against distance."""
-    axes = axes_of(file, "peak_force")
     figure = new_figure(9.2, 6.4)
     grid = figure.subplots(2, 2)
     drawn = points[: len(_COLORS)]
-    for color, point in zip(_COLORS, drawn, strict=False):
-        group = file[point_group(point)]
-        ms = 1e3 * group["time"][:]
-        label = point_label(file, axes, point) if axes else None
-        grid[0, 0].plot(ms, group["force"][:] / 1e6, color=color, lw=1.4, label=label)
-        grid[0, 1].plot(ms, group["velocity"][:], color=color, lw=1.4)
-        away = group["cell_height"][:] - group.attrs["contact"].mean()
-        grid[1, 1].plot(group["cell_stress"][:] / 1e6, away, color=color, lw=1.4)
-    group = file[point_group(drawn[-1])]
-    ms = 1e3 * group["time"][:]
-    parts = [group[name][:] / 1e3 for name in ("striker_energy", "kinetic_energy", "strain_energy")]
+    for color, (_, label, point) in zip(_COLORS, drawn, strict=False):
+        ms = 1e3 * point["time"]
+        grid[0, 0].plot(ms, point["force"] / 1e6, color=color, lw=1.4, label=label)
+        grid[0, 1].plot(ms, point["velocity"], color=color, lw=1.4)
+        away = point["cell_height"] - point["contact"].mean()
+        grid[1, 1].plot(point["cell_stress"] / 1e6, away, color=color, lw=1.4)
+    _, label, point = drawn[-1]
+    parts = [point[name] / 1e3 for name in ("striker_energy", "kinetic_energy", "strain_energy")]
     names = ("striker", "moving building", "strain")
-    grid[1, 0].stackplot(ms, *parts, labels=names, colors=("0.35", "0.6", "0.85"))
+    grid[1, 0].stackplot(1e3 * point["time"], *parts, labels=names, colors=("0.35", "0.6", "0.85"))
     grid[0, 0].set(xlabel="time [ms]", ylabel="contact force [MN]", title="Contact force")
     grid[0, 1].set(xlabel="time [ms]", ylabel="velocity [m/s]", title="Striker")
-    which = point_label(file, axes, drawn[-1]) if axes else "balance"
-    grid[1, 0].set(xlabel="time [ms]", ylabel="energy [kJ]", title=f"Energy: {which}")
-    side = file[point_group(drawn[0])].attrs["averaging_length"]
-    label = f"largest stress, mean over {side:g} m [N/mm²]"
-    grid[1, 1].set(xlabel=label, ylabel="distance up from the contact [m]", title="Stress at the struck face")
+    grid[1, 0].set(xlabel="time [ms]", ylabel="energy [kJ]", title=f"Energy: {label or 'balance'}")
+    of_face = f"largest stress, mean over {point['averaged_over']:g} m [N/mm²]"
+    grid[1, 1].set(xlabel=of_face, ylabel="distance up from the contact [m]", title="Stress at the struck face")
     grid[0, 1].axhline(0, color="0.35", lw=1)
     grid[1, 0].legend(loc="lower right", frameon=True)
-    if axes:
+    if label:
         grid[0, 0].legend(fontsize=6.5)
-    _title(figure, file)
-    if len(points) > len(drawn):
-        caption(figure, f"The first {len(drawn)} of {len(points)} points of the sweep.")
+    _title(figure, results)
+    if (count := math.prod(len(results.axes[names[0]]) for names in results.swept)) > len(drawn):
+        caption(figure, f"{len(drawn)} of {count} points of the sweep.")
     return figure
 
 
 @styled
-def stress_figure(file: h5py.File, point: tuple[int, ...]) -> Figure:
+def draw_stress(results: Results, point: Point) -> Figure:
     """Von Mises stress on the deformed mesh: at its peak, its envelope, and both around the contact."""
-    group = file[point_group(point)]
-    mesh = group["mesh"]
-    points, quads, moved = mesh["points"][:], mesh["quads"][:], mesh["displacement"][:]
+    _, label, values = point
+    length = values["wall_length"]
+    points, quads, moved = values["points"], values["quads"].astype(int), values["displacement"]
     largest = np.abs(moved).max()
-    scale = 0.1 * group.attrs["length"] / largest if largest > 0 else 1.0
+    scale = 0.1 * length / largest if largest > 0 else 1.0
     shown = (points + scale * moved)[quads]
-    contact = group.attrs["contact"].mean()
+    contact = values["contact"].mean()
     figure = new_figure(8.4, 6.6)
     panels = figure.subplots(1, 3, width_ratios=(1, 1, 1.9))
-    top = float(mesh["stress_envelope"][:].max()) / 1e6
-    instant = f"{1e3 * group.attrs['time_of_peak']:.1f} ms"
+    top = float(values["stress_envelope"].max()) / 1e6
+    instant = f"{1e3 * values['time_of_peak']:.1f} ms"
     for ax, name, title in (
         (panels[0], "stress_peak", f"At {instant}"),
         (panels[1], "stress_envelope", "Largest over time"),
         (panels[2], "stress_peak", f"Around the contact, {instant}"),
     ):
-        values = mesh[name][:] / 1e6
         thin = 0.15 if len(quads) < 5000 else 0.0
-        patches = PolyCollection(shown, array=values, cmap="magma_r", edgecolors="0.4", linewidths=thin)
+        patches = PolyCollection(
+            shown, array=values[name] / 1e6, cmap="magma_r", edgecolors="0.4", linewidths=thin,
+            rasterized=len(quads) > _MANY,
+        )  # fmt: skip
         patches.set_clim(0, top)
         ax.add_collection(patches)
         ax.set_aspect("equal")
@@ -124,130 +88,83 @@ def stress_figure(file: h5py.File, point: tuple[int, ...]) -> Figure:
         ax.set_title(title, loc="left")
         ax.set_xlabel("x [m]")
     for ax in panels[:2]:
-        ax.set(xlim=(-0.4, group.attrs["length"] + 0.6), ylim=(-0.3, group.attrs["height"] + 0.5))
-        for floor in group.attrs["floors"]:
-            ax.plot([group.attrs["length"], group.attrs["length"] + 0.5], [floor, floor], color="0.5", lw=2)
-    half = min(1.0, group.attrs["length"] / 2)
-    low, high = contact - half, contact + half
-    panels[2].set(xlim=(-0.2, 2 * half + 0.2), ylim=(low, high))
+        ax.set(xlim=(-0.4, length + 0.6), ylim=(-0.3, values["floors"][-1] + 0.5))
+        for floor in values["floors"]:
+            ax.plot([length, length + 0.5], [floor, floor], color="0.5", lw=2)
+    half = min(1.0, length / 2)
+    panels[2].set(xlim=(-0.2, 2 * half + 0.2), ylim=(contact - half, contact + half))
     panels[0].set_ylabel("height [m]")
     figure.colorbar(patches, ax=panels[2], label="von Mises stress [N/mm²]", shrink=0.6)
-    _title(figure, file)
-    axes = axes_of(file, "peak_force")
-    label = (point_label(file, axes, point) + ". ") if axes else ""
-    caption(figure, f"{label}Element means; displacements times {scale:.0f}. Grey stubs: beams.")
+    _title(figure, results)
+    where = f"{label}. " if label else ""
+    caption(figure, f"{where}Element means; displacements times {scale:.0f}. Grey stubs: beams.")
     return figure
 
 
 @styled
-def sweep_figure(file: h5py.File, axis: int) -> Figure:
-    """Peak force, peak and averaged stress, and how far the stress reaches, against one swept axis."""
-    axes = axes_of(file, "peak_force")
-    name = axes[axis]
-    values = coordinate(file, name)
-    x = list(range(len(values))) if isinstance(values[0], str) else values
-    unit = _UNITS.get(name.rsplit(".", 1)[-1])
-    named = f"{name} [{unit}]" if unit and not isinstance(values[0], str) else name
+def draw_sweep(results: Results, frame: pd.DataFrame, key: str) -> Figure:
+    """Peak force, peak and averaged stress, and how far the stress reaches, against one swept key."""
     figure = new_figure(9.2, 6.2)
     panels = figure.subplots(2, 2)
-    shape = file["peak_force"].shape
-    others = list(product(*(range(n) if place != axis else (0,) for place, n in enumerate(shape))))
-    for color, other in zip(_COLORS, others, strict=False):
-        along = (*other[:axis], slice(None), *other[axis + 1 :])
-        rest = tuple(n for place, n in enumerate(axes) if place != axis)
-        at = tuple(n for place, n in enumerate(other) if place != axis)
-        label = point_label(file, rest, at) if rest else None
-        for ax, key, factor in (
-            (panels[0, 0], "peak_force", 1e-6),
-            (panels[0, 1], "averaged_stress", 1e-6),
-            (panels[1, 0], "wall_stress", 1e-6),
-            (panels[1, 1], "reach", 1.0),
-        ):
-            ax.plot(x, factor * file[key][along], color=color, marker="o", ms=4, lw=1.4, label=label)
-    side = file[point_group(others[0])].attrs["averaging_length"]
-    for ax, label in zip(
-        panels.ravel(),
-        (
-            "peak force [MN]",
-            f"stress, mean over {side:g} m [N/mm²]",
-            "stress of an element [N/mm²]",
-            "distance to half of it [m]",
-        ),
-        strict=True,
-    ):
-        ax.set(xlabel=named, ylabel=label)
+    values = results.axes[key]
+    is_text = isinstance(values[0], str)
+    x = list(range(len(values))) if is_text else [results.units[key].number(value) for value in values]
+    lines = list(along(results, frame, key))
+    quantities = {
+        "peak_force": (1e-6, "peak force [MN]"),
+        "averaged_stress": (1e-6, f"stress, mean over {frame['averaged_over'].iloc[0]:g} m [N/mm²]"),
+        "wall_stress": (1e-6, "stress of an element [N/mm²]"),
+        "reach": (1.0, "distance to half of it [m]"),
+    }
+    for ax, (name, (factor, heading)) in zip(panels.ravel(), quantities.items(), strict=True):
+        for color, (label, part) in zip(_COLORS, lines, strict=False):
+            ax.plot(x, factor * part[name], color=color, marker="o", ms=4, lw=1.4, label=label)
+        ax.set(xlabel=results.axis_label(key), ylabel=heading)
         ax.set_ylim(bottom=0)
-        if isinstance(values[0], str):
+        if is_text:
             ax.set_xticks(x, values)
         elif min(x) > 0 and max(x) / min(x) > 5:
             ax.set_xscale("log")
             ax.set_xticks(x, [f"{v:g}" for v in x], minor=False)
             ax.set_xticks([], minor=True)
-    if len(axes) > 1:
+    if len(lines) > 1:
         panels[0, 0].legend(fontsize=7)
-    _title(figure, file)
-    if len(others) > len(_COLORS):
-        caption(figure, f"The first {len(_COLORS)} of {len(others)} curves.")
+    _title(figure, results)
+    if len(lines) > len(_COLORS):
+        caption(figure, f"The first {len(_COLORS)} of {len(lines)} curves.")
     return figure
 
 
 @styled
-def accuracy_figure(file: h5py.File) -> Figure:
+def draw_accuracy(results: Results, frame: pd.DataFrame) -> Figure:
     """Error of force and averaged stress against processor time, one line a mesh refined.
 
     Errors are relative to the point with the most freedoms among those that differ in mesh alone; that point
     itself is left out.
     """
-    axes = axes_of(file, "peak_force")
-    axis = axes.index("mesh.size")
     figure = new_figure(9.2, 3.6)
     panels = figure.subplots(1, 2)
-    lines = list(product(*(range(n) for place, n in enumerate(file["peak_force"].shape) if place != axis)))
-    rest = tuple(name for name in axes if name != "mesh.size")
     # Elements of either shape approach one limit; any other key changes what is computed.
-    alike = [tuple(p for p, name in zip(line, rest, strict=True) if name != "mesh.element") for line in lines]
-    for color, line, group in zip(_COLORS, lines, alike, strict=False):
-        at = (*line[:axis], slice(None), *line[axis:])
-        along = [
-            (*other[:axis], slice(None), *other[axis:]) for other, g in zip(lines, alike, strict=True) if g == group
-        ]
-        finest = max(along, key=lambda where: file["freedoms"][where].max())
-        best = int(np.argmax(file["freedoms"][finest]))
-        for ax, key in zip(panels, ("peak_force", "averaged_stress"), strict=True):
-            error = np.abs(file[key][at] / file[key][finest][best] - 1)
-            seconds = file["seconds"][at]
-            shown = error > 0
-            label = point_label(file, rest, line) if rest else None
-            ax.loglog(seconds[shown], error[shown], color=color, marker="o", ms=4, lw=1.4, label=label)
-    for ax, label in zip(panels, ("error of peak force", "error of averaged stress"), strict=True):
-        ax.set(xlabel="processor time [s]", ylabel=label)
-    if rest:
+    finest = {
+        number: part.iloc[int(part["freedoms"].argmax())]
+        for _, part in along(results, frame, "mesh.size", "mesh.element")
+        for number in part.index
+    }
+    labels = False
+    for color, (label, part) in zip(_COLORS, along(results, frame, "mesh.size"), strict=False):
+        labels = labels or bool(label)
+        for ax, name in zip(panels, ("peak_force", "averaged_stress"), strict=True):
+            error = np.abs(part[name] / finest[part.index[0]][name] - 1)
+            kept = error > 0
+            ax.loglog(part["seconds"][kept], error[kept], color=color, marker="o", ms=4, lw=1.4, label=label)
+    for ax, what in zip(panels, ("error of peak force", "error of averaged stress"), strict=True):
+        ax.set(xlabel="processor time [s]", ylabel=what)
+    if labels:
         panels[0].legend(fontsize=7)
-    _title(figure, file)
+    _title(figure, results)
     caption(figure, "Relative to the finest mesh of the study with the same contact.")
     return figure
 
 
-def _title(figure: Figure, file: h5py.File) -> None:
-    figure.suptitle(str(file.attrs["title"]), x=0.015, ha="left", fontsize=11, fontweight="bold")
-
-
-def _write_vtu(file: h5py.File, point: tuple[int, ...], folder: Path) -> Path:
-    """The fields of one point for ParaView; lengths in m, stresses in N/m2."""
-    import meshio
-
-    mesh = file[point_group(point)]["mesh"]
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{point_group(point).split('/')[1]}.vtu"
-
-    def in_space(array: np.ndarray) -> np.ndarray:
-        return np.column_stack([array, np.zeros(len(array))])
-
-    stresses = {name: [mesh[name][:]] for name in ("stress_peak", "stress_envelope")}
-    meshio.Mesh(
-        in_space(mesh["points"][:]),
-        [("quad", mesh["quads"][:])],
-        point_data={"displacement": in_space(mesh["displacement"][:])},
-        cell_data=stresses,
-    ).write(path)
-    return path
+def _title(figure: Figure, results: Results) -> None:
+    figure.suptitle(results.title, x=0.015, ha="left", fontsize=11, fontweight="bold")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -136,6 +136,21 @@ class Response:
     def methods(self) -> tuple[str, ...]:
         """Keys in METHODS of all that solved it: one, or those of the groups the row fell into."""
         return methods_in(self.method)
+
+
+@dataclass(frozen=True, eq=False)
+class PointResponse:
+    """The response of a point of a model of its own, as the `variables` of its workflow say.
+
+    values : by variable, of any shape; none of a point that failed
+    status, advice, flags, seconds : as of `Response`
+    """
+
+    values: Mapping[str, np.ndarray]
+    status: str = DONE
+    advice: str = ""
+    flags: tuple[str, ...] = ()
+    seconds: float = 0.0
 
 
 def composed_method(methods: Iterable[str]) -> str:

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pounding_cli.solve.response import Response
+from pounding_cli.solve.response import PointResponse, Response
 from pounding_cli.store.codec import Header, encode, parse
 
 _MAGIC = b"pound part 2\n"
@@ -33,7 +33,7 @@ class Chunk:
     numbers: np.ndarray
 
     @classmethod
-    def of(cls, responses: Mapping[str, Response]) -> Chunk:
+    def of(cls, responses: Mapping[str, Response | PointResponse]) -> Chunk:
         """The chunk of responses by scene digest."""
         texts: dict[str, int] = {}
         words, rows = [], []

@@ -68,7 +68,8 @@ class Datasets:
 
     def _told(self, dataset: h5py.Dataset, dims: tuple[str, ...], unit: str, text: str) -> h5py.Dataset:
         _describe(dataset, unit, text)
-        self._along.append((dataset, dims))
+        if dims:
+            self._along.append((dataset, dims))
         return dataset
 
 

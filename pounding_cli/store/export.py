@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Protocol
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
-from pounding_cli.store.columns import TABLES
 from pounding_cli.store.files import opened_dataset
 from pounding_cli.store.results import Results
 from pounding_cli.store.seal import is_sealed
@@ -46,7 +45,7 @@ def export(
     output : a folder (csv, parquet: one file a table, and columns.csv), or one file whose suffix says the format;
         beside the results file unless given
     form : a key of FORMATS; that of the output's suffix, else "csv", unless given
-    tables : of TABLES; all unless given.  netCDF takes the whole file
+    tables : of `results.tables`; all unless given.  netCDF takes the whole file
 
     CSV and Parquet hold one table a file, Excel one a sheet.  Numbers are SI with all digits; units and meanings
     stand in columns.csv, the sheet `columns`, the Parquet fields' metadata, or netCDF attributes.
@@ -68,7 +67,7 @@ def export(
             raise InputError(Problem("netCDF takes the whole file, no single tables", "leave the tables out"))
         check_output(path, [results.path], _is_netcdf)
         return [_written(path, lambda hidden: _netcdf(results, hidden))]
-    chosen = tuple(dict.fromkeys(tables)) or (*TABLES, *results.answers)
+    chosen = tuple(dict.fromkeys(tables)) or results.tables
     frames = {name: results.table(name) for name in chosen}
     if form == "excel":
         check_output(path, [results.path])

@@ -16,17 +16,13 @@ import h5py
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION
 from pounding_cli.store.seal import Sealed, Unsealed, is_sealed, open_regular
-from pounding_cli.store.structure import check_links, number
+from pounding_cli.store.structure import number
 from pounding_cli.store.values import check_study
-from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import xarray
 
-KINDS = tuple(name for name, workflow in WORKFLOWS.items() if workflow.has_own_model)
-"""Root attribute `kind` of what workflows with a model of their own write; files of time histories have none."""
-
-_AGAIN = "run the study again: `pound run` keeps what is whole in the file and solves the rest"
+_AGAIN = "run the study again: what is whole in the file is kept, the rest is solved"
 
 
 class Damaged(InputError):
@@ -35,7 +31,7 @@ class Damaged(InputError):
 
 @contextmanager
 def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
-    """A results file of `pound run`, open for reading; whatever is read is verified against its checksums.
+    """A results file, open for reading; whatever is read is verified against its checksums.
 
     Parameters
     ----------
@@ -48,16 +44,15 @@ def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
         (unless `any_version`) of another format version; also for what cannot be read while the file is open
     """
     with _content(path) as (file, seal, unsealed):
-        if file.attrs.get("kind") in KINDS:
-            what = f"holds results of `pound {file.attrs['kind']}`, not of `pound run`"
-            raise InputError(Problem(what, "give it to `pound report`", str(path)))
-        if file.attrs.get("format") != FORMAT:
+        if not _is_ours(file):
             raise InputError(
                 Problem("is HDF5 but not a results file of pound", "give a file that pound run wrote", str(path))
             )
-        version = number(file.attrs, "format_version")
         if not any_version:
-            _check_version(path, version, "run")
+            if kind := file.attrs.get("kind"):
+                hint = f"run the study again with this program: pound {kind} STUDY -o FILE.h5"
+                raise InputError(Problem(f"holds results of `pound {kind}` in its former format", hint, str(path)))
+            _check_version(path, number(file.attrs, "format_version"), str(file.attrs.get("workflow", "run")))
             if unsealed:
                 raise _damaged(path, unsealed)
             _once(check_study, file, seal)
@@ -74,29 +69,6 @@ def opened_dataset(path: Path) -> Iterator[xarray.Dataset]:
     stream: Any = Sealed(path)
     with stream, _told(stream, path), xarray.open_dataset(stream, engine="h5netcdf", decode_times=False) as data:
         yield data
-
-
-@contextmanager
-def opened_kind(path: Path, kind: str, any_version: bool = False) -> Iterator[h5py.File]:
-    """A results file of `pound connector` or `pound wall` (`kind`), open for reading; `any_version` as in `opened`.
-
-    Raises
-    ------
-    InputError : as `opened`, or of another kind
-    """
-    with _content(path) as (file, seal, unsealed):
-        if file.attrs.get("kind") != kind:
-            hint = f"write it with: pound {kind} STUDY -o FILE.h5"
-            raise InputError(Problem(f"holds no results of `pound {kind}`", hint, str(path)))
-        if not any_version:
-            if "format_version" in file.attrs:
-                _check_version(path, number(file.attrs, "format_version"), kind)
-            elif unsealed and not is_sealed(path):  # its version was not written before there were checksums
-                _check_version(path, FORMAT_VERSION - 1, kind)
-            if unsealed:
-                raise Damaged(Problem(f"is damaged: {unsealed}", f"run `pound {kind}` on the study again", str(path)))
-            _once(check_links, file, seal)
-        yield file
 
 
 _checked: set[tuple[Callable[[h5py.File], object], bytes]] = set()
@@ -124,25 +96,20 @@ def _check_version(path: Path, version: float, command: str) -> None:
     raise InputError(Problem(what, hint, str(path)))
 
 
-def kind_of(path: Path) -> str:
-    """What wrote a results file: "connector", "wall", or "" for anything else, also for what cannot be read."""
-    try:
-        with _content(path) as (file, *_):
-            kind = file.attrs.get("kind", "")
-            return kind if isinstance(kind, str) and kind in KINDS else ""
-    except InputError:
-        return ""
-
-
 def is_results(path: Path) -> bool:
     """Whether a pound command wrote this file as its results, damaged since or not."""
     if is_sealed(path):
         return True
     try:
         with _content(path) as (file, *_):
-            return file.attrs.get("format") == FORMAT or file.attrs.get("kind") in KINDS
+            return _is_ours(file)
     except InputError:
         return False
+
+
+def _is_ours(file: h5py.File) -> bool:
+    """Whether a pound command wrote it; `kind` stands in what `pound connector` and `pound wall` once wrote."""
+    return file.attrs.get("format") == FORMAT or file.attrs.get("kind") in ("connector", "wall")
 
 
 def damage_of(path: Path) -> str:

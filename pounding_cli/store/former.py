@@ -12,7 +12,7 @@ import h5py
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_output
-from pounding_cli.store.files import KINDS, is_results, opened, opened_kind
+from pounding_cli.store.files import is_results, opened
 from pounding_cli.store.keys import FORMAT_VERSION
 
 
@@ -65,14 +65,14 @@ def check_results(path: Path, study: Source, kind: str = "", replace: bool = Fal
         raise InputError(Problem(said, "choose another name with -o FILE.h5, or move it away", name))
     if replace or (what.kind == kind and what.is_of(study, path)):
         return
-    same = not {what.kind, kind} & set(KINDS) and what.is_of(study, path)
+    same = what.is_of(study, path)
     held = f"results of `pound {what.kind or 'run'}`" if same else str(what)
     hint = f"name another file, e.g. -o {_free(path)}, or say --replace to give it up (in Python: replace=True)"
     raise InputError(Problem(f"the output holds {held}", hint, name))
 
 
 def _is_data(study: Source) -> bool:
-    """Whether a study is Python data; those of `pound connector` and `pound wall` never are."""
+    """Whether a study is Python data."""
     return bool(getattr(study, "from_data", False))
 
 
@@ -112,18 +112,13 @@ class _Held:
 
 
 def _held(path: Path) -> _Held:
-    for kind in KINDS:
-        try:
-            with opened_kind(path, kind, any_version=True) as file:
-                return _Held(kind, str(file.attrs["title"]), _place(file))
-        except InputError:
-            continue
     try:
         with opened(path, any_version=True) as file:
+            facts = file.attrs
             return _Held(
-                str(file.attrs.get("workflow", "")), str(file.attrs["title"]), _place(file),
-                float(file.attrs["format_version"]),
-                int(file.attrs["scenes"]), len(file["histories"]) if "histories" in file else 0,
+                str(facts.get("workflow", facts.get("kind", ""))), str(facts["title"]), _place(file),
+                float(facts.get("format_version", 0)),
+                int(facts.get("scenes", 0)), len(file["histories"]) if "histories" in file else 0,
             )  # fmt: skip
     except InputError:
         return _Held(damaged=True)

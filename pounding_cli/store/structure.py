@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import h5py
@@ -15,7 +15,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.texts import plain, plain_all
-from pounding_cli.variables import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
+from pounding_cli.variables import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS, Variable
 
 _UNPACKED = 1100
 """Deflate makes at most 1032 bytes of one."""
@@ -70,14 +70,9 @@ def check_structure(file: h5py.File) -> list[list[str]]:
     InputError : what does not, and where
     """
     forms = check_links(file)
-    swept = json.loads(file.attrs["swept"])
-    axes = tuple(names[0] for names in swept)
-    if not all(isinstance(name, str) for names in swept for name in names):
-        raise refused("swept", "is no list of names")
-    sizes = {dim: _size(forms, dim) for dim in (*axes, *PLACE, "building", "storey", "floor")}
-    for names in swept:
-        for name in names[1:]:
-            expect(forms, name, (sizes[names[0]],), "")
+    swept, sizes = _swept(file, forms)
+    axes = tuple(sizes)
+    sizes |= {dim: _size(forms, dim) for dim in (*PLACE, "building", "storey", "floor")}
     for name in (*PLACE, "building"):
         expect(forms, name, (sizes[name],), "s")
     for name in ("storey", "floor"):
@@ -101,12 +96,50 @@ def check_structure(file: h5py.File) -> list[list[str]]:
             if not variable.always and variable.name not in forms:
                 continue
             expect(forms, variable.name, tuple(sizes[dim] for dim in (*own, *variable.dims)), variable.kind)
+    number(file.attrs, "accuracy")
+    _check_facts(file, forms)
+    return swept
+
+
+def check_points(file: h5py.File, variables: Iterable[Variable]) -> None:
+    """Refuse a file of points of a model of its own whose parts have not the shapes and types that fit together.
+
+    variables : of its points
+
+    Raises
+    ------
+    InputError : what does not, and where
+    """
+    forms = check_links(file)
+    _, sizes = _swept(file, forms)
+    swept = tuple(sizes)
+    for variable in variables:
+        if variable.name in forms or not variable.dims:  # none where nothing stands along its dimensions
+            sizes |= {dim: _size(forms, dim) for dim in variable.dims}
+            over = () if variable.dims == (variable.name,) else swept
+            expect(forms, variable.name, tuple(sizes[dim] for dim in (*over, *variable.dims)), variable.kind)
+    _check_facts(file, forms)
+
+
+def _swept(file: h5py.File, forms: dict[str, Form]) -> tuple[list[list[str]], dict[str, int]]:
+    """The swept keys of every axis, and the size of each by its first key."""
+    swept = json.loads(file.attrs["swept"])
+    if not all(isinstance(name, str) for names in swept for name in names):
+        raise refused("swept", "is no list of names")
+    sizes = {names[0]: _size(forms, names[0]) for names in swept}
+    for names in swept:
+        for name in names[1:]:
+            expect(forms, name, (sizes[names[0]],), "")
+    return swept, sizes
+
+
+def _check_facts(file: h5py.File, forms: dict[str, Form]) -> None:
+    """Refuse a file that does not say its study, or how many scenes it has."""
     for name in ("study/text", "study/resolved"):
         expect(forms, name, (), "s")
-    for name in ("scenes", "scenes_failed", "solver_seconds", "accuracy"):
+    for name in ("scenes", "scenes_failed", "solver_seconds"):
         number(file.attrs, name)
     text(file.attrs, "title")
-    return swept
 
 
 def number(attrs: h5py.AttributeManager, name: str) -> float:

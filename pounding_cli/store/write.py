@@ -21,18 +21,19 @@ from pounding_cli.model.digest_map import AT_ONCE
 from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
 from pounding_cli.store import answers
-from pounding_cli.store.blocks import blocks
+from pounding_cli.store.blocks import Block, blocks
 from pounding_cli.store.datasets import Datasets, put
 from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import damage_of, opened
 from pounding_cli.store.former import written_place
 from pounding_cli.store.histories import Kept, write_histories
-from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
+from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, key_of, package_version, solver_version
 from pounding_cli.store.parts import PartStore
+from pounding_cli.store.points import coordinates, point_blocks, shape_of_points, variables_of
 from pounding_cli.store.sink import writing
 from pounding_cli.store.solutions import write_solutions
 from pounding_cli.store.swept import describe_unit
-from pounding_cli.variables import COORDINATES, RECORDS, VARIABLES, WRITTEN
+from pounding_cli.variables import COORDINATES, RECORDS, VARIABLES, WRITTEN, Variable
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def content_digest(plan: Plan) -> str:
     plan = plan.first or plan  # fault: first-round
     sha = hashlib.sha256()
     for part in (
-        solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step),
+        key_of(plan),
         plan.study.title,
         plan.study.text,
         _json(plan.study.resolved()),
@@ -112,50 +113,61 @@ def content_digest(plan: Plan) -> str:
 
 
 def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: Callable[[], None], path: Path) -> None:
-    shape = shape_of(plan, responses)
     datasets = Datasets(file)
-    _write_coordinates(file, datasets, plan, shape)
-    for group in facts(plan, shape):
-        for name, (dims, array) in group.items():
-            if array.size:  # no case has a link
-                datasets.write(name, dims, array, VARIABLES[name].unit, VARIABLES[name].text)
-    check()
-    _write_tables(datasets, plan, responses, shape, check)
+    _write_axes(file, datasets, plan)
+    if WORKFLOWS[plan.workflow].solve:
+        shape = shape_of_points(plan, responses)
+        for scale in coordinates(plan, responses, shape):
+            datasets.scale(*scale)
+        _write_blocks(datasets, point_blocks(plan, responses, shape), variables_of(plan.workflow), shape, check)
+    else:
+        shape = shape_of(plan, responses)
+        _write_coordinates(file, datasets, plan, shape)
+        for group in facts(plan, shape):
+            for name, (dims, array) in group.items():
+                if array.size:  # no case has a link
+                    datasets.write(name, dims, array, VARIABLES[name].unit, VARIABLES[name].text)
+        check()
+        _write_blocks(datasets, blocks(plan, responses, shape), VARIABLES, shape, check)
     datasets.tie()
     tables = WORKFLOWS[plan.workflow].part("tables")
     if tables is not None:
         answers.write_tables(file, tables(plan, lambda name: file[name][()]))
         check()
     for name, quantity in WRITTEN.items():
-        if name in file:  # where no case has a link, no gap is
+        if name in file:  # where no case has a link, no gap is; points of a model of its own have none of them
             describe_unit(file[name], plan.study.unit(quantity))
     study = file.create_group("study")
     study.attrs["title"] = plan.study.title
     study["text"] = plan.study.text
     study["resolved"] = _json(plan.study.resolved())
     study["warnings"] = json.dumps([vars(warning) for warning in plan.study.warnings])
-    if (match := plan.study.spectrum_match()) is not None:
+    if plan.motions and (match := plan.study.spectrum_match()) is not None:
         study["spectrum"] = json.dumps(match.as_dict())
     write_solutions(file, list(plan.scenes), responses)
     _write_attributes(file, plan, responses, run)
     file.attrs["study_file"] = written_place(plan.study, path)
 
 
-def _write_tables(
-    datasets: Datasets, plan: Plan, responses: PartStore, shape: Shape, check: Callable[[], None]
+def _write_blocks(
+    datasets: Datasets,
+    found: Iterable[Block],
+    variables: Mapping[str, Variable],
+    shape: Shape,
+    check: Callable[[], None],
 ) -> None:
     """Write what the scenes did, a block of rows at a time; a block is one compressed piece of each variable."""
     made: dict[str, h5py.Dataset] = {}
-    for block in blocks(plan, responses, shape):
+    for block in found:
         alone = tuple(1 for place in block.at if not isinstance(place, slice))
         begin = tuple(place.start if isinstance(place, slice) else place for place in block.at)
         for name, array in block.data.items():
             if array.size == 0:  # no case has a link
                 continue
-            variable = VARIABLES[name]
+            variable = variables[name]
             dims = (*shape.axes, *variable.dims)
             whole = shape.of(dims)
-            piece = array.reshape(*alone, *array.shape)
+            piece = array.reshape((*alone, *array.shape))
             if piece.shape == whole:
                 datasets.write(name, dims, piece, variable.unit, variable.text)
                 continue
@@ -165,8 +177,23 @@ def _write_tables(
             check()
 
 
+def _write_axes(file: h5py.File, datasets: Datasets, plan: Plan) -> None:
+    """Write the swept keys."""
+    beside: list[str] = []
+    for axis in plan.axes:
+        for number, name in enumerate(axis.names):
+            values = _axis_values([value[number] for value in axis.values])
+            if number:
+                dataset = datasets.write(name, (axis.names[0],), values, "", f"swept with {axis.names[0]}")
+                beside.append(name)
+            else:
+                dataset = datasets.scale(name, values, "", f"swept: {name}")
+            describe_unit(dataset, axis.unit(number))
+    file.attrs["coordinates"] = " ".join(beside)  # xarray then takes them for coordinates
+
+
 def _write_coordinates(file: h5py.File, datasets: Datasets, plan: Plan, shape: Shape) -> None:
-    """Write the coordinate variables."""
+    """Write the other coordinate variables."""
     numbers = {dim: np.arange(1, shape.sizes[dim] + 1) for dim in ("storey", "floor")}
     texts = {
         "case": plan.cases,
@@ -174,21 +201,11 @@ def _write_coordinates(file: h5py.File, datasets: Datasets, plan: Plan, shape: S
         "record": plan.records,
         "building": plan.buildings,
     }
-    for axis in plan.axes:
-        values = _axis_values([value[0] for value in axis.values])
-        dataset = datasets.scale(axis.names[0], values, "", f"swept: {axis.names[0]}")
-        describe_unit(dataset, axis.unit(0))
     for dim, names in texts.items():
         datasets.scale(dim, _text(names), *COORDINATES[dim])
     for dim, values in numbers.items():
         datasets.scale(dim, values, *COORDINATES[dim])
-    beside: list[str] = []
-    for axis in plan.axes:
-        for number, name in enumerate(axis.names[1:], start=1):
-            values = _axis_values([value[number] for value in axis.values])
-            dataset = datasets.write(name, (axis.names[0],), values, "", f"swept with {axis.names[0]}")
-            describe_unit(dataset, axis.unit(number))
-            beside.append(name)
+    beside = file.attrs["coordinates"].split()
     if shape.links:
         labels = [link_label(plan.buildings, place) for place in shape.links]
         datasets.scale("link", _text(labels), *COORDINATES["link"])
@@ -203,7 +220,7 @@ def _write_coordinates(file: h5py.File, datasets: Datasets, plan: Plan, shape: S
             datasets.write(name, ("link",), array, *COORDINATES[name])
         beside += beside_links
     beside += [variable.name for variable in RECORDS]
-    file.attrs["coordinates"] = " ".join(beside)  # xarray then takes them for coordinates
+    file.attrs["coordinates"] = " ".join(beside)
 
 
 def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Run) -> None:
@@ -215,10 +232,9 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             "title": plan.study.title,
             "swept": json.dumps([list(axis.names) for axis in plan.axes]),
             "content": content_digest(plan),
-            "solution_key": solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step),
-            "accuracy": plan.accuracy,
+            "solution_key": key_of(plan),
+            **({"accuracy": plan.accuracy, "method": plan.method} if plan.method else {}),
             **({} if plan.time_step is None else {"time_step": plan.time_step}),
-            "method": plan.method,
             "scenes": len(plan.scenes),
             "scenes_failed": int((~responses.is_done(plan.scenes)).sum()),
             "scenes_solved_last": run.solved,
@@ -234,7 +250,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
     software.attrs.update(
         {
             "pounding_cli": package_version(),
-            "solver": solver_version(),
+            "solver": solver_version(WORKFLOWS[plan.workflow].solve),
             "python": platform.python_version(),
             "platform": platform.platform(),
             "machine": platform.machine(),

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
+from pounding_cli.connector.findings import Question
 from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
 from pounding_cli.study import units
 from pounding_cli.study.base import Model
@@ -17,7 +17,7 @@ from pounding_cli.study.building_schema import Mass, Period
 from pounding_cli.study.plausible_systems import CONNECTOR, doubt_period, doubt_spec
 from pounding_cli.study.problems import Problems
 from pounding_cli.study.source import Node
-from pounding_cli.study.system_study import SystemStudy, load_system
+from pounding_cli.study.system_study import SystemModel
 from pounding_cli.study.units import LONGEST, NUMBER, Quantity, TextForm, limited, whole_number
 
 _TIMES_K1 = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*k1\s*\Z")
@@ -98,8 +98,10 @@ class RangeSpec(Model):
     )
 
 
-class ConnectorStudyModel(Model):
+class ConnectorStudyModel(SystemModel):
     """A study of two connected oscillators (paper, Figs 4 and 5)."""
+
+    fixed: ClassVar[tuple[str, ...]] = ("frequencies",)
 
     title: str = Field(description="one line that says what is studied", examples=["Two connected oscillators"])
     first: FirstSpec = FirstSpec()
@@ -111,26 +113,22 @@ class ConnectorStudyModel(Model):
         default=None, description="keys and the values they take", examples=[{"damping": ["5 %", "10 %"]}]
     )
 
+    def system(self, tree: Node, where: str, problems: Problems) -> Question | None:
+        """The two oscillators and the frequencies asked for."""
+        _alternatives(self, tree, problems)
+        asked = self.frequencies
+        return None if problems.found else Question(_pair(self), asked.low, asked.high, asked.points)
 
-def load_connector_study(path: Path) -> SystemStudy[Oscillators]:
-    """Read and validate a study of two oscillators.  Raises `InputError` with every problem."""
-    return load_system(path, "connector", ConnectorStudyModel, _build, _doubt, fixed=("frequencies",))
-
-
-def _build(spec: ConnectorStudyModel, tree: Node, where: str, problems: Problems) -> Oscillators | None:
-    _alternatives(spec, tree, problems)
-    return None if problems.found else _pair(spec)
-
-
-def _doubt(spec: ConnectorStudyModel, pair: Oscillators, tree: Node, notes: Problems) -> None:
-    """Note what is unlikely at a point of the sweep."""
-    doubt_spec(spec, CONNECTOR, tree, notes)
-    for who, given, mass, stiffness in (
-        ("first", spec.first.stiffness, pair.m1, pair.k1),
-        ("second", spec.second.stiffness, pair.m2, pair.k2),
-    ):
-        if given is not None:
-            doubt_period(2 * math.pi * math.sqrt(mass / stiffness), who, tree, notes)
+    def doubt(self, model: Question, tree: Node, notes: Problems) -> None:
+        """Note what is unlikely at a point of the sweep."""
+        doubt_spec(self, CONNECTOR, tree, notes)
+        pair = model.pair
+        for who, given, mass, stiffness in (
+            ("first", self.first.stiffness, pair.m1, pair.k1),
+            ("second", self.second.stiffness, pair.m2, pair.k2),
+        ):
+            if given is not None:
+                doubt_period(2 * math.pi * math.sqrt(mass / stiffness), who, tree, notes)
 
 
 def _alternatives(spec: ConnectorStudyModel, tree: Node, problems: Problems) -> None:

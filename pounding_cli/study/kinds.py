@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.source import Node
@@ -25,3 +26,14 @@ def refuse_other_kinds(root: Node, file: str, own: str = "run") -> None:
     """Raise `InputError` with the right command where a study is not one of `pound {own}`."""
     if (command := kind_of(root, own)) != own:
         raise InputError(Problem(f"is a study of `pound {command}`", f"write `pound {command} {file}`", file))
+
+
+def load_for(path: Path, kind: str) -> Any:
+    """The study of a file as the workflow `kind` takes it.  Raises `InputError` with every problem and its place."""
+    if WORKFLOWS[kind].solve:
+        from pounding_cli.study.system_study import load_system
+
+        return load_system(path, kind)
+    from pounding_cli.study.load import load_study
+
+    return load_study(path)

@@ -163,7 +163,8 @@ def _sections() -> dict[str, tuple[Any, Any]]:
     """The sections that workflows add to a study, as `pydantic.create_model` takes them."""
     found: dict[str, tuple[Any, Any]] = {}
     for name, workflow in WORKFLOWS.items():
-        if (section := workflow.part("schema")) is not None:
+        if workflow.is_section:
+            section = workflow.part("schema")
             found[name] = section, optional(section(), description=f"what `pound {name}` is asked")
     return found
 

@@ -26,7 +26,7 @@ FIXED = (
     "sweep",
     "bracket",
     "uncertain",
-    *(name for name, workflow in WORKFLOWS.items() if workflow.schema),
+    *(name for name, workflow in WORKFLOWS.items() if workflow.is_section),
 )
 """Keys that are one for the whole study."""
 

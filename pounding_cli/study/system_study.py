@@ -1,84 +1,105 @@
-"""Studies of systems that are no row of buildings (the closed form, the wall): one reader for all of them."""
+"""Studies of systems that are no row of buildings (the closed form, the wall): one reader for all of them, and their
+sweep as a plan of points."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, cast
 
-from pydantic import BaseModel, ValidationError
+import numpy as np
+from pydantic import ValidationError
 
 from pounding_cli.errors import Problem
+from pounding_cli.model.digest_map import packed
+from pounding_cli.study.base import Model
 from pounding_cli.study.kinds import refuse_other_kinds
+from pounding_cli.study.plan import Axis, Plan
 from pounding_cli.study.plausible import few
 from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Problems
+from pounding_cli.study.scenes import DigestTable, Frame, LinkSets, Rows
 from pounding_cli.study.source import Node
 from pounding_cli.study.yaml_file import read_source
+from pounding_cli.workflows import WORKFLOWS
 
-M = TypeVar("M")
+
+class SystemModel(Model):
+    """The keys of a study of a system: what a workflow with a model of its own names as its `schema`.
+
+    fixed : sections that no axis may touch
+    """
+
+    fixed: ClassVar[tuple[str, ...]] = ()
+
+    def system(self, tree: Node, where: str, problems: Problems) -> Any:
+        """The model at a point of the sweep: frozen, its `repr` tells it from others; None where `problems` tell why
+        not.
+
+        tree : the keys with their places; where : the point in words, to end messages with
+        """
+        raise NotImplementedError
+
+    def doubt(self, model: Any, tree: Node, notes: Problems) -> None:
+        """Note what is unlikely at a point of the sweep."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
-class Point(Generic[M]):
-    """One point of the sweep: its indices, what each swept key is there (SI), the same in words, and the model."""
+class Point:
+    """One point of the sweep: its indices, what each swept key is there (SI), and the model."""
 
     index: tuple[int, ...]
     values: dict[str, float | str]
-    label: str
-    model: M
+    model: Any
 
 
 @dataclass(frozen=True)
-class SystemStudy(Generic[M]):
+class SystemStudy:
     """A validated study.
 
+    kind : its workflow
     axes, points : of the sweep, the last axis fastest
-    spec : its keys at the first point, as validated; resolved : the same as plain data
+    spec : its keys at the first point, as validated
     """
 
     path: Path
     text: str
-    title: str
+    kind: str
     axes: tuple[PointAxis, ...]
-    points: tuple[Point[M], ...]
+    points: tuple[Point, ...]
     spec: Any
-    resolved: dict[str, Any]
     warnings: tuple[Problem, ...] = ()
 
+    @property
+    def title(self) -> str:
+        """Its title."""
+        return self.spec.title
 
-def load_system(
-    path: Path,
-    kind: str,
-    model: type[BaseModel],
-    build: Callable[[Any, Node, str, Problems], M | None],
-    doubt: Callable[[Any, M, Node, Problems], None],
-    fixed: tuple[str, ...] = (),
-) -> SystemStudy[M]:
-    """Read and validate a study.
+    def resolved(self) -> dict[str, Any]:
+        """Its keys at the first point as plain data, every default filled in (SI)."""
+        return self.spec.model_dump(mode="json")
 
-    Parameters
-    ----------
-    kind : its command
-    model : of its file
-    build : (validated keys, their tree, the point in words, problems) -> its model; None where problems tell why not
-    doubt : (validated keys, model, tree, notes) notes what is unlikely
-    fixed : sections that no axis may touch
+
+def load_system(path: Path, kind: str) -> SystemStudy:
+    """Read and validate a study of the workflow `kind`.
 
     Raises
     ------
     InputError : every problem with its place
     """
+    model: type[SystemModel] = WORKFLOWS[kind].part("schema")
     text, root = read_source(path)
     refuse_other_kinds(root, str(path), kind)
     problems, notes = Problems(str(path)), Problems(str(path))
     axes = read_point_axes(root, model, problems)
-    for name in (name for axis in axes for name in axis.names if name.split(".")[0] in fixed):
+    for name in (name for axis in axes for name in axis.names if name.split(".")[0] in model.fixed):
         hint = "give one range for the study"
         problems.at(root, ("sweep", name), f"'{name}' cannot be an axis", hint, key=True)
     problems.refuse()
-    points: list[Point[M]] = []
+    points: list[Point] = []
     first: Any = None
     for index, tree in points_of(root, axes):
         try:
@@ -90,15 +111,30 @@ def load_system(
         values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
         label = point_label(axes, values)
         own = Problems(str(path))
-        built = build(spec, tree, f" ({label})" if label else "", own)
+        built = spec.system(tree, f" ({label})" if label else "", own)
         problems.extend(own.found)
         if built is not None:
-            points.append(Point(index, values, label, built))
-            doubt(spec, built, tree, notes)
+            points.append(Point(index, values, built))
+            spec.doubt(built, tree, notes)
     problems.refuse()
-    return SystemStudy(
-        path, text, first.title, axes, tuple(points), first, first.model_dump(mode="json"), tuple(few(notes.found))
-    )
+    return SystemStudy(path, text, kind, axes, tuple(points), first, tuple(few(notes.found)))
+
+
+def expand_system(study: SystemStudy) -> Plan:
+    """The points of a study as a plan: a scene each, equal models being one."""
+    digests = [hashlib.sha256(repr(point.model).encode()).hexdigest() for point in study.points]
+    scenes = dict(zip(digests, (point.model for point in study.points), strict=True))
+    number, sets = {digest: place for place, digest in enumerate(scenes)}, LinkSets()
+    frame = Frame((*(len(axis.nodes) for axis in study.axes), 1, 1, 1), ("points",), ("",), ("",))
+    places = np.array([[number[digest]] for digest in digests], np.int32)
+    rows = Rows(frame, DigestTable(packed(list(scenes))), places, np.full(len(digests), sets.number(())), sets)
+    axes = []
+    for place, axis in enumerate(study.axes):
+        along = {point.index[place]: point.values for point in study.points}
+        values = tuple(tuple(along[number][name] for name in axis.names) for number in sorted(along))
+        axes.append(Axis(axis.names, values, axis.units))
+    names = frame.cases, frame.analyses, frame.records
+    return Plan(cast(Any, study), tuple(axes), *names, (), scenes, rows, (), math.nan, "", workflow=study.kind)
 
 
 def _value(spec: Any, name: str, tree: Node) -> float | str:

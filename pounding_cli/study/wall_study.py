@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -16,9 +15,10 @@ from pounding_cli.study.building_schema import Length, Mass
 from pounding_cli.study.plausible_systems import WALL, doubt_spec
 from pounding_cli.study.problems import Problems
 from pounding_cli.study.source import Node
-from pounding_cli.study.system_study import SystemStudy, load_system
+from pounding_cli.study.system_study import SystemModel
 from pounding_cli.study.units import Quantity, TextForm, limited, refuse, whole_number
 from pounding_cli.wall import model as wall
+from pounding_cli.wall.model import WallModel
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
 _HEIGHT = limited(units.LENGTH, name="height", example="13.5 m", low=0.0, open_low=False)
@@ -118,7 +118,7 @@ class TimeSpec(Model):
     rho: Share = Field(default=0.9, description="spectral radius at infinite frequency; 1: no damping", examples=[0.9])
 
 
-class WallStudyModel(Model):
+class WallStudyModel(SystemModel):
     """A study of the bumper wall (paper, Fig. 8); everything not said is the paper's."""
 
     title: str = Field(description="one line that says what is studied", examples=["The bumper wall of Fig. 8"])
@@ -134,23 +134,18 @@ class WallStudyModel(Model):
         default=None, description="keys and the values they take", examples=[{"wall.length": ["1 m", "2 m"]}]
     )
 
+    def system(self, tree: Node, where: str, problems: Problems) -> WallModel | None:
+        """The wall, the frame behind it and the striker."""
+        try:
+            return _model(self)
+        except InputError as refused:
+            for problem in refused.problems:
+                problems.add(_mark(problem, tree), problem.message + where, problem.hint)
+        return None
 
-def load_wall_study(path: Path) -> SystemStudy[wall.WallModel]:
-    """Read and validate a study of the wall.  Raises `InputError` with the place of every problem."""
-    return load_system(path, "wall", WallStudyModel, _build, _doubt)
-
-
-def _build(spec: WallStudyModel, tree: Node, where: str, problems: Problems) -> wall.WallModel | None:
-    try:
-        return _model(spec)
-    except InputError as refused:
-        for problem in refused.problems:
-            problems.add(_mark(problem, tree), problem.message + where, problem.hint)
-    return None
-
-
-def _doubt(spec: WallStudyModel, model: wall.WallModel, tree: Node, notes: Problems) -> None:
-    doubt_spec(spec, WALL, tree, notes)
+    def doubt(self, model: WallModel, tree: Node, notes: Problems) -> None:
+        """Note what is unlikely at a point of the sweep."""
+        doubt_spec(self, WALL, tree, notes)
 
 
 def _mark(problem: Problem, tree: Node) -> tuple[int, int]:
@@ -169,7 +164,7 @@ def _mark(problem: Problem, tree: Node) -> tuple[int, int]:
     return tree.mark
 
 
-def _model(spec: WallStudyModel) -> wall.WallModel:
+def _model(spec: WallStudyModel) -> WallModel:
     frame = wall.Frame(
         spec.frame.storeys,
         spec.frame.storey_height,
@@ -190,7 +185,7 @@ def _model(spec: WallStudyModel) -> wall.WallModel:
             )
         height = (int(number) - (0.5 if word == "mid-storey" else 0.0)) * frame.storey_height
     step = None if isinstance(spec.time.step, str) else spec.time.step
-    return wall.WallModel(
+    return WallModel(
         length=spec.wall.length,
         thickness=spec.wall.thickness,
         averaging_length=spec.averaging_length,

@@ -33,7 +33,7 @@ def test_studies_of_the_other_systems(path, said):
     result = CliRunner().invoke(cli, ["check", path], catch_exceptions=False)
     assert (result.exit_code, result.output) == (0, f"OK: {path}: {said}\n")
     with pytest.raises(InputError) as refused:
-        CliRunner().invoke(cli, ["plan", path], catch_exceptions=False)
+        CliRunner().invoke(cli, ["run", path], catch_exceptions=False)
     (problem,) = refused.value.problems
     command = said.split("`")[1]
     assert (problem.message, problem.hint) == (f"is a study of `{command}`", f"write `{command} {path}`")

@@ -49,7 +49,7 @@ def test_bibtex_has_the_same_entries(folder, pound):
 def test_the_other_systems(folder, pound):
     pound("init", "two", "-t", "connector")  # exists: refused, so another name
     pound("init", "spring", "-t", "connector")
-    pound("connector", "spring.yaml", "-o", "s.h5", "--no-figures", "-q")
+    pound("connector", "spring.yaml", "-o", "s.h5", "-q")
     _, of_study, _ = pound("cite", "spring.yaml")
     assert "Figs 4 and 5" in of_study
     assert "Motions" not in of_study

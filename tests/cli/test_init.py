@@ -12,11 +12,8 @@ import yaml
 from pounding_cli.cli.init import command
 from pounding_cli.cli.main import main
 from pounding_cli.study import load_study
-from pounding_cli.study.connector_study import load_connector_study
+from pounding_cli.study.kinds import load_for
 from pounding_cli.study.template import TEMPLATES, start_study
-from pounding_cli.study.wall_study import load_wall_study
-
-LOADERS = {"run": load_study, "connector": load_connector_study, "wall": load_wall_study}
 
 
 @pytest.fixture
@@ -46,7 +43,7 @@ def test_templates_are_sound_and_carry_the_name(pound, tmp_path, name):
     code, out, _ = pound("init", "deep/er/two_towers", "--template", name)
     assert code == 0
     path = tmp_path / "deep" / "er" / "two_towers.yaml"
-    study = LOADERS[TEMPLATES[name].command](path)
+    study = load_for(path, TEMPLATES[name].command)
     assert study.title == "Two towers"
     assert f"pound {TEMPLATES[name].command} deep/er/two_towers.yaml" in out
     assert pound("check", "deep/er/two_towers.yaml")[0] == 0

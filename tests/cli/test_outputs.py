@@ -37,8 +37,8 @@ def call(*arguments: object) -> str:
 
 WRITERS = {
     "run": ("{study}", "-o", "{out}"),
-    "connector": (ROOT / "configs" / "fig5.yaml", "-o", "{out}", "--no-figures"),
-    "wall": (ROOT / "configs" / "fig8.yaml", "-o", "{out}", "--no-figures"),
+    "connector": (ROOT / "configs" / "fig5.yaml", "-o", "{out}"),
+    "wall": (ROOT / "configs" / "fig8.yaml", "-o", "{out}"),
     "export csv": ("{results}", "storey", "--format", "csv", "-o", "{out}.csv"),
     "export parquet": ("{results}", "storey", "-o", "{out}.parquet"),
     "export excel": ("{results}", "-o", "{out}.xlsx"),

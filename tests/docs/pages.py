@@ -137,8 +137,7 @@ def provide(name: str, folder: Path) -> None:
         return
     for study in (folder / "configs" / f"{name}.yaml", folder / "configs" / "sensitivity" / f"{name}.yaml"):
         if study.exists():
-            how = {"fig5": ["connector", "--no-figures"], "fig8": ["wall", "--no-figures"]}.get(name, ["run"])
-            _pound(["pound", *how, "-q", "-o", str(path), str(study)])
+            _pound(["pound", {"fig5": "connector", "fig8": "wall"}.get(name, "run"), "-q", "-o", str(path), str(study)])
 
 
 def stand_in(folder: Path) -> None:

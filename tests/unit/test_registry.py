@@ -7,6 +7,7 @@ from dataclasses import fields
 import pytest
 
 from pounding_cli.cli.main import COMMANDS
+from pounding_cli.variables import POINTS
 from pounding_cli.workflows import WORKFLOWS
 
 PARTS = tuple(f.name for f in fields(WORKFLOWS["run"]) if f.name not in ("name", "title", "marks", "shows", "sampled"))
@@ -16,13 +17,15 @@ PARTS = tuple(f.name for f in fields(WORKFLOWS["run"]) if f.name not in ("name",
 def test_every_part_is_there(workflow):
     for name in PARTS:
         found = workflow.part(name)
-        assert callable(found) if getattr(workflow, name) else found is None
+        assert found if getattr(workflow, name) else found is None
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS.values(), ids=str)
-def test_a_workflow_solves_scenes_or_has_a_model_of_its_own(workflow):
-    assert bool(workflow.expand) != workflow.has_own_model
-    assert bool(workflow.report) == workflow.has_own_model
+def test_a_model_of_its_own_says_what_its_points_have(workflow):
+    assert bool(workflow.solve) == bool(workflow.variables)
+    names = [variable.name for variable in workflow.part("variables") or ()]
+    assert len(set(names)) == len(names)
+    assert not {variable.name for variable in POINTS} & set(names)
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS.values(), ids=str)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pounding_cli.report.web.page import PAGE, write_page
-from pounding_cli.report.web.systems import write_system_page
+from pounding_cli.report.web.page import PAGE, write_page, write_points_page
 
-__all__ = ["PAGE", "write_page", "write_system_page"]
+__all__ = ["PAGE", "write_page", "write_points_page"]

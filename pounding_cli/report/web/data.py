@@ -93,11 +93,11 @@ def tables(results: Tables, chosen: Sequence[Evidence]) -> dict[str, dict[str, A
         name: packed(_TITLES[name], _at_points(frame, keys, chosen), len(frame), results.units)
         for name, frame in frames.items()
     }
-    return {name: _answer(results, name) for name in results.answers} | found
+    return {name: answer_table(results, name) for name in results.answers} | found
 
 
-def _answer(results: Tables, name: str) -> dict[str, Any]:
-    """A table that a workflow added."""
+def answer_table(results: Tables, name: str) -> dict[str, Any]:
+    """A table that a workflow added, as `packed` makes it."""
     frame, units, meanings = results.answer(name)
     looks = {
         column: Shown(column, units[column].name, 1 / units[column].factor, text)

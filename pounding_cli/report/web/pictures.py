@@ -37,9 +37,10 @@ class Picture:
 
 
 def pictures(
-    figures: Mapping[str, Figure], evidence: Evidence, words: Mapping[str, tuple[str, str]] | None = None
+    figures: Mapping[str, Figure], evidence: Evidence | None, words: Mapping[str, tuple[str, str]]
 ) -> list[Picture]:
-    """The drawn figures as SVG; at most MOST_FIGURES. `words` : heading and text of those that have their own."""
+    """The drawn figures as SVG; at most MOST_FIGURES. `words` : heading and text of those that have their own, all of
+    them without `evidence`."""
     found = []
     for name, figure in list(figures.items())[:MOST_FIGURES]:
         held = io.BytesIO()
@@ -47,7 +48,7 @@ def pictures(
         with mpl.rc_context(RC):
             figure.savefig(held, format="svg", metadata={"Date": None})
         width, height = (round(96 * inches) for inches in figure.get_size_inches())
-        heading, text = (words or {}).get(name) or _words(name, evidence)
+        heading, text = words[name] if evidence is None or name in words else _words(name, evidence)
         found.append(Picture(name, heading, address("svg+xml", held.getvalue()), text, width, height))
     return found
 

@@ -12,8 +12,7 @@ from pounding_cli.methods import METHODS
 from pounding_cli.report.citations import citations, motions
 from pounding_cli.report.references import REFERENCES, named_in
 from pounding_cli.study import load_study
-from pounding_cli.study.connector_study import load_connector_study
-from pounding_cli.study.wall_study import load_wall_study
+from pounding_cli.study.system_study import load_system
 
 STUDY = """\
 records: {use: [elcentro], duration: 5 s}
@@ -113,18 +112,18 @@ def test_stand_ins_cite_their_synthesis(cited):
 
 
 def test_the_other_systems():
-    wall = load_wall_study(Path("configs/fig8.yaml"))
-    keys = {citation.reference.key for citation in citations("wall", wall.resolved, {})}
+    wall = load_system(Path("configs/fig8.yaml"), "wall")
+    keys = {citation.reference.key for citation in citations("wall", wall.resolved(), {})}
     assert keys == {"pounding_cli", "spiliopoulos1996", "anagnostopoulos1992", "gustafsson2020", "wood1980"}
-    two = load_connector_study(Path("configs/fig5.yaml"))
-    keys = {citation.reference.key for citation in citations("connector", two.resolved, {})}
+    two = load_system(Path("configs/fig5.yaml"), "connector")
+    keys = {citation.reference.key for citation in citations("connector", two.resolved(), {})}
     assert keys == {"pounding_cli", "spiliopoulos1996", "westermo1989"}
 
 
 def test_a_dashpot_of_the_connector_is_cited(tmp_path):
     path = tmp_path / "a.yaml"
     path.write_text("title: x\nsecond: {frequency_ratio: 0.6}\nconnector: {stiffness: 0.2 k1, damping_ratio: 0.1}\n")
-    keys = {c.reference.key for c in citations("connector", load_connector_study(path).resolved, {})}
+    keys = {c.reference.key for c in citations("connector", load_system(path, "connector").resolved(), {})}
     assert "anagnostopoulos1988" in keys
 
 

@@ -11,7 +11,6 @@ import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.store import check_results, write_results
-from pounding_cli.store.swept import create, write_head
 from tests.helpers.plans import FakeStudy, known, small_plan
 from tests.helpers.sealing import edited
 
@@ -87,14 +86,15 @@ def test_studies_that_are_python_data_are_known_by_their_titles(project):
 
 
 @pytest.mark.parametrize("kind", ["connector", "wall"])
-def test_results_of_another_command_are_another_study(project, kind):
-    study = SimpleNamespace(path=project / "my-study.yaml", title="two buildings", text="", resolved={})
-    with create(project / "system.h5") as file:
-        write_head(file, kind, study, project / "system.h5")
-    check_results(project / "system.h5", study, kind)
-    with pytest.raises(InputError, match=f"another study of `pound {kind}`: 'two buildings'"):
-        check(project, output="system.h5")
-    with pytest.raises(InputError, match="another study: 'two buildings'"):
+def test_results_of_another_command_are_kept(project, kind):
+    study = SimpleNamespace(path=project / "my-study.yaml", title="two buildings", text="")
+    shutil.copy(project / "results" / "my-study.h5", project / "results" / "system.h5")
+    with edited(project / "results" / "system.h5") as file:
+        file.attrs["workflow"] = kind
+    check_results(project / "results" / "system.h5", study, kind)
+    with pytest.raises(InputError, match=f"the output holds results of `pound {kind}`"):
+        check(project, output="results/system.h5")
+    with pytest.raises(InputError, match="the output holds results of `pound run`"):
         check_results(project / "results" / "my-study.h5", study, kind)
 
 

@@ -31,3 +31,17 @@ def test_a_change_of_a_law_of_another_package_is_another_solver(tmp_path, monkey
     before = keys.solver_version.__wrapped__()
     law.write_text("STIFFNESS = 2\n")
     assert keys.solver_version.__wrapped__() != before
+
+
+def test_a_change_of_a_model_of_its_own_is_another_solver(tmp_path, monkeypatch):
+    """Fails if a changed wall takes over the points of the former one, or a row of buildings asks for the wall."""
+    package = tmp_path / "bridge"
+    package.mkdir()
+    for name in ("__init__", "model", "mesh"):
+        (package / f"{name}.py").write_text("")
+    monkeypatch.syspath_prepend(tmp_path)
+    version = keys.solver_version.__wrapped__
+    before, rows = version("bridge.model:solve"), version()
+    (package / "mesh.py").write_text("SIZE = 2\n")
+    assert version("bridge.model:solve") != before
+    assert version() == rows

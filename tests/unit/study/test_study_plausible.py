@@ -9,10 +9,8 @@ from click.testing import CliRunner
 
 from pounding_cli.cli.main import cli
 from pounding_cli.study import expand, load, load_study
-from pounding_cli.study.connector_study import load_connector_study
-from pounding_cli.study.kinds import kind_of_file
+from pounding_cli.study.kinds import kind_of_file, load_for
 from pounding_cli.study.plausible import RANGES, few, shown
-from pounding_cli.study.wall_study import load_wall_study
 
 STUDY = """\
 records: {use: [elcentro], duration: 5 s, scale: {pga: 0.35 g}}
@@ -83,7 +81,7 @@ def read(folder: Path, text: str):
 
 def loaded(path: Path):
     """A study of any kind."""
-    return {"run": load_study, "connector": load_connector_study, "wall": load_wall_study}[kind_of_file(path)](path)
+    return load_for(path, kind_of_file(path))
 
 
 def test_a_plain_study_is_not_warned_of(tmp_path):

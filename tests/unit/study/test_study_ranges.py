@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pounding_cli.study import expand
-from pounding_cli.study.connector_study import load_connector_study
+from pounding_cli.study.system_study import load_system
 
 SWEEP = "analyses: [elastic]\nsweep: %s\n"
 
@@ -38,7 +38,7 @@ def test_range_of_storeys_and_of_a_zipped_key(study):
 def test_range_of_a_connector_study(tmp_path):
     path = tmp_path / "connector.yaml"
     path.write_text("title: x\nfirst: {period: 0.5 s}\nsweep:\n  damping: {from: 2 %, to: 6 %, step: 2 %}\n")
-    assert [point.values["damping"] for point in load_connector_study(path).points] == [0.02, 0.04, 0.06]
+    assert [point.values["damping"] for point in load_system(path, "connector").points] == [0.02, 0.04, 0.06]
 
 
 def test_a_motion_of_ones_own_is_whole_unless_said_otherwise(study, tmp_path):
