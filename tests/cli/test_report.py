@@ -13,27 +13,8 @@ from pounding_cli.batch import run_plan
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import expand, load_study
 from tests.helpers.pages import words
-
-STUDY = """\
-title: Two small buildings
-claims: fig6
-records:
-  use: [{file: weak.txt}, {file: strong.txt}]
-  duration: whole
-  scale: 1.0
-buildings:
-  stiff: {storeys: 3, period: 0.3 s, mass: 200 t, height: 3 m,
-          yield: {code: UBC-1991, zone: 0.4, soil: 1.2, Rw: 12}}
-  soft: {like: stiff, storeys: 2, period: 0.5 s}
-group: [stiff, soft]
-impact: {stiffness: 20 x stiffest storey, restitution: 0.5}
-cases:
-  touching: {link: pounding, gap: 0 cm}
-  gap: {link: pounding, gap: 1 cm}
-  infill: {link: infill, gap: 1 cm, stiffness: 1/5 mean storey of stiff}
-  connected: {link: connector, gap: 1 cm, floors: [2], stiffness: 1/5 mean storey of stiff}
-analyses: [elastic, inelastic]
-"""
+from tests.helpers.two_buildings import FOUR_CASES as STUDY
+from tests.helpers.two_buildings import write_motions
 
 FACTOR = {"pounding": 1.5, "infill": 1.4, "connector": 1.3}
 
@@ -59,9 +40,7 @@ def known(scene, accuracy=1e-6, **_):
 def folder(tmp_path, monkeypatch):
     """A folder to stand in, with the results `two.h5` and `swept.h5`."""
     monkeypatch.chdir(tmp_path)
-    t = np.arange(0.0, 0.5, 0.01)
-    for name, peak in (("weak", 0.1), ("strong", 0.4)):
-        np.savetxt(tmp_path / f"{name}.txt", np.column_stack([t, peak * np.sin(12 * t)]))
+    write_motions(tmp_path)
     (tmp_path / "two.yaml").write_text(STUDY)
     (tmp_path / "swept.yaml").write_text(STUDY + "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n")
     for name in ("two", "swept"):

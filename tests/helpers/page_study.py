@@ -18,27 +18,9 @@ from pounding_cli.store import open_results
 from pounding_cli.store.histories import write_history
 from pounding_cli.study import expand, load_study
 from tests.helpers.sealing import edited
+from tests.helpers.two_buildings import FOUR_CASES
 
-STUDY = """\
-title: Two buildings <known> & small
-claims: fig6
-records:
-  use: [{file: weak.txt}, {file: strong.txt}]
-  duration: whole
-  scale: 1.0
-buildings:
-  stiff: {storeys: 3, period: 0.3 s, mass: 200 t, height: 3 m,
-          yield: {code: UBC-1991, zone: 0.4, soil: 1.2, Rw: 12}}
-  soft: {like: stiff, storeys: 2, period: 0.5 s}
-group: [stiff, soft]
-impact: {stiffness: 20 x stiffest storey, restitution: 0.5}
-cases:
-  touching: {link: pounding, gap: 0 cm}
-  gap: {link: pounding, gap: 1 cm}
-  infill: {link: infill, gap: 1 cm, stiffness: 1/5 mean storey of stiff}
-  connected: {link: connector, gap: 1 cm, floors: [2], stiffness: 1/5 mean storey of stiff}
-analyses: [elastic, inelastic]
-"""
+STUDY = FOUR_CASES.replace("Two small buildings", "Two buildings <known> & small")
 FACTOR = {"touching": 1.5, "gap": 1.25, "infill": 1.4, "connected": 1.3}
 """V/V0 of storey 1 of every case; storey s has (1 + s) / 2 times that, a gap 10 % more for each cm beyond the first."""
 PEAKS = {"weak": 1.0, "strong": 4.0}

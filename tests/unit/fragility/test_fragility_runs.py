@@ -11,6 +11,7 @@ from pounding_cli.report.fragility_text import asked_of, notes
 from pounding_cli.store import open_results
 from pounding_cli.study import load_study
 from pounding_cli.study.fragility import expand_fragility
+from tests.helpers.answers import the_same_when_stopped
 from tests.helpers.fragility_studies import MOTIONS, STUDY, fails_between, known, write_study
 
 G = 9.80665
@@ -86,28 +87,7 @@ def test_failed_scenes_widen_a_bracket_and_are_counted(tmp_path):
 
 
 def test_stopped_and_resumed_gives_the_same_bits(tmp_path):
-    for name in ("once", "twice"):
-        (tmp_path / name).mkdir()
-    _, once = solved(tmp_path / "once")
-    count = 0
-
-    def stops(scene, **more):
-        nonlocal count
-        count += 1
-        if count in (30, 61):
-            raise KeyboardInterrupt
-        return known(scene)
-
-    for _ in range(2):
-        with pytest.raises(KeyboardInterrupt):
-            solved(tmp_path / "twice", solve=stops)
-    outcome, twice = solved(tmp_path / "twice", solve=stops)
-    assert outcome.reused > 0
-    for one, other in zip(tables(once), tables(twice), strict=True):
-        assert one.equals(other)
-    assert once.attrs["content"] == twice.attrs["content"]
-    again, _ = solved(tmp_path / "twice", solve=stops)
-    assert (again.done, again.reused) == (0, outcome.done + outcome.reused)
+    the_same_when_stopped(tmp_path, solved, known, tables, (30, 61))
 
 
 @pytest.mark.parametrize("engine", ["threads", "processes"])

@@ -7,6 +7,7 @@ import pytest
 from pounding_cli.errors import InputError
 from pounding_cli.study import load_study
 from pounding_cli.study.optimise import expand_optimise
+from tests.helpers.answers import is_refused
 from tests.helpers.optimise_studies import STUDY, write_study
 
 MASS = "buildings.A.mass: {from: 100 t, to: 200 t}"
@@ -56,14 +57,7 @@ CASES = "cases: {near: {link: pounding, gap: 12 mm}}"
 )  # fmt: skip
 def test_a_bad_question(tmp_path, old, new, line, column, said, hint):
     assert old in STUDY
-    path = write_study(tmp_path, STUDY.replace(old, new))
-    with pytest.raises(InputError) as error:
-        expand_optimise(load_study(path))
-    (problem,) = error.value.problems
-    assert said in problem.message
-    assert hint in problem.hint
-    assert (problem.line, problem.column) == (line, column)
-    assert problem.file.endswith("bowl.yaml")
+    is_refused(write_study(tmp_path, STUDY.replace(old, new)), expand_optimise, line, column, said, hint)
 
 
 def test_a_corner_at_which_the_study_is_not_sound(tmp_path):

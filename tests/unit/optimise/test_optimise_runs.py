@@ -12,6 +12,7 @@ from pounding_cli.store import open_results
 from pounding_cli.store.optimise import FOUND, NOTHING
 from pounding_cli.study import load_study
 from pounding_cli.study.optimise import expand_optimise
+from tests.helpers.answers import the_same_when_stopped
 from tests.helpers.optimise_studies import GAP, KEYS, MASS, STUDY, bowl, fails_near_the_bottom, known, write_study
 
 
@@ -144,29 +145,10 @@ def test_no_point_with_a_number(tmp_path):
 
 
 def test_stopped_and_resumed_gives_the_same_bits(tmp_path):
-    for name in ("once", "twice"):
-        (tmp_path / name).mkdir()
-    first, once = solved(tmp_path / "once")
-    count = 0
-
-    def stops(scene, **more):
-        nonlocal count
-        count += 1
-        if count in (50, 301):
-            raise KeyboardInterrupt
-        return known(scene)
-
-    for _ in range(2):
-        with pytest.raises(KeyboardInterrupt):
-            solved(tmp_path / "twice", solve=stops)
-    outcome, twice = solved(tmp_path / "twice", solve=stops)
-    assert outcome.reused > 200
-    assert outcome.done + outcome.reused == first.done
-    for one, other in zip(tables(once), tables(twice), strict=True):
-        assert one.equals(other)
-    assert once.attrs["content"] == twice.attrs["content"]
-    again, _ = solved(tmp_path / "twice", solve=stops)
-    assert (again.done, again.reused, again.engine) == (0, outcome.done + outcome.reused, "none")
+    first, last, again = the_same_when_stopped(tmp_path, solved, known, tables, (50, 301))
+    assert last.reused > 200
+    assert last.done + last.reused == first.done
+    assert again.engine == "none"
 
 
 def test_a_finished_search_is_not_made_again(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 from pounding_cli.errors import InputError
 from pounding_cli.study import load_study
 from pounding_cli.study.sensitivity import expand_sensitivity
+from tests.helpers.answers import is_refused
 from tests.helpers.sensitivity_studies import STUDY, write_study
 
 MASS = "buildings.A.mass: {uniform: {from: 100 t, to: 200 t}}"
@@ -64,14 +65,7 @@ UNCERTAIN = STUDY[STUDY.index("uncertain:") : STUDY.index("sensitivity:")]
 )  # fmt: skip
 def test_a_bad_question(tmp_path, old, new, line, column, said, hint):
     assert old in STUDY
-    path = write_study(tmp_path, STUDY.replace(old, new))
-    with pytest.raises(InputError) as error:
-        expand_sensitivity(load_study(path))
-    (problem,) = error.value.problems
-    assert said in problem.message
-    assert hint in problem.hint
-    assert (problem.line, problem.column) == (line, column)
-    assert problem.file.endswith("ishigami.yaml")
+    is_refused(write_study(tmp_path, STUDY.replace(old, new)), expand_sensitivity, line, column, said, hint)
 
 
 def test_a_sample_at_which_the_study_is_not_sound(tmp_path):

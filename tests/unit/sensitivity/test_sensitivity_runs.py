@@ -14,6 +14,7 @@ from pounding_cli.store import open_results
 from pounding_cli.store.indices import CONSTANT, FOUND, draws, indices
 from pounding_cli.study import load_study
 from pounding_cli.study.sensitivity import expand_sensitivity, question_of
+from tests.helpers.answers import the_same_when_stopped
 from tests.helpers.sensitivity_studies import FIRST, STUDY, TOTAL, fails_in_a_corner, ishigami, known, write_study
 
 KEYS = ["buildings.A.mass", "cases.near.gap", "buildings.A.hardening"]
@@ -160,27 +161,7 @@ def test_an_output_that_does_not_change_has_no_index(tmp_path):
 
 
 def test_stopped_and_resumed_gives_the_same_bits(tmp_path):
-    for name in ("once", "twice"):
-        (tmp_path / name).mkdir()
-    _, once = solved(tmp_path / "once")
-    count = 0
-
-    def stops(scene, **more):
-        nonlocal count
-        count += 1
-        if count in (100, 301):
-            raise KeyboardInterrupt
-        return known(scene)
-
-    for _ in range(2):
-        with pytest.raises(KeyboardInterrupt):
-            solved(tmp_path / "twice", solve=stops)
-    outcome, twice = solved(tmp_path / "twice", solve=stops)
-    assert outcome.reused > 0
-    for one, other in zip(tables(once), tables(twice), strict=True):
-        assert one.equals(other)
-    again, _ = solved(tmp_path / "twice", solve=stops)
-    assert (again.done, again.reused) == (0, outcome.done + outcome.reused)
+    the_same_when_stopped(tmp_path, solved, known, tables, (100, 301))
 
 
 @pytest.mark.parametrize("engine", ["threads", "processes"])
