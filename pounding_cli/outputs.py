@@ -48,7 +48,7 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
             raise InputError(Problem("the output is a folder", f"name a file in it, e.g. {path / 'results.h5'}", name))
         if path.exists():
             if not path.is_file():
-                raise InputError(Problem("the output is no regular file", elsewhere, name))
+                raise InputError(Problem("the output is not a regular file", elsewhere, name))
             if any(path.samefile(each) for each in inputs if each.exists()):
                 raise InputError(Problem("the output is the file that this command reads", elsewhere, name))
             with path.open("rb") as stream:

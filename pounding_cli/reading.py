@@ -37,7 +37,9 @@ def check_regular(path: Path, most: int, what: str) -> None:
     if stat.S_ISDIR(facts.st_mode):
         return
     if not stat.S_ISREG(facts.st_mode):
-        raise InputError(Problem(f"this is no regular file: {_kind(facts.st_mode)}", f"name a {what} on disk", shown))
+        raise InputError(
+            Problem(f"this is not a regular file: {_kind(facts.st_mode)}", f"name a {what} on disk", shown)
+        )
     if facts.st_size > most:
         size = f"{facts.st_size / 1e6:.3g} MB"
         hint = f"a {what} has at most {most / 1e6:g} MB"

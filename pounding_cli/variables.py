@@ -123,7 +123,7 @@ SCENES = (
     Variable("events", PLACE, "1", "events located", "i"),
     Variable("orders", PLACE, "1", "Taylor orders computed in all", "i"),
     Variable("seconds", PLACE, "s", "time inside the solver", label="solver time"),
-    Variable("energy_residual", PLACE, "1", "energy not accounted for, over the input"),
+    Variable("energy_residual", PLACE, "1", "energy imbalance over the input"),
     Variable(
         "error_estimate", PLACE, "1", "numerical error of the peaks, relative: about so much at most", label="error"
     ),

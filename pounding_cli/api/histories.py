@@ -193,7 +193,7 @@ class History(histories.History):
         else:
             return frame
         if not kept:
-            raise InputError(Problem(f"{quantity}: nothing stands at level {level}", "give a floor that there is"))
+            raise InputError(Problem(f"{quantity}: there is nothing at level {level}", "give an existing floor"))
         part = frame.loc[:, kept]
         part.attrs = frame.attrs
         return part

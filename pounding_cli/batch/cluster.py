@@ -126,8 +126,8 @@ class Cluster(Engine):
         self._held.close()
 
 
-_SAME = "install this very version of pounding-cli where the scheduler and the workers run"
-_AGAIN = "then run the same command again: what is solved is kept"
+_SAME = "install this version of pounding-cli on the machines of the scheduler and the workers"
+_AGAIN = "then run the same command again; solved scenes are kept"
 
 
 def _check_address(scheduler: str) -> None:
@@ -169,7 +169,7 @@ def _connected(address: str, where: str) -> Client:
 
 
 def _threads(client: Client) -> dict[str, int]:
-    """Threads of every worker by its address; unlike `Client.nthreads`, it does not wait for ever."""
+    """Threads of every worker by its address; unlike `Client.nthreads`, it has a time limit."""
     scheduler: Any = client.scheduler
     return client.sync(scheduler.ncores, callback_timeout=PATIENCE)
 
@@ -197,7 +197,7 @@ def _check_workers(client: Client, new: set[str]) -> None:
 
 
 def _closed(client: Client) -> None:
-    """Close the connection, and do not wait for ever: a scheduler that is lost or busy does not say goodbye in time."""
+    """Close the connection with a time limit: a scheduler that is lost or busy may not answer."""
 
     def close() -> None:
         with suppress(Exception):

@@ -61,7 +61,7 @@ def engine(name: str, workers: int, scheduler: str | None = None) -> Engine:
         raise InputError(Problem(f"workers: {workers} is not a number of workers", "write a number from 1"))
     if scheduler is not None and name != "dask":
         hint = "write `--engine dask --scheduler ...`, or leave the scheduler out"
-        raise InputError(Problem(f"a scheduler means nothing to the engine {name!r}", hint))
+        raise InputError(Problem(f"there is no scheduler for the engine {name!r}", hint))
     if name == "serial":
         from pounding_cli.batch.serial import Serial
 

@@ -16,8 +16,8 @@ from pounding_cli.methods import AUTO
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
+from pounding_cli.solve.cost import ASSESSED, BESIDE, cost, method_of
 from pounding_cli.solve.groups import GroupSolver, sure_parts
-from pounding_cli.solve.price import ASSESSED, BESIDE, method_of, price
 from pounding_cli.solve.response import Response
 from pounding_cli.study.thinned import times
 
@@ -62,7 +62,7 @@ class Forecast:
 
 
 def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
-    """Look at the scenes of a plan, and, to prove that rows fall apart, run their buildings alone and smaller groups.
+    """Look at the scenes of a plan. To find rows that need no run, run their buildings alone and smaller groups.
 
     Then everything is found as a run will find it; only the whole rows are not solved. Without proof every row counts
     as solved whole, and smaller groups only where a first movement closes their links.
@@ -83,7 +83,7 @@ def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
     def count(what: str, scene: Scene, number: float) -> None:
         method = _method(plan, scene)
         found.scenes[what, method] += number
-        found.seconds[what, method] += number * (runs * price(scene, method, plan.time_step) + BESIDE)
+        found.seconds[what, method] += number * (runs * cost(scene, method, plan.time_step) + BESIDE)
 
     def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:
@@ -164,7 +164,7 @@ def _method(plan: Plan, scene: Scene) -> str:
 
 
 def _prover(plan: Plan, tell: Callable[[Scene], None] = lambda scene: None) -> GroupSolver | None:
-    """What proves that a row falls apart, as a run does, telling what it solves; None where a run keeps rows whole."""
+    """What proves that a row needs no run, telling what it solves; None where a run simulates all rows."""
     from pounding_cli.solve import solve
 
     task = Task(solve, plan.accuracy, plan.method, all_effects=plan.all_effects, time_step=plan.time_step)

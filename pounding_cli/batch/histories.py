@@ -88,7 +88,7 @@ def refuse_loss(plan: Plan, output: Path, differs: str) -> None:
         lost = sum(not any(_agrees(facts, place) for place in again) for facts in kept_places(file))
     if lost:
         what = f"the output keeps {counted(lost, 'history', 'histories')} that this run would drop"
-        hint = "say `keep` in the study to have them made anew, name another file with -o, or say --replace"
+        hint = "write `keep` in the study to make them again, name another file with -o, or use --replace"
         raise InputError(Problem(f"{what}: it was made with {differs}", hint, str(output)))
 
 

@@ -1,7 +1,7 @@
 """A Dask cluster on this machine, as a process of its own: `python -m pounding_cli.batch.local_cluster WORKERS`.
 
 Started within the program, Dask's workers get its Ctrl-C while they are being started, and the program then waits for
-them for ever. Here the cluster is a session of its own, which Ctrl-C does not reach. It ends when its standard input
+them without end. Here the cluster is a session of its own, which Ctrl-C does not reach. It ends when its standard input
 does, so also when the program is killed.
 """
 

@@ -1,4 +1,4 @@
-"""The process engine: workers on the cores of this machine; one that dies costs one scene, no more."""
+"""The process engine: workers on the cores of this machine; one that ends loses one scene."""
 
 from __future__ import annotations
 

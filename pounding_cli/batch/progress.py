@@ -124,7 +124,7 @@ class Quiet:
 
 
 def _write(line: str, stream: TextIO) -> None:
-    """Write a line at once. A run goes on when nobody reads what it tells any more: its results are what counts."""
+    """Write a line at once. A run continues when its output has no reader."""
     with contextlib.suppress(OSError, ValueError):
         try:
             print(line, file=stream, flush=True)

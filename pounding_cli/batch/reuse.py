@@ -35,7 +35,7 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
     OSError : the parts cannot be written
     """
     for damaged in parts.load():
-        say(f"{damaged} is damaged: what it held is solved again")
+        say(f"{damaged} is damaged: its scenes are solved again")
     from_parts = int(parts.has(plan.scenes).sum())
     if from_parts:
         what = counted(from_parts, "scene of an unfinished run is", "scenes of an unfinished run are")
@@ -46,7 +46,7 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
         if not replace:
             refuse_loss(plan, output, former.differs)
     elif damage:
-        say(f"{output} is damaged ({damage}): what is whole in it is kept, the rest is solved again")
+        say(f"{output} is damaged ({damage}): intact results are kept, the others are solved again")
     taken = held = 0
     for chunk in stored_chunks(output, parts.key):
         new = chunk.only(np.flatnonzero(~parts.has(chunk.digests)).tolist())
@@ -62,8 +62,8 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
         return
     if former.differs:
         say(
-            f"{output} was made with {former.differs}: all scenes are run anew, "
-            "and the file stays as it is until the new one is whole"
+            f"{output} was made with {former.differs}: all scenes are solved again, "
+            "and the file stays until the new one is complete"
         )
     elif not in_rounds and (taken < len(plan.scenes) or taken < former.scenes):
         gone = sum(int((~among(plan.scenes, some)).sum()) for some in pieces(parts))

@@ -185,7 +185,7 @@ def _solve_rounds(
 def _solve_missing(
     plan: Plan, order: Order, parts: PartStore, chosen: Engine, progress: Progress, solve: Solve | None
 ) -> tuple[str, float]:
-    """Solve two scenes of every sort here, one to compile and one to price the rest; then solve the rest.
+    """Solve two scenes of every sort here, one to compile and one to estimate the time; then solve the rest.
 
     Returns the engine's name and the time in the solver, all workers together [s].
     """

@@ -59,17 +59,17 @@ def _told(found: Comparison, everything: bool) -> list[str]:
     said += _some([f"  {place}: {one} -> {other}" for place, one, other in found.outcomes], few)
     count = len(found.changes)
     differ = "differs" if count == 1 else "differ"
-    said.append(f"Numbers: {count} of {found.compared} {differ} beyond the error both files carry.")
+    said.append(f"Numbers: {count} of {found.compared} {differ} beyond the errors of both files.")
     if found.unestimated:
         what = counted(found.unestimated, "scene carries", "scenes carry")
-        said.append(f"  {what} no error estimate: the accuracy asked stands in, or rounding.")
+        said.append(f"  {what} no error estimate: the accuracy asked or rounding is used instead.")
     return said + _numbers(found, everything)
 
 
 def _study(found: Comparison) -> str:
     if found.keys:
         return f"Study: differs in {counted(len(found.keys), 'key')}."
-    return "Study: the same in other words." if found.lines else "Study: the same."
+    return "Study: the same, with different wording." if found.lines else "Study: the same."
 
 
 def _numbers(found: Comparison, everything: bool) -> list[str]:

@@ -176,7 +176,7 @@ def _end(code: int) -> NoReturn:
 
 
 def _unforeseen(error: Exception) -> int:
-    """Tell what nobody thought of: in one line how to report it, or with its traceback. The exit code."""
+    """Print an internal error: one line with the command to report it, or its traceback. Returns the exit code."""
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
         click.echo(f"error: there is no space left on the disk ({error.filename or 'while writing'})", err=True)
         return REFUSED

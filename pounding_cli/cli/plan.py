@@ -96,9 +96,9 @@ def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
         if plan.ahead:
             later = f"; later rounds about {round(times * plan.ahead)} more at most"
         elif any(row.scene not in plan.scenes for row in plan.rows if row.scene):
-            later = "; later rounds ask for more, as the answers decide"
+            later = "; later rounds need more scenes, depending on the results"
         elif plan.state is not None:
-            later = "; later rounds follow from its answers"
+            later = "; later rounds depend on its results"
         first = "the first round has" if later else "it has"
         scenes = f"{about}{counted(round(times * len(plan.scenes)), 'scene')}"
         time = time_text(times * forecast(plan, prove=False).total)
@@ -132,7 +132,7 @@ def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
     if found.looked_at < 1:
         lines.append(f"           judged by one scene in {1 / found.looked_at:.0f}")
     if about:
-        lines.append("           combinations of swept values that were not looked at are checked as the run begins")
+        lines.append("           other combinations of swept values are checked when the run begins")
     for (what, method), count in sorted(found.scenes.items()):
         lines.append(f"  run      {round(count):6d} {what}, {method}, about {time_text(found.seconds[what, method])}")
     who = "the buildings alone" + (" and smaller groups" if any(what == PARTS for what, _ in found.scenes) else "")
@@ -193,16 +193,16 @@ def _factors(study: Study, plan: Plan) -> str:
 
 
 def _effects(found: Forecast) -> list[str]:
-    """In how many scenes each effect is simulated, and why it is dropped in the others."""
+    """In how many scenes each effect is simulated, and why it is left out in the others."""
     names = dict.fromkeys((*found.kept, *(text.split(": ", 1)[0] for text in found.dropped)))
     lines = []
     for name in names:
         reasons = [
-            f"dropped in {round(count)}: {text.split(': ', 1)[1]}"
+            f"left out in {round(count)}: {text.split(': ', 1)[1]}"
             for text, count in found.dropped.items()
             if text.split(": ", 1)[0] == name
         ]
-        kept = [f"kept in {round(found.kept[name])}"] if name in found.kept else []
+        kept = [f"simulated in {round(found.kept[name])}"] if name in found.kept else []
         lines.append(f"  {name:<30} {'; '.join(kept + reasons)}")
     return lines
 

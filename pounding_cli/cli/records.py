@@ -145,7 +145,7 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
     else:
         reading = read_file(motion, **options)
         found, title, place = reading.motion, Path(motion).name, motion
-        who = {"the file": "as the file says", "you": "as given", "nobody": "assumed: the file names no unit"}
+        who = {"the file": "as the file says", "you": "as given", "nobody": "assumed: the file states no unit"}
         read_as = f"{reading.format}, in {reading.unit} ({who[reading.unit_from]})"
     if window is not None:
         if not window > 0:
@@ -190,18 +190,18 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     target = user_folder() / f"{name}.txt"
     if target.exists() and not force:
         raise InputError(
-            Problem(f"'{name}' was imported before", "say --force to replace it, or delete that file", str(target))
+            Problem(f"'{name}' was imported before", "use --force to replace it, or delete that file", str(target))
         )
     write_text(target, imported_text(known, motion, file))
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
     click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, digest {motion.digest[:16]}")
     told = differences(known, motion)
     if told:
-        click.echo("It differs from what the catalogue knows:")
+        click.echo("Differences from the catalogue:")
         for line in told:
             click.echo(f"  - {line}")
     else:
-        click.echo("It agrees with what the catalogue knows: peak, Arias intensity, time step and length.")
+        click.echo("It agrees with the catalogue in peak, Arias intensity, time step and length.")
     used = locate(name).path
     if used != target:
         click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")

@@ -111,15 +111,15 @@ def _print(found: Overview, outcome: Outcome) -> None:
 def _print_trust(trust: Trust) -> None:
     """The error and the sensitivity of the numbers above, in words."""
     if trust.residual == trust.residual:
-        click.echo(f"Energy closes to {trust.residual:.0e} of the input in every scene.")
+        click.echo(f"The energy balance closes to {trust.residual:.0e} of the input in every scene.")
     if not trust.assessed:
         click.echo("Errors and sensitivities were not estimated (estimate: none).")
         return
     of = "all" if trust.assessed == trust.scenes else f"{trust.assessed} of {trust.scenes}"
     click.echo(
         f"No peak has a numerical error above {trust.error:.0e} ({of} scenes assessed) or a sensitivity above "
-        f"{trust.sensitivity:.2g} ({trust.where}).\nSensitivity 4: a motion that grows by 1 % on its way moves a peak "
-        "by 4 %."
+        f"{trust.sensitivity:.2g} ({trust.where}).\nSensitivity 4: a motion that grows gradually by 1 % changes a "
+        "peak by 4 %."
     )
 
 

@@ -72,7 +72,7 @@ class Oscillators:
 
 
 def eq7_dashpot(stiffness: float, xi: float, m1: float, m2: float) -> float:
-    """Dashpot of a connector, c = 2 xi sqrt(K m1 m2 / (m1 + m2)) [N s/m] (eq. 7, units put right)."""
+    """Dashpot of a connector, c = 2 xi sqrt(K m1 m2 / (m1 + m2)) [N s/m] (eq. 7, units corrected)."""
     return 2 * xi * math.sqrt(stiffness * m1 * m2 / (m1 + m2))
 
 

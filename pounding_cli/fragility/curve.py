@@ -27,8 +27,8 @@ class Outcome(StrEnum):
 
 _MEANINGS = {
     Outcome.FITTED: "a median and a spread were found",
-    Outcome.NEVER: "no motion passes the limit at any intensity looked at: the median lies above them",
-    Outcome.ALWAYS: "every motion passes the limit at every intensity looked at: the median lies below them",
+    Outcome.NEVER: "no motion passes the limit at any solved intensity: the median lies above them",
+    Outcome.ALWAYS: "every motion passes the limit at every solved intensity: the median lies below them",
     Outcome.SEPARATED: "below one intensity all hold, above it all pass: the spread is too small to be seen",
     Outcome.FLAT: "the limit is not passed more often at higher intensities: no rising curve fits",
     Outcome.FEW: "too few motions or intensities to tell the median from the spread",
@@ -39,7 +39,7 @@ _MEANINGS = {
 class Curve:
     """A lognormal fragility curve, P(passed | x) = Phi(ln(x / median) / spread), or why there is none.
 
-    outcome : what came of the fit
+    outcome : outcome of the fit
     motions : motions it rests on
     median, spread : median [unit of the intensity] and logarithmic standard deviation [-]; None unless fitted
     between : the intensities that hold the median, (0, inf) where neither end is known; of a fit the median twice

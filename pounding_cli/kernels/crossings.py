@@ -28,8 +28,8 @@ from pounding_cli.kernels.summary import drift_series, may_turn_by_ends, rate_te
 
 MAX_STOREY_EVENTS_AT_INSTANT = 6
 """Events of a storey at one instant after which it leaves a branch only if that is left at the end of the step too: at
-rest and without shear, a storey whose shear decides its branch would go round by the last digits of both for ever.
-After twice as many it is asked nothing more until time goes on."""
+rest and without shear, rounding errors would select the branches of a storey without end.
+After twice as many its guards are not evaluated until time advances."""
 
 AT_ONCE = 1e-12
 """Part of a step [-] in which a storey that leaves its branch leaves it at the start."""

@@ -164,7 +164,7 @@ def _is_whole(path: Path) -> bool:
 
 def _delete(files: list[Path]) -> None:
     if files:
-        notes.append(f"compiled kernels in {FOLDER} were damaged: they are deleted and compiled anew")
+        notes.append(f"compiled kernels in {FOLDER} were damaged: they are deleted and compiled again")
     for path in files:
         for each in (path, _sum(path)):
             with suppress(OSError):

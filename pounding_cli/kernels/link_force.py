@@ -16,7 +16,7 @@ from pounding_cli.kernels.program import force_and_slope
 
 @njit(**INLINE)
 def branch_at(links, e, v):
-    """The branch of link e that acts at closing v [m]; -1 where none does."""
+    """The branch of link e that acts at closing v [m]; -1 if none does."""
     for b in range(links.first[e], links.last[e]):
         if branch(links, b, t.ACTS) != 0.0 and branch(links, b, t.FROM) < v <= branch(links, b, t.TO):
             return b

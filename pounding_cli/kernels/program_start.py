@@ -111,7 +111,7 @@ def _is_resolved(run, p, e, v):
 
 @njit(**PART)
 def _largest_acceleration(run, e):
-    """Of the floors of link e of late [m/s2]."""
+    """Largest recent acceleration of the floors of link e [m/s2]."""
     left, right = sides_of(run, e)
     return max(run.slots[of(left, c.SCALE)], run.slots[of(right, c.SCALE)], run.clock[LEAST_SCALE])
 

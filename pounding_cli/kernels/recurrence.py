@@ -88,7 +88,7 @@ def _floor_accelerations(slots, b, k, before, ground, u_left, u, u_right, w_left
 
 @njit(**PART)
 def set_allowed(run, tolerance):
-    """What a term may leave out: `tolerance` times the slot's acceleration of late (`renew_scale`), or of what is not
+    """What a term may leave out: `tolerance` times the slot's recent acceleration (`renew_scale`), or of what is not
     resolved."""
     slots = run.slots
     least_scale = splat(run.clock[LEAST_SCALE])
@@ -279,8 +279,8 @@ def _expand_two(run, any_closed, curved, pinned_at_event, max_order):
 
 @njit(**PART)
 def renew_scale(run):
-    """The largest acceleration of late: a blow is forgotten at a tenth a step, so that what follows it is not
-    sloppy."""
+    """The largest recent acceleration. It decreases to a tenth in every step, so that the steps after a blow are not
+    inaccurate."""
     slots = run.slots
     for b in range(run.slot_start, run.slot_stop, 8):
         now = maximum(

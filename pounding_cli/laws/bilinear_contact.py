@@ -52,7 +52,7 @@ class BilinearContact(LinkLaw):
     subtracts_gap: ClassVar[bool] = True
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
-    penetration: float = parameter("closing d_m of the blow that the contact is laid out for", "m", open_low=True)
+    penetration: float = parameter("closing d_m of the blow for which the contact is designed", "m", open_low=True)
     restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
     yield_share: float = parameter("closing at which it yields over d_m, a", open_low=True, high=0.5, default=0.1)
     damping_formula: BilinearDamping = parameter(DAMPING_FORMULA, default=BilinearDamping.EXACT)

@@ -58,7 +58,7 @@ def read(text: str, known: Mapping[str, Term], lows: tuple[float, ...]) -> Expre
 
     Raises
     ------
-    FormulaError : it is no formula, or its unit is not N
+    FormulaError : it is not a formula, or its unit is not N
     """
     reader = _Reader(text, {"v": Term(CLOSING, GIVEN["v"][0]), "r": Term(RATE, GIVEN["r"][0]), **known}, lows)
     term = reader.term(reader.tree())
@@ -100,9 +100,9 @@ class _Reader:
             return ast.parse(self.text.strip(), mode="eval").body
         except SyntaxError as error:
             line, column = (error.lineno or 1) - 1, max((error.offset or 1) - 1, 0)
-            raise FormulaError(f"'{self.text.strip()}' is no formula", _SAYS, line, column) from None
+            raise FormulaError(f"'{self.text.strip()}' is not a formula", _SAYS, line, column) from None
         except (ValueError, RecursionError, MemoryError):
-            raise FormulaError("this is no formula", _SAYS) from None
+            raise FormulaError("this is not a formula", _SAYS) from None
 
     def wrong(self, node: ast.expr, message: str, hint: str = _SAYS) -> FormulaError:
         return FormulaError(message, hint, node.lineno - 1, node.col_offset)
@@ -128,7 +128,7 @@ class _Reader:
             if len(node.args) == 1 and not node.keywords:
                 return self.power(node, node.args[0], 0.5)
             raise self.wrong(node, "sqrt() takes one value", "write sqrt(...)")
-        raise self.wrong(node, f"{self.says(node)} may not stand in a formula")
+        raise self.wrong(node, f"{self.says(node)} is not allowed in a formula")
 
     def number(self, node: ast.expr, value: float, dimension: Dimension = PLAIN) -> Term:
         if not math.isfinite(value):
@@ -139,7 +139,9 @@ class _Reader:
         if isinstance(node.op, ast.Pow):
             exponent = self.term(node.right)
             if isinstance(exponent.value, Expression) or exponent.dimension != PLAIN:
-                raise self.wrong(node.right, f"the power {self.says(node.right)} is no plain number", "write a number")
+                raise self.wrong(
+                    node.right, f"the power {self.says(node.right)} is not a plain number", "write a number"
+                )
             return self.power(node, node.left, exponent.value)
         one, other = self.term(node.left), self.term(node.right)
         if isinstance(node.op, ast.Add | ast.Sub):
@@ -153,7 +155,7 @@ class _Reader:
         if isinstance(node.op, ast.Div):
             inverse = self.power(node, node.right, -1.0)
             return self.made(node, one.value * inverse.value, _sum(one.dimension, inverse.dimension))
-        raise self.wrong(node, f"{self.says(node)} may not stand in a formula")
+        raise self.wrong(node, f"{self.says(node)} is not allowed in a formula")
 
     def made(self, node: ast.expr, value: Expression | float, dimension: Dimension) -> Term:
         return Term(value, dimension) if isinstance(value, Expression) else self.number(node, value, dimension)
@@ -186,7 +188,7 @@ class _Reader:
             for r in (-3.0, -0.1, 0.0, 0.1, 3.0):
                 if not float(value.at(v, r)) > 0.0:
                     message = f"{self.says(node)} is not above zero at v = {v:g} m, r = {r:g} m/s"
-                    hint = "what is divided by, or stands under a root or a broken power, has to stay above zero"
+                    hint = "divisors and arguments of roots and fractional powers must stay above zero"
                     raise self.wrong(node, message, f"{hint}; of v itself write v**1.5")
 
 

@@ -15,9 +15,9 @@ EXPONENT = 1.5
 """Of the closing [-]."""
 
 LEAST_RESTITUTION = 0.01
-"""Below this the damping of `HertzDamp` grows as 1 / e, and means nothing for floors of buildings."""
+"""Below this the damping of `HertzDamp` grows as 1 / e, and does not apply to floors of buildings."""
 
-DAMPING_FORMULA = "where the damping comes from: the restitution that comes out (exact), or a published formula"
+DAMPING_FORMULA = "formula of the damping: `exact` gives the wanted restitution, the others are published formulas"
 """What `damping_formula` is."""
 
 SERIES_ABOVE = 0.9

@@ -102,7 +102,7 @@ def _constant(value: float) -> Expression:
 
 
 def _capacity(of: str) -> float:
-    doc = f"energy capacity of {of}, over Vy Dy; no deterioration of it unless given"
+    doc = f"energy capacity of {of}, over Vy Dy; default: no deterioration"
     return parameter(doc, open_low=True, default=math.inf)
 
 
@@ -126,7 +126,7 @@ class PeakOrientedImk(StoreyLaw):
     unloading_capacity: float = _capacity("the unloading stiffness")
     reloading_capacity: float = _capacity("the drift that reloading aims at")
     deterioration_exponent: float = parameter(
-        "exponent c of (E / (Et - sum E))^c, the part that an excursion takes", open_low=True, default=1.0
+        "exponent c of (E / (Et - sum E))^c, the deterioration by an excursion", open_low=True, default=1.0
     )
 
     def may_be_endless(self, name: str) -> bool:

@@ -57,7 +57,7 @@ class Infill(LinkLaw):
         """Too thin, or softer when it is pressed."""
         gap, stiffness, impact = (values.get(name, math.nan) for name in ("gap", "stiffness", "impact_stiffness"))
         if gap < THINNEST:
-            wrong = f"an infill {gap:g} m thick is thinner than {THINNEST:g} m: there is no such material"
+            wrong = f"an infill {gap:g} m thick is thinner than {THINNEST:g} m: no material is that thin"
             hint = f"write `link: pounding` for buildings in touch, or a gap of {THINNEST:g} m or more"
             return "gap", "an infill in a gap of zero has no thickness" if gap == 0 else wrong, hint
         if stiffness > impact:

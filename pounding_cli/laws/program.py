@@ -183,7 +183,7 @@ def operations(force: Expression, root: int = 1) -> tuple[Step, ...]:
 
     Raises
     ------
-    ValueError : a power of the closing is no whole power of q, or the force is too long
+    ValueError : a power of the closing is not a whole power of q, or the force is too long
     """
     program = _Program(root)
     program.end_with(force)
@@ -278,7 +278,7 @@ def _in_root(part: Expression, root: int) -> Expression:
     a, exponent, _ = part.numbers
     whole = round(exponent * root)
     if whole < 1 or abs(exponent * root - whole) > 1e-9:
-        raise ValueError(f"v^{exponent:g} is no whole power of v^(1/{root})")
+        raise ValueError(f"v^{exponent:g} is not a whole power of v^(1/{root})")
     power = whole_power(_Q, whole)
     return power if a == 1.0 else a * power
 

@@ -61,7 +61,7 @@ class WrittenLaw(LinkLaw):
                 return root
         told = ", ".join(f"{power:g}" for power in sorted(powers))
         raise FormulaError(
-            f"the powers of v, {told}, are no whole multiples of one of 1, 1/2, ..., 1/{LARGEST_ROOT}",
+            f"the powers of v, {told}, are not whole multiples of one of 1, 1/2, ..., 1/{LARGEST_ROOT}",
             "write e.g. v**1.5 or v**1.25",
         )
 

@@ -48,7 +48,7 @@ def read_motion(
     unit : unit of the acceleration (`records.units`); needed only where the file does not state it, g in plain
         columns unless given; refused where it contradicts the file
     dt : time step [s]; needed for one column without a `# dt:` line, otherwise checked against the file's own
-    format : one of `FORMATS`; found from the file unless given
+    format : one of `FORMATS`; default: detected
     channel : which channel of a file that holds several (COSMOS, CSMIP), from 1
     column : which column of a table holds the acceleration, from 1
     source : label of the motion
@@ -107,13 +107,13 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
     stated = samples.unit
     if stated is None:
         if given is None and kind not in PLAIN:
-            raise text.refuse("the file does not state its unit", "say it: unit: cm/s2, or --unit cm/s2", samples.line)
+            raise text.refuse("the file does not state its unit", "give it: unit: cm/s2, or --unit cm/s2", samples.line)
         return (given, "you") if given else ("g", "nobody")
     if quantity_of(stated) == "counts":
         if given is None:
             raise text.refuse(
                 "the file holds recorder counts, and no scale that makes them an acceleration",
-                "fetch the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal",
+                "download the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal",
                 samples.unit_line,
             )
         return given, "you"
@@ -145,7 +145,7 @@ def _sound(text: Text, samples: Samples, unit: str) -> np.ndarray:
     if peak > _LARGEST / factor:
         raise text.refuse(
             f"the peak is {peak * (factor / GRAVITY):.4g} g read in {unit}: no ground motion is that strong",
-            f"say which unit the file is in: {', '.join(UNITS)}; recorder counts need their scale, e.g. 6.34e-4 gal",
+            f"give the unit of the file: {', '.join(UNITS)}; recorder counts need their scale, e.g. 6.34e-4 gal",
             samples.line,
         )
     return values * factor

@@ -68,12 +68,12 @@ def motions(sources: Mapping[str, str]) -> list[Source]:
 
 def _origin(kind: str, entry: Entry | None) -> str:
     if kind == "user" or entry is None:
-        return "a file of your own: cite where you have it from"
+        return "your own file: cite its source"
     what = (
         f"{entry.title}: {entry.event}, {entry.date}, magnitude {entry.magnitude}, {entry.station}, {entry.component}"
     )
     if kind == "real":
-        return f"{what}; your file: cite where you have it from"
+        return f"{what}; your own file: cite its source"
     return f"{what}; synthesized by pounding_cli from: {'; '.join(entry.sources)}"
 
 
@@ -123,4 +123,4 @@ def _methods(names: Collection[str], estimated: bool, used) -> None:
             used(reference.key, f"the method of solution, {method.title}")
         judge = METHODS["taylor"] if method.takes_step else method  # as solve.assess has it
         for reference in named_in(judge.source) if estimated else ():
-            used(reference.key, "the finer runs that error and sensitivity are estimated by")
+            used(reference.key, "the finer runs for error and sensitivity")

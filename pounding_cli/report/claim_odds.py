@@ -111,7 +111,7 @@ def notes(results: Tables, odds: pd.DataFrame) -> list[str]:
     confidence = f"{100 * float(spec.get('confidence', 0.95)):.4g} %"
     said = [
         f"Probabilities: shares of the {int(odds['samples'].max())} independent samples, in brackets the {confidence} "
-        "interval (Clopper-Pearson). A claim holds where every number meets its threshold, holds partly where some do.",
+        "interval (Clopper-Pearson). A claim holds if every number meets its threshold, holds partly where some do.",
         f"Decided most by: the key with the largest {_MEASURES[method_of(results.answer(INDICES))]} of the verdict as "
         "a number, which is 1 where the claim holds, 1/2 where it holds partly and 0 where it does not; in brackets "
         f"the {confidence} bootstrap interval.",

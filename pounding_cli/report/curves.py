@@ -1,4 +1,4 @@
-"""Curves of a quantity against one swept axis: the mean over the motions, one line a case, with its spread."""
+"""Curves of a quantity against one swept axis: the mean over the motions, one line per case, with its spread."""
 
 from __future__ import annotations
 
@@ -74,4 +74,4 @@ def _void(panels: Sequence[Panels]) -> str:
     if not void:
         return ""
     reasons = "; ".join(dict.fromkeys(reason for over in void.values() for reason in over.reasons))
-    return f" Open grey markers ({', '.join(void)}): the numbers of some motions mean nothing, {reasons}."
+    return f" Open grey markers ({', '.join(void)}): the numbers of some motions have no meaning, {reasons}."

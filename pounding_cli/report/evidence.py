@@ -192,8 +192,8 @@ class Evidence:
 
     @property
     def footnote(self) -> str:
-        """Which cases carry MARK and why, in sentences; "" where none does."""
-        return " ".join(f"{MARK} {group}; these numbers mean nothing." for group in self.meaningless.values())
+        """Which cases carry MARK and why, in sentences; "" if none does."""
+        return " ".join(f"{MARK} {group}; these numbers have no meaning." for group in self.meaningless.values())
 
     def marked(self, case: str) -> str:
         """The name of a case, with MARK where the numbers of some of its scenes mean nothing."""

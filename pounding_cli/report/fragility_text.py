@@ -55,7 +55,7 @@ def subject(building: str, limit: str) -> str:
 
 
 def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "", named: bool = False) -> str:
-    """A median with its interval; where there is none, what came of the fit and what is known.
+    """A median with its interval; where there is none, outcome of the fit and what is known.
 
     named : with the unit
     """

@@ -30,8 +30,8 @@ from pounding_cli.store.answers import Answer
 from pounding_cli.store.gap import EXACT
 
 LEFT_OUT = (
-    "UBC 1997, EN 1998-1 and NZS 1170.5 have rules of their own; they are left out because their clauses could not be "
-    "read at a source that can be cited."
+    "UBC 1997, EN 1998-1 and NZS 1170.5 have other rules. They are left out because no citable source of their clauses "
+    "was available."
 )
 
 _LOOKS = {
@@ -57,7 +57,7 @@ def gap_page(results: Results, shown: Evidence, with_figures: bool = True) -> An
             draw_profiles(answer, frame, shown), "Required gap over the height", text
         )
         if keys and len(results.axes[keys[0]]) > 1:
-            said = "Mean over the motions at the floors that need most."
+            said = "Mean over the motions at the floors that require the widest gap."
             figures["required-gap-sweep"] = Illustration(draw_sweep(results, answer, shown), "Over the sweep", said)
     heads = [heading.replace("\n", " ") for heading in headings(answer)]
     tables = [
@@ -86,7 +86,7 @@ def _sentence(answer: Answer, part: tuple[Any, ...]) -> str:
             words += f"; {unit.text(row[contact], 4)} for {share} % probability of contact (90 % confidence: {between})"
         said.append(words)
     motions = counted(int(rows["motions"].max()), "motion")
-    return f"{left} | {right}: required gap at the floors that need most, {motions}. {'. '.join(said)}."
+    return f"{left} | {right}: required gap at the floors that require the widest gap, {motions}. {'. '.join(said)}."
 
 
 def _notes(frame: pd.DataFrame, answer: Answer) -> list[str]:
@@ -94,7 +94,7 @@ def _notes(frame: pd.DataFrame, answer: Answer) -> list[str]:
     said = error_sentence(answer, float(frame["error"].max()))
     notes = [
         f"Exact: largest closing of two floors over time, each building alone. {said} The "
-        "90 % confidence interval says what so few motions leave open.",
+        "90 % confidence interval shows the uncertainty due to the small number of motions.",
         "ABS, SRSS and DDC combine the largest displacements of each building under the same motion; DDC takes the "
         "periods and damping ratios of the elastic first modes.",
     ]

@@ -142,7 +142,7 @@ def _marks(panels: Sequence[Panels]) -> str:
     said = ""
     if any(over.meaningless.any() for over in every):
         reasons = "; ".join(dict.fromkeys(reason for over in every for reason in over.reasons))
-        said += f" Hatched: the numbers of some motions mean nothing, {reasons}."
+        said += f" Hatched: the numbers of some motions have no meaning, {reasons}."
     if any(np.isnan(over.mean).any() for over in every):
         said += " Grey: no number."
     if any(over.is_ratio and max(over.mean.shape) > MOST_TICKS for over in every):

@@ -145,7 +145,9 @@ def notes(found: Optimum) -> list[str]:
         near = np.abs(ends - key["value"]) <= _AT_END * abs(ends[1] - ends[0])
         if near.any():
             end = "range_from" if near[0] else "range_to"
-            said.append(f"{key['key']} is best at the end of its range, {found.text(key, end)}: beyond may be better.")
+            said.append(
+                f"{key['key']} is best at the end of its range, {found.text(key, end)}: a better value may lie beyond."
+            )
     if first["outcome"] == UNSETTLED:
         said.append(
             f"The search ended after {counted(found.generations, 'generation')}, before the points of one were nearly "
@@ -153,13 +155,13 @@ def notes(found: Optimum) -> list[str]:
         )
     if first["failed"]:
         said.append(
-            f"{counted(int(first['failed']), 'point')} of {found.points} gave no number and counted as no answer: a "
-            "scene failed there, also when it was solved once more, a hundred times as finely, or has no such number."
+            f"{counted(int(first['failed']), 'point')} of {found.points} gave no number: a scene failed, "
+            "also in a second solution with a hundred times finer accuracy, or has no such number."
         )
     if first["meaningless"]:
         said.append(
-            f"{counted(int(first['meaningless']), 'point')} of {found.points} counted as no answer: a link went where "
-            "its law has no meaning (floors that would have struck, an infill beyond its thickness): "
+            f"{counted(int(first['meaningless']), 'point')} of {found.points} were excluded: a link left the range "
+            "in which its law has a meaning (floors that would have struck, an infill beyond its thickness): "
             "`pound show FILE.h5 flagged`."
         )
     return said

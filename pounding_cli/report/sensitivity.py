@@ -192,4 +192,4 @@ def cite_sensitivity(resolved: Mapping[str, Any], used: Use) -> None:
     else:
         used("saltelli2010", "first-order and total indices of the variance")
         used("efron1993", "the bootstrap of the samples")
-    used("iwanaga2022", "SALib, which draws the samples and works out the indices")
+    used("iwanaga2022", "SALib, which draws the samples and computes the indices")

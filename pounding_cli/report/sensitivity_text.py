@@ -157,8 +157,8 @@ def notes(results: Tables) -> list[str]:
     if len(refused):
         most = counted(int(refused["failed"].max()), "sample")
         said.append(
-            f"Where samples gave no number (up to {most}) there is no index: leaving them out would bend it. Their "
-            "scenes were solved a second time, a hundred times as finely, and failed again, or have no such number."
+            f"Where samples gave no number (up to {most}) there is no index: leaving them out would bias it. Their "
+            "scenes failed again in a second solution with a hundred times finer accuracy, or have no such number."
         )
     return said
 
@@ -179,7 +179,7 @@ def _legend(results: Tables, answer: Answer) -> list[str]:
         )
     else:
         said.append(
-            "Mean effect: mean size of the change of the output over the whole range of the key; a deviation as large "
-            "as the mean tells of interactions or of a bend."
+            "Mean effect: mean size of the change of the output over the whole range of the key; a standard deviation "
+            "as large as the mean indicates interactions or a nonlinear effect."
         )
     return said

@@ -145,7 +145,7 @@ _FORMULAS = MathTextParser("path")
 
 
 def literal(figure: Figure) -> None:
-    """Show a text as it is where its dollar signs enclose what is no formula."""
+    """Show a text as it is where its dollar signs enclose what is not a formula."""
     for text in figure.findobj(Text):
         if isinstance(text, Text) and "$" in text.get_text() and text.get_parse_math():
             try:

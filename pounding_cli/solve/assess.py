@@ -191,9 +191,9 @@ def assess(
         Taylor
     sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene
 
-    A response that misses the accuracy asked by its own estimate gives way to the finer run, which is then judged by a
-    finer one still, until the estimate meets the accuracy or doubles hold no more. Where that is so,
-    or rounding may come near the accuracy, two more runs tell how far it scatters the numbers.
+    A finer run replaces a response that misses the accuracy asked by its own estimate, and is then assessed by a still
+    finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
+    be near the accuracy, two more runs show the scatter of the numbers.
 
     Foundation motions that the accuracy asked lets be held fixed are held in the finer runs too, unless the response is
     of `all_effects`: what that may cost is bounded beforehand (`model.condense`), and resolving them costs most where
@@ -251,11 +251,11 @@ def _told_apart(
         moved = f"changes a peak by {sensitivity * NUDGE:.1e}"
         if sensitivity == np.inf:
             moved = "decides which storey collapses, or whether one does"
-        flags = (*flags, f"ill-conditioned: a motion that grows by 1e-6 on its way {moved}")
+        flags = (*flags, f"ill-conditioned: a motion that grows gradually by 1e-6 {moved}")
     if np.isnan(error):
         flags = (
             *flags,
-            f"no error estimate: the run at {tight:.0e} that this one is judged by ended with: {second.status}",
+            f"no error estimate: the run at {tight:.0e} for the estimate ended with: {second.status}",
         )
     if not fixed_steps and error > accuracy:
         left = "which storey collapses, or whether one does, is open"

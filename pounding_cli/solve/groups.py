@@ -1,4 +1,4 @@
-"""A row of buildings falls apart where nothing closes: its groups are solved alone, each once.
+"""A row of buildings whose gaps never close is not simulated: its groups are solved alone, each once.
 
 If the groups of a row, run one by one, never close a link between two of them, then no force crosses from one to the
 other: their responses *are* the response of the row, which is unique. Whether a gap closes is seen in two steps. The
@@ -95,7 +95,7 @@ class GroupSolver:
         return response, beside
 
     def by_proof(self, scene: Scene) -> Response | None:
-        """The response of a row that falls apart, from the groups it falls into; None if all of it may meet."""
+        """The response of a row that is not simulated, from its groups; None if all of it may meet."""
         groups = _first_groups(scene)
         while len(groups) > 1:
             keys = [_key(scene, group) for group in groups]

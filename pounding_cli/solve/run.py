@@ -36,21 +36,24 @@ from pounding_cli.solve.unpack import Unpacked, unpack
 OUTCOMES = {
     layout.DONE: (DONE, ""),
     layout.COLLAPSED: (COLLAPSED, ""),
-    layout.EVENT_BOUND: ("event bound reached", "the floors chatter: check the links' stiffness and damping"),
+    layout.EVENT_BOUND: (
+        "event bound reached",
+        "the floors strike each other too often: check the stiffness and damping of the links",
+    ),
     layout.STEP_BOUND: (
         "step bound reached",
         "a part of the scene is far stiffer than the rest: check stiffnesses and masses",
     ),
-    layout.NOT_FINITE: ("not finite", "the numbers left the range of doubles: check masses and stiffnesses"),
+    layout.NOT_FINITE: ("not finite", "the numbers exceed the range of double precision: check masses and stiffnesses"),
     UNSTABLE: ("unstable step", ""),
     NO_ROOT: (
         "no root",
-        "a contact force that jumps left Newton's equation without a root however short the step: take a method with "
-        "events, such as taylor",
+        "Newton's method found no root at any step, because a contact force jumps: use a method with events, such as "
+        "taylor",
     ),
     layout.STALLED: (
         "stalled",
-        "events follow one another without time going on: check for links that jump in force",
+        "events repeat without advancing in time: check for links whose force jumps",
     ),
 }
 """Kernel outcome to the words a user reads and what to do about it."""
@@ -61,7 +64,7 @@ that."""
 
 OPEN_LEDGER = (
     "energy does not close",
-    "the series lost more than the accuracy asked: ask for a finer accuracy, or soften what is extremely stiff",
+    "the error of the series exceeds the accuracy asked: set a finer accuracy, or reduce extreme stiffnesses",
 )
 
 MAX_STEPS = 20_000_000
@@ -222,7 +225,7 @@ def _end(run: Prepared, is_finite: bool, energy: dict[str, float]) -> tuple[str,
     """How a run ended, in words, and what to do about it."""
     status = run.found[0]
     if status == UNSTABLE:
-        advice = f"the motion would grow without bound: take a time step below {run.limit:.2g} s, or method: taylor"
+        advice = f"the solution would grow without bound: use a time step below {run.limit:.2g} s, or method: taylor"
         return OUTCOMES[status][0], advice
     if status == layout.DONE and not (is_finite and np.isfinite(run.begun.peaks.samples).all()):
         status = layout.NOT_FINITE
@@ -386,11 +389,11 @@ def chosen_method(name: str, accuracy: float, time_step: float | None = None) ->
         raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join((AUTO, *METHODS))}"))
     method = METHODS["taylor" if name == AUTO else name]
     if method.takes_step and time_step is None:
-        hint = "give it one, e.g. `time_step=1e-4` [s]; an accuracy says nothing to fixed steps"
+        hint = "give it one, e.g. `time_step=1e-4` [s]; fixed steps do not use an accuracy"
         raise InputError(Problem(f"method {name} takes a time step", hint))
     if time_step is not None and not method.takes_step:
         raise InputError(
-            Problem(f"a time step says nothing to method {name}", "leave it out; `accuracy` sets the cost")
+            Problem(f"method {name} does not use a time step", "leave it out; `accuracy` controls the cost")
         )
     setting = accuracy if time_step is None else time_step
     if not (isfinite(setting) and setting > 0):

@@ -174,12 +174,12 @@ def read_table(file: h5py.File, name: str, rows: int | None = None) -> Answer:
     for number, column in enumerate(names):
         dataset = group[str(number)]
         if len(dataset.shape or (0, 0)) != 1 or dataset.shape != group["0"].shape:
-            raise refused(f"{place}/{number}", "is no column of its table")
+            raise refused(f"{place}/{number}", "is not a column of its table")
         data[column] = dataset[:rows]
         if _texts(number) in texts:
             known, codes = strings(group[_texts(number)]), data[column]
             if known.ndim != 1 or codes.dtype.kind != "i" or not ((codes >= 0) & (codes < known.size)).all():
-                raise refused(f"{place}/{number}", "is no column of texts")
+                raise refused(f"{place}/{number}", "is not a column of texts")
             data[column] = known[codes]
         meanings[column] = str(dataset.attrs.get("units", "")), str(dataset.attrs.get("long_name", ""))
         if "unit_factor" in dataset.attrs:

@@ -1,4 +1,4 @@
-"""How far results depend on a value nobody knows: their spread over its bracket, and the word about it without one."""
+"""How far results depend on an unknown value: their spread over its bracket, or a sentence without a bracket."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ HARDLY = 0.05
 UNKNOWN = "impact.stiffness"
 
 ADVICE = (
-    "Floor accelerations and link forces of floors that strike grow with the root of the impact stiffness, which "
-    "nobody knows; write `bracket: impact.stiffness` in the study to see by how much."
+    "Floor accelerations and link forces of floors that strike grow with the square root of the impact stiffness, "
+    "which is unknown. Write `bracket: impact.stiffness` in the study to see the effect."
 )
 """What is said where floors strike and the impact stiffness has one value."""
 

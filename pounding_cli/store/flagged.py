@@ -120,7 +120,7 @@ def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
 
 
 def counts_of_flags(flags: np.ndarray) -> dict[str, np.ndarray]:
-    """Records flagged and records whose numbers mean nothing, over axes, case and analysis.
+    """Records flagged and records whose numbers have no meaning, over axes, case and analysis.
 
     flags : those of every scene, one a line; over axes, case, analysis and record
     """

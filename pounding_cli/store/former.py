@@ -67,7 +67,7 @@ def check_results(path: Path, study: Source, kind: str = "", replace: bool = Fal
         return
     same = what.is_of(study, path)
     held = f"results of `pound {what.kind or 'run'}`" if same else str(what)
-    hint = f"name another file, e.g. -o {_free(path)}, or say --replace to give it up (in Python: replace=True)"
+    hint = f"name another file, e.g. -o {_free(path)}, or use --replace to delete it (in Python: replace=True)"
     raise InputError(Problem(f"the output holds {held}", hint, name))
 
 
@@ -102,7 +102,7 @@ class _Held:
 
     def __str__(self) -> str:
         if self.damaged:
-            return "results, damaged so far that they do not tell their study"
+            return "damaged results whose study cannot be read"
         command = f" of `pound {self.kind}`" if self.kind else ""
         source = f" ({self.file})" if self.file else ""
         counts = [counted(self.scenes, "scene")] if self.scenes else []

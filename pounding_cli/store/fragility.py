@@ -103,12 +103,12 @@ def _fitted(sample: Sample, times: np.ndarray, confidence: float) -> tuple[dict[
 
 
 _MEANINGS = {
-    "outcome": "what came of the fit",
+    "outcome": "outcome of the fit",
     "median": "intensity at which half of the motions pass the limit",
     "spread": "logarithmic standard deviation of that intensity",
     "low": "the median is not below",
     "high": "the median is not above; inf where no end is known",
-    "motions": "motions that the curve rests on",
+    "motions": "motions of the curve",
     "scenes": "scenes asked for",
     "failed": "scenes that failed; they widen brackets and are counted neither as holding nor as passing",
     "undecided": "scenes that ended with a collapse before the limit was decided or, of a cloud, whose demand has no "

@@ -97,4 +97,4 @@ def _lock(handle: int) -> None:
 
 def _at_work(path: Path, who: str) -> InputError:
     hint = "wait until it has ended, or give this run another file with -o FILE.h5"
-    return InputError(Problem(f"another run is at work on this file ({who})", hint, str(path)))
+    return InputError(Problem(f"another run is using this file ({who})", hint, str(path)))

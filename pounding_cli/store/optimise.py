@@ -25,7 +25,7 @@ OPTIMUM, POINTS = "optimise", "optimise_points"
 """Names of the tables."""
 
 FOUND = "found"
-UNSETTLED = "the generations were spent before the points of one were nearly as good"
+UNSETTLED = "the last generation was reached before its points were nearly as good"
 NOTHING = "no point gave a number"
 """Outcomes."""
 
@@ -124,15 +124,15 @@ def _optimum(hunt: Hunt) -> list[Column]:
     with_text = "among all points that were tried"
     bottom = "range over which the number stays within its tolerance"
     return [
-        Column("sought", same(f"{'least' if sign > 0 else 'most'} {question.expression}"), "number that is sought"),
+        Column("sought", same(f"{'least' if sign > 0 else 'most'} {question.expression}"), "number that is optimised"),
         Column("optimum", same(None if best is None else sign * search.values[best]), "its best value", unit),
         Column("error", same(None if best is None else search.error), "numerical error of that, at most", unit),
         Column("tolerance", same(None if best is None else search.tolerance), "its error, or 1 % of it", unit),
         Column("as_written", same(None if written is None else sign * written), "value of the file as written", unit),
-        Column("outcome", same(outcome), "found, or what is the matter"),
+        Column("outcome", same(outcome), "outcome, or why there is no answer"),
         Column("points", np.full(keys, values.size), "points that were tried", "1"),
         Column("failed", np.full(keys, int(np.isnan(values).sum()) - len(hunt.void)), "points without a number", "1"),
-        Column("meaningless", np.full(keys, len(hunt.void)), "points whose number means nothing", "1"),
+        Column("meaningless", np.full(keys, len(hunt.void)), "points whose number has no meaning", "1"),
         Column("key", _text([factor.key for factor in question.factors]), "key that varies"),
         Column("unit", _text([factor.unit.si or factor.unit.name for factor in question.factors]), "its unit"),
         Column("value", np.array([number for number, _ in at_best]), "of the key at the optimum; NaN of a choice"),
@@ -184,10 +184,12 @@ def _points(hunt: Hunt) -> list[Column]:
         else:
             columns.append(Column(factor.key, values, f"varies: {factor.key}", factor.unit.si or "1", factor.unit))
     found = question.sign * np.array(list(search.values.values()))
-    columns.append(Column("value", found, f"{question.expression}; NaN where it has none or means nothing", unit))
+    columns.append(Column("value", found, f"{question.expression}; NaN where it has none or no meaning", unit))
     columns.append(Column("error", np.array(list(search.errors.values())), "numerical error of that, at most", unit))
     void = [point in hunt.void for point in search.values]
-    columns.append(Column("meaningless", np.array(void, int), "1 where a link went where its law has no meaning", "1"))
+    columns.append(
+        Column("meaningless", np.array(void, int), "1 where a link left the range in which its law has a meaning", "1")
+    )
     return columns
 
 

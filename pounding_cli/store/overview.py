@@ -71,7 +71,7 @@ class Overview:
     ratios : analysis -> the ratio shown of it
     not_simulated : scenes answered by proof from smaller groups, none of them simulated
     points : every point of the sweep in words, of a bracket only its middle; one, empty, where nothing is swept
-    unknown : what the results owe to values nobody knows, in sentences
+    unknown : how results depend on unknown values, in sentences
     """
 
     title: str

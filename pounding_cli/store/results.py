@@ -99,7 +99,7 @@ class Results(RowTables):
         except (ValueError, RecursionError):
             found = None
         if not isinstance(found, dict) or not all(isinstance(found.get(k, kind()), kind) for k, kind in _STUDY.items()):
-            raise InputError(Problem("its study/resolved is no study", "run the study again", str(self.path)))
+            raise InputError(Problem("its study/resolved is not a study", "run the study again", str(self.path)))
         return found
 
     def axis_label(self, key: str) -> str:
@@ -125,7 +125,7 @@ class Results(RowTables):
         try:
             return SpectrumMatch.of_dict(json.loads(text))
         except (ValueError, KeyError, TypeError, AttributeError):
-            problem = Problem("its study/spectrum is no match of spectra", "run the study again", str(self.path))
+            problem = Problem("its study/spectrum is not a match of spectra", "run the study again", str(self.path))
             raise InputError(problem) from None
 
     @cached_property

@@ -25,7 +25,7 @@ PERCENTILES = (5, 50, 95)
 
 MEANINGS = {
     "first": "first-order index: part of the variance that this key explains by itself",
-    "total": "total index: part of the variance that goes when this key is known, interactions included",
+    "total": "total index: part of the variance that disappears if this key is known, including interactions",
     "mu_star": "mean size of the elementary effects: change of the output over the whole range of the key",
     "mu": "mean of the elementary effects, with their signs",
     "sigma": "standard deviation of the elementary effects: large where the key acts with others or not in proportion",
@@ -149,9 +149,9 @@ def _index_columns(plan: Plan, question: Question, series: Sequence[Series]) -> 
     columns = [
         *where_columns(plan, [each for each, *_ in rows]),
         Column("key", texts([key for *_, key, _ in rows]), "key that varies, the first of those that move together"),
-        Column("outcome", texts([outcome for _, outcome, *_ in rows]), "found, or why there is no index"),
+        Column("outcome", texts([outcome for _, outcome, *_ in rows]), "outcome, or why there is no index"),
         Column("failed", np.array(failed), "samples without a number", "1"),
-        Column("samples", np.full(len(rows), len(question.cube)), "samples that the index rests on", "1"),
+        Column("samples", np.full(len(rows), len(question.cube)), "samples of the index", "1"),
     ]
     for name in names:
         stem = name.removesuffix("_error")

@@ -91,7 +91,7 @@ def check_structure(file: h5py.File) -> list[list[str]]:
     for first, *rest in (BUILDINGS, RECORDS):
         own = [scale[0].name.lstrip("/") for scale in file[first.name].dims][: -len(first.dims)]
         if not set(own) <= set(axes):
-            raise refused(first.name, "has dimensions that are no swept keys")
+            raise refused(first.name, "has dimensions that are not swept keys")
         for variable in (first, *rest):
             if not variable.always and variable.name not in forms:
                 continue
@@ -125,7 +125,7 @@ def _swept(file: h5py.File, forms: dict[str, Form]) -> tuple[list[list[str]], di
     """The swept keys of every axis, and the size of each by its first key."""
     swept = json.loads(file.attrs["swept"])
     if not all(isinstance(name, str) for names in swept for name in names):
-        raise refused("swept", "is no list of names")
+        raise refused("swept", "is not a list of names")
     sizes = {names[0]: _size(forms, names[0]) for names in swept}
     for names in swept:
         for name in names[1:]:
@@ -146,7 +146,7 @@ def number(attrs: h5py.AttributeManager, name: str) -> float:
     """A number among attributes.  Raises InputError: it is missing, an array, text or not finite."""
     value = attrs.get(name)
     if not isinstance(value, int | float | np.integer | np.floating) or not math.isfinite(value):
-        raise InputError(Problem(f"its {name.replace('_', ' ')} is no number", "give a file that pound run wrote"))
+        raise InputError(Problem(f"its {name.replace('_', ' ')} is not a number", "give a file that pound run wrote"))
     return float(value)
 
 
@@ -154,7 +154,7 @@ def text(attrs: h5py.AttributeManager, name: str) -> str:
     """A text among attributes.  Raises InputError: it is missing or something else."""
     value = attrs.get(name)
     if not isinstance(value, str):
-        raise InputError(Problem(f"its {name.replace('_', ' ')} is no text", "give a file that pound run wrote"))
+        raise InputError(Problem(f"its {name.replace('_', ' ')} is not a text", "give a file that pound run wrote"))
     return value
 
 
@@ -173,7 +173,7 @@ def texts(attrs: h5py.AttributeManager) -> None:
             for each in (name, *([value] if isinstance(value, str) else [])):
                 each.encode()
         except UnicodeEncodeError:
-            raise InputError(Problem("an attribute is no UTF-8", "give a file that pound run wrote")) from None
+            raise InputError(Problem("an attribute is not UTF-8", "give a file that pound run wrote")) from None
 
 
 def _forms(group: h5py.Group, place: str, file_size: int) -> Iterator[tuple[str, Form]]:
@@ -221,7 +221,7 @@ def _form(path: str, dataset: h5py.h5d.DatasetID, file_size: int) -> Form:
 def _size(forms: dict[str, Form], dim: str) -> int:
     shape = _of(forms, dim).shape
     if shape is None or len(shape) != 1:
-        raise refused(dim, "is no list")
+        raise refused(dim, "is not a list")
     return shape[0]
 
 

@@ -81,7 +81,7 @@ def _check_places_of_links(file: h5py.File) -> None:
         raise refused("link_left and link_right", "name no neighbours")
     for name in ("link_floor", "link_right_floor"):
         if not np.isin(file[name][()], file["floor"][()]).all():
-            raise refused(name, "is no floor")
+            raise refused(name, "is not a floor")
     kind, gap = file["kind"].asstr()[()], file["gap"][()]
     has_gap = (kind != "") & (kind != APART)
     if gap.shape == kind.shape and not np.isfinite(gap[has_gap]).all():

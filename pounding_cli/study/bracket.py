@@ -1,4 +1,4 @@
-"""`bracket:`: a value nobody knows, low, as likely, and high. It becomes an axis of the sweep whose middle leads."""
+"""`bracket:`: an unknown value, low, in the middle and high. It becomes an axis of the sweep."""
 
 from __future__ import annotations
 

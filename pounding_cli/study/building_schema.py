@@ -63,7 +63,7 @@ class CodeDesign(Model):
         1.0, description="importance factor I [-]"
     )
     rw: Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)] | None = optional(
-        None, alias="Rw", description="system factor of UBC 1988 to 1994 [-]; 12 unless given"
+        None, alias="Rw", description="system factor of UBC 1988 to 1994 [-]; default: 12"
     )
     k: Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)] | None = optional(
         None, alias="K", description="system factor of UBC 1985 [-]; must be given there"
@@ -153,9 +153,9 @@ Base = Annotated[
 class _BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
-    like: str | None = optional(None, description="another building whose keys are taken unless given here")
+    like: str | None = optional(None, description="another building whose keys apply unless given here")
     storeys: Annotated[int, Field(ge=1, le=100), whole_number(1, 100)] | None = optional(
-        None, description="number of storeys; the length of a list unless given", examples=[5]
+        None, description="number of storeys; default: the length of a list", examples=[5]
     )
     period: Period | None = optional(
         None, description="fundamental period of the fixed-base building [s]", examples=["0.36 s"]
@@ -183,8 +183,8 @@ class _BuildingSpec(Model):
     )
     collapse: Collapse | None = optional(
         None,
-        description="drift over storey height at which a storey counts as collapsed and the run ends [-]; 10 % unless "
-        "given where a storey may lose all resistance; `never`: not looked for",
+        description="drift over storey height at which a storey counts as collapsed and the run ends [-]; default: "
+        "10 % if a storey may lose all resistance; `never`: not checked",
     )
     foundation: Base = optional("fixed", description="springs under the base; `fixed`: none")
     slab: Slab = optional("0 cm", description="thickness of the floor slabs [m]; slabs whose heights overlap meet")

@@ -80,7 +80,7 @@ def _law_parameters(
     for owner in storey_laws().values():
         for name in own_parameters(owner).keys() - own.keys():
             if getattr(spec, name) is not None:
-                message = f"'{name}' means nothing for storey_law: {law.name}"
+                message = f"'{name}' does not apply to storey_law: {law.name}"
                 problems.at(root, (*path, name), message, f"remove it; it belongs to {owner.name}", key=True)
     given = {name: getattr(spec, name) for name in own}
     for name, value in given.items():

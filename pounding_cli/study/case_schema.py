@@ -30,7 +30,7 @@ class _Impact(Model):
     """The impact element of pounding, and what an infill stiffens to."""
 
     law: ContactKind = optional(
-        KELVIN_VOIGT, description="law of contact of every `link: pounding`; it may be swept, so that laws are compared"
+        KELVIN_VOIGT, description="law of contact of every `link: pounding`; sweep it to compare laws"
     )
     stiffness: LinkStiffness = optional("20 x stiffest storey", description="impact spring s_imp [N/m]")
     restitution: Restitution = optional(0.5, description="coefficient of restitution e [-]")
@@ -52,7 +52,7 @@ else:
 class _LinkSpec(Model):
     """One link; what is not given is taken from the case around it and then from `impact`."""
 
-    link: LinkKind | None = optional(None, description="what stands between the floors")
+    link: LinkKind | None = optional(None, description="link between the floors")
     gap: Gap | None = optional(None, description="initial distance d [m]", examples=["5 cm", "0 cm"])
     stiffness: LinkStiffness | None = optional(
         None,
@@ -84,7 +84,7 @@ Floors = Annotated[
 class _ListedLink(_LinkSpec):
     """One of several links between the same floors."""
 
-    link: LawName = Field(description="what stands between the floors, beside the others of the list")
+    link: LawName = Field(description="link between the floors, one of the list")
     floors: Floors = optional("all", description="floors with this link, of those that the list stands on")
 
 
@@ -107,7 +107,7 @@ class _AnyLinks(_LinkSpec):
     __doc__ = _LinkSpec.__doc__
 
     link: WordOrList | None = optional(  # type: ignore[assignment]
-        None, description="what stands between the floors; a list where several join the same floors"
+        None, description="link between the floors; a list if several join the same floors"
     )
 
 
@@ -126,10 +126,12 @@ class PairSpec(LinkSpec):
 
     floors: Floors = optional("all", description="floors with this link, numbered in the left building of the pair")
     elsewhere: LinkOrWord = optional("none", description="the link on the floors not listed")
-    by_floor: dict[Floor, LinkOrWord] = optional({}, description="links of single floors; they come before `floors`")
+    by_floor: dict[Floor, LinkOrWord] = optional(
+        {}, description="links of single floors; they take precedence over `floors`"
+    )
     at_columns: LinkOrWord | None = optional(
         None,
-        description="where a slab strikes columns: `pounding` or `none`; unless given as floors that are not listed",
+        description="where a slab strikes columns: `pounding` or `none`; default: as floors that are not listed",
     )
 
 
@@ -142,5 +144,5 @@ class CaseSpec(PairSpec):
     """A case: what stands between the buildings of the group."""
 
     pairs: Annotated[tuple[PairOrWord, ...], Field(min_length=1, max_length=100)] | None = optional(
-        None, description="one entry for each pair of neighbours, left to right, where they differ"
+        None, description="one entry for each pair of neighbours, left to right, if they differ"
     )

@@ -69,7 +69,7 @@ def _plain(value: Any, place: str) -> Any:
     if value is None or isinstance(value, bool | int | float | str):
         return value
     hint = "write numbers (SI), texts such as '5 cm', lists and dicts"
-    raise InputError(Problem(f"{type(value).__name__} is no value of a study", hint, place))
+    raise InputError(Problem(f"{type(value).__name__} is not a value of a study", hint, place))
 
 
 def _places(node: Node, path: str = "") -> Iterator[tuple[Mark, str]]:

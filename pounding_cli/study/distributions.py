@@ -174,7 +174,7 @@ class DistributionReader:
             self._refused(node, error)
             return None
         if isinstance(value, str):
-            self.problems.add(node.mark, f"'{value}' is no number", quantity.wanted)
+            self.problems.add(node.mark, f"'{value}' is not a number", quantity.wanted)
             return None
         return float(value)
 

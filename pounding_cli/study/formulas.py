@@ -37,8 +37,8 @@ class LawSpec(Model):
     )
     acts: Literal["beyond gap", "compression", "always"] = optional(
         "beyond gap",
-        description="once the gap has closed, v being the closing less the gap; or with v the closing, while it is "
-        "above zero, as of material that fills the gap, or always, as of a damper",
+        description="`beyond gap`: once the gap has closed, with v = closing - gap; `compression`: while the closing v "
+        "is above zero, as for material that fills the gap; `always`: as for a damper",
     )
     tension_cut: bool = optional(False, description="no force that pulls the floors together")
 

@@ -119,7 +119,7 @@ def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Tar
         for place in tall:
             target = Target(limit, place)
             if target in found:
-                problems.at(root, path, f"the limit '{limit}' stands twice", "remove one of the two")
+                problems.at(root, path, f"the limit '{limit}' occurs twice", "remove one of the two")
             found[target] = None
     return tuple(found)
 
@@ -180,7 +180,7 @@ def _check_axis(study: Study, number: int, spec: FragilitySpec, problems: Proble
             root, ("sweep",), f"{together} move together: the intensity is an axis of its own", _SWEEP, key=True
         )
     elif any(isinstance(value, str) for (value,) in axis.values):
-        problems.at(root, ("sweep",), f"'{name}' takes values that are no numbers", _SWEEP, key=True)
+        problems.at(root, ("sweep",), f"'{name}' takes values that are not numbers", _SWEEP, key=True)
     elif len(axis.values) < 2 and spec.method != "cloud":
         problems.at(root, ("sweep", name), "a fragility curve takes two intensities at least", _SWEEP)
 

@@ -74,11 +74,11 @@ class FragilitySpec(Model):
         "`stripes`: every motion at every swept intensity; `cloud`: motions as they are, and a line through them",
     )
     intensity: Annotated[Measure, TextForm(read_measure, "intensity measure", (*MEASURES, "sa(0.5 s)"))] | None = (
-        optional(None, description="intensity measure of the curves; the swept one unless given; of a cloud, pga")
+        optional(None, description="intensity measure of the curves; default: the swept one; for a cloud, pga")
     )
     fill: Annotated[int, whole_number(0, 1000)] = optional(
         4,
-        description="intensities looked at below the one where a motion passes (`ida`), in case it passes there too",
+        description="intensities solved below the one at which a motion passes (`ida`), in case it passes there too",
     )
     confidence: Annotated[float, CONFIDENCE] = optional("90 %", description="confidence of all intervals")
     draws: Annotated[int, whole_number(100, 100_000)] = optional(

@@ -59,7 +59,7 @@ class GapSpec(Model):
 
     percentiles: Percentiles = optional(("84 %",), description="percentiles over the motions, one or a list")
     contact: Probabilities = optional(
-        ("10 %",), description="wanted probabilities of contact, one or a list: the gap for each"
+        ("10 %",), description="probabilities of contact, one or a list: the gap for each"
     )
     asce7: Asce7Spec | None = optional(None, description="factors for the separation of ASCE/SEI 7-10")
     gb50011: Gb50011Spec | None = optional(None, description="intensity and system for the joint of GB 50011-2010")

@@ -23,7 +23,7 @@ ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
     ),
     "link": ((frozenset({"damping_ratio"}), frozenset({"restitution"})),),
 }
-"""Keys of which one mapping may give one side only; an inherited one gives way to the other side."""
+"""Keys of which one mapping may give one side only; an inherited key is replaced by its alternative."""
 
 
 def refuse_alternatives(node: Node, kind: str, problems: Problems) -> None:
@@ -91,7 +91,7 @@ def _chain(name: str, own: dict[str, Node], done: dict[str, Node], problems: Pro
             break
         if like in chain:
             shown = " -> ".join((*chain[:5], *(("...",) if len(chain) > 5 else ()), like))
-            problems.add(mark, f"like: goes round in a circle: {shown}", "let one of them stand on its own")
+            problems.add(mark, f"like: is circular: {shown}", "let one of them stand on its own")
             break
         if len(chain) > MOST_LIKES:
             problems.add(

@@ -59,7 +59,7 @@ def check_keep(
     for key in spec.where:
         if key not in swept:
             hint = nearest(key, swept) if swept else "remove `where`, or add a sweep"
-            problems.at(root, (*path, "where", key), f"keep: '{key}' is no axis of the sweep", hint, key=True)
+            problems.at(root, (*path, "where", key), f"keep: '{key}' is not an axis of the sweep", hint, key=True)
             continue
         axis, column = swept[key]
         for node in _values(root, key):

@@ -53,7 +53,7 @@ def _models(annotation: typing.Any, suffix: str = "") -> Iterator[tuple[str, typ
 
 def table(model: type[BaseModel]) -> list[str]:
     """One mapping's keys as the lines of a Markdown table."""
-    lines = ["| key | value | default | what it is |", "|---|---|---|---|"]
+    lines = ["| key | value | default | meaning |", "|---|---|---|---|"]
     hints = typing.get_type_hints(model, include_extras=True)
     for name, field in model.model_fields.items():
         cells = (f"`{field.alias or name}`", forms(hints[name]), default(field), field.description or "")

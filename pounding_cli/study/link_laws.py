@@ -148,7 +148,7 @@ class LawReader:
             return law
         written = (name for name, own in self.group.laws.items() if own.law.subtracts_gap)
         hint = f"write {', '.join((*contact_laws(), *written))}"
-        self.refuse(("impact", "law"), f"'{law[:60]}' is no law of contact", hint)
+        self.refuse(("impact", "law"), f"'{law[:60]}' is not a law of contact", hint)
         return None
 
     def known(self, word: str, path: Path) -> type[LinkLaw] | None:
@@ -182,13 +182,13 @@ class LawReader:
         for layer in said:
             for name in unused:
                 if getattr(layer.spec, name, None) is not None:
-                    message = f"'{name}' means nothing for link: {word}"
+                    message = f"'{name}' does not apply to link: {word}"
                     needed = ", ".join((*own, *(n for n in FROM_CASE if n in law.parameters())))
                     self.refuse((*layer.path, name), message, f"remove it; {word} takes {needed}", key=True)
             for name in others.keys() & layer.spec.model_fields_set:
                 if getattr(layer.spec, name) is not None:
                     owners = (f"{'an' if one[0] in 'aeio' else 'a'} {one}" for one in others[name])
-                    message = f"'{name}' means nothing for link: {word}"
+                    message = f"'{name}' does not apply to link: {word}"
                     hint = f"remove it; it belongs to {' and '.join(owners)}"
                     self.refuse((*layer.path, name), message, hint, key=True)
 

@@ -183,7 +183,7 @@ class _Reader(LawReader):
                 message = f"'{name}' beside several links does not say which it is of"
                 hint = f"write it in the list: `link: [..., {{link: {words[-1]}, {name}: ...}}]`"
                 if not any(name in _keys_of(law) for law in laws):
-                    message, hint = f"'{name}' means nothing for links {', '.join(words)}", "remove it"
+                    message, hint = f"'{name}' does not apply to links {', '.join(words)}", "remove it"
                 self.refuse((*layer.path, name), message, hint, key=True)
 
     def _exists(self, place: int, floor: int, path: Path, hint: str) -> None:

@@ -270,7 +270,7 @@ def _refuse_twins(said: tuple[Axis, ...], axes: tuple[SweepAxis, ...], problems:
                 where = ", ".join(axis.names)
                 problems.add(
                     written.nodes[place][0].mark,
-                    f"{both} {'stands twice' if texts[0] == texts[1] else 'stand'} on the axis '{where}'",
+                    f"{both} {'occurs twice' if texts[0] == texts[1] else 'stand'} on the axis '{where}'",
                     "remove one of the two",
                 )
             first.setdefault(values, place)
@@ -303,8 +303,8 @@ def _whole_study(model: StudyModel, root: Node, problems: Problems) -> None:
         problems.at(
             root,
             ("time_step",),
-            f"'time_step' means nothing to method: {model.method}",
-            "remove it; `accuracy:` sets the cost",
+            f"'time_step' does not apply to method: {model.method}",
+            "remove it; `accuracy:` controls the cost",
             key=True,
         )
     for place, case in enumerate(model.report.plot or ()):
@@ -320,7 +320,7 @@ def _whole_study(model: StudyModel, root: Node, problems: Problems) -> None:
         )
     for place, analysis in enumerate(model.analyses):
         if analysis in model.analyses[:place]:
-            problems.at(root, ("analyses", place), f"'{analysis}' stands twice", "remove one")
+            problems.at(root, ("analyses", place), f"'{analysis}' occurs twice", "remove one")
 
 
 def _warnings(model: StudyModel, root: Node, resolver: Resolver) -> tuple[Problem, ...]:

@@ -42,7 +42,7 @@ def motions_of(
         for item in items:
             if item.name in found:
                 problems.at(
-                    root, path, f"the record '{item.name}' stands twice", "remove one, or give it another `name:`"
+                    root, path, f"the record '{item.name}' occurs twice", "remove one, or give it another `name:`"
                 )
                 sound = False
                 continue

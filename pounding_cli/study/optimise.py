@@ -34,7 +34,7 @@ class Question:
     """What `pound optimise` is asked of a study.
 
     spec : its section
-    expression : the number that is sought least, or most
+    expression : the number that is optimised least, or most
     factors : the keys that vary
     case, analysis : that are looked at, by number from 0
     written : the point that the file itself stands for; None where it lies outside the ranges or a key is not written
@@ -66,7 +66,7 @@ class Hunt:
     study : without the points of the search
     points : of the present round
     first : the plan of the first round
-    void : points whose number means nothing
+    void : points whose number has no meaning
     """
 
     question: Question
@@ -148,7 +148,7 @@ def question_of(study: Study) -> Question:
     problems, root = Problems(study.resolver.file), study.resolver.root
     example = "largest V_ratio in stiff"
     if spec.least is not None and spec.most is not None:
-        what = "'least' and 'most' both stand here: one number is sought"
+        what = "'least' and 'most' both stand here: give one of them"
         problems.at(root, ("optimise", "most"), what, "remove one of the two", key=True)
     key = "most" if spec.least is None and spec.most is not None else "least"
     text = getattr(spec, key)
@@ -180,7 +180,7 @@ def _one(name: str | None, names: Sequence[str], what: str, root: Node, problems
         problems.at(root, ("optimise", what), f"{what}: no {what} '{name}'", nearest(name, names))
     elif len(names) > 1:
         many = f"{len(names)} {'cases' if what == 'case' else 'analyses'}"
-        hint = f"say which one is looked at: `optimise: {{{what}: {names[0]}}}`"
+        hint = f"select one: `optimise: {{{what}: {names[0]}}}`"
         problems.at(root, ("optimise",), f"the study has {many}", hint, key=True)
     return 0
 

@@ -39,34 +39,29 @@ class OptimiseSpec(Model):
 
     least: Annotated[str, EXPRESSION] | None = optional(
         None,
-        description="number that is to be as small as possible: a column of the tables, `largest`, `smallest` or "
-        "`mean` over its storeys (`largest` unless written), `in BUILDING`, `storey N`; arithmetic, `max`, `min`",
+        description="number to minimise: a column of the tables, `largest`, `smallest` or "
+        "`mean` over its storeys (default: `largest`), `in BUILDING`, `storey N`; arithmetic, `max`, `min`",
     )
-    most: Annotated[str, EXPRESSION] | None = optional(
-        None, description="number that is to be as large as possible, in place of `least`"
-    )
+    most: Annotated[str, EXPRESSION] | None = optional(None, description="number to maximise, instead of `least`")
     over: Annotated[Any, WithJsonSchema(_OVER_FORM)] = optional(
         None,
         description="dotted keys with the range of each, `{from: 1 cm, to: 5 cm}` (`spacing: log` for stiffnesses), or "
         "with the values to choose from, `{choice: [[5], [3, 5]]}`",
     )
-    case: str | None = optional(None, description="case that is looked at; needed where the study has several")
+    case: str | None = optional(None, description="case to optimise; required if the study has several")
     analysis: Literal["elastic", "inelastic"] | None = optional(
-        None, description="analysis that is looked at; needed where the study has both"
+        None, description="analysis to optimise; required if the study has both"
     )
-    over_motions: Literal["mean", "largest"] = optional(
-        "mean", description="what is taken of the motions, storey by storey"
-    )
+    over_motions: Literal["mean", "largest"] = optional("mean", description="value over the motions, storey by storey")
     over_sweep: Literal["worst", "mean"] = optional(
         "worst",
-        description="what is taken of the points of a `sweep:` beside; `worst`: the largest where the least is sought, "
-        "the smallest where the most is",
+        description="value over the points of a `sweep:`; `worst`: the largest for `least`, the smallest for `most`",
     )
     generations: Annotated[int, whole_number(1, 10_000)] = optional(
-        100, description="generations of the search at most; it ends where all points of one are nearly as good"
+        100, description="largest number of generations; the search ends when all points of one are nearly as good"
     )
     population: Annotated[int, whole_number(5, 10_000)] | None = optional(
-        None, description="points of a generation; 12 for each key unless given, 20 at least"
+        None, description="points of a generation; default: 12 for each key, at least 20"
     )
     slice_points: Annotated[int, whole_number(5, 1001)] = optional(
         21, description="points along each key through the optimum"

@@ -94,7 +94,7 @@ class Plan:
 
     scenes : by digest, linked scenes and baselines, each once; built when asked for
     rows : swept axes slowest, then case, analysis, record
-    buildings : names by place, left to right (soft-1, soft-2 where a type stands twice)
+    buildings : names by place, left to right (soft-1, soft-2 where a type occurs twice)
     motions : one per record; where the sweep changes them, those of its first point
     accuracy : relative error wanted [-]
     time_step : of a method that takes one [s]

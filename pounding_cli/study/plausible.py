@@ -73,7 +73,7 @@ RANGES = {
         0.04 * GRAVITY, 3 * GRAVITY, "damage begins near 0.05 g, recorded peaks reach 3 g", _ACCELERATIONS
     ),
     "peak of a motion as used": Plausible(
-        0.001 * GRAVITY, 5 * GRAVITY, "below 0.001 g nobody feels it; above 5 g the unit is wrong", _ACCELERATIONS
+        0.001 * GRAVITY, 5 * GRAVITY, "below 0.001 g a motion is not felt; above 5 g the unit is wrong", _ACCELERATIONS
     ),
 }  # fmt: skip
 """What is plausible, one row a quantity."""

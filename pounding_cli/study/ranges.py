@@ -95,7 +95,7 @@ def _numbers(ends: Sequence[Node], node: Node, quantity: Quantity, problems: Pro
         try:
             value = kind.read(end.plain())
             if isinstance(value, str):
-                problems.add(end.mark, f"'{value}' is no number: a range runs between numbers", quantity.wanted)
+                problems.add(end.mark, f"'{value}' is not a number: a range runs between numbers", quantity.wanted)
                 continue
             found.append(value)
         except PydanticCustomError as error:

@@ -15,7 +15,9 @@ from pounding_cli.study.units import Quantity, limited, refuse, whole_number
 
 def _unit(text: str) -> str:
     if acceleration_unit(text) is None:
-        raise refuse(f"'{text}' is no unit of acceleration", f"write one of {', '.join(UNITS)}, or a multiple: 0.01 g")
+        raise refuse(
+            f"'{text}' is not a unit of acceleration", f"write one of {', '.join(UNITS)}, or a multiple: 0.01 g"
+        )
     return text
 
 
@@ -42,7 +44,7 @@ class RecordFile(Model):
         description="a file, a folder, or a pattern such as motions/*.AT2, relative to the study file",
         examples=["motions/x.AT2"],
     )
-    name: Name | None = optional(None, description="what tables call the motion; the file's stem unless given")
+    name: Name | None = optional(None, description="name of the motion in tables; default: the file's stem")
     unit: Unit | None = optional(
         None, description="unit of the acceleration, any spelling; only where the file states none (g in plain columns)"
     )
@@ -50,19 +52,19 @@ class RecordFile(Model):
         None, description="time step [s]; needed for one column of values"
     )
     format: Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "column", "table"] | None = optional(
-        None, description="found from the file unless given"
+        None, description="default: detected"
     )
-    channel: Number | None = optional(None, description="which channel of a file that holds several, from 1")
-    column: Number | None = optional(None, description="which column of a table is the acceleration, from 1")
+    channel: Number | None = optional(None, description="channel of a file with several channels, from 1")
+    column: Number | None = optional(None, description="column of a table with the acceleration, from 1")
 
 
 class AriasScale(Model):
     """Every record is scaled to the Arias intensity of one of them."""
 
-    arias: str = Field(description="the record whose Arias intensity is taken", examples=["elcentro"])
+    arias: str = Field(description="record with the reference Arias intensity", examples=["elcentro"])
     window: Window = optional(
         "duration",
-        description="part of each record its intensity is measured over [s]; `duration`: the analysed part",
+        description="part of each record that is measured [s]; `duration`: the analysed part",
     )
 
 
@@ -119,7 +121,7 @@ class SpectrumScale(Model):
     high: SpectrumPeriod = Field(alias="to", description="longest period of the range [s]", examples=["1.2 s"])
     damping: SpectrumDamping = optional(0.05, description="damping ratio of the spectra [-]")
     at_least: Part | None = optional(
-        None, description="one more factor for all, so that the mean spectrum is nowhere below this part of the target"
+        None, description="another factor for all, so that the mean spectrum is nowhere below this part of the target"
     )
 
 

@@ -31,20 +31,18 @@ _FILLED = Field(min_length=1, max_length=10_000)
 class ReportSpec(Model):
     """What the report shows first."""
 
-    plot: tuple[str, ...] | None = optional(None, description="cases in the main figure; all unless given")
-    building: str | None = optional(None, description="building of the main figure; the stiffest unless given")
+    plot: tuple[str, ...] | None = optional(None, description="cases in the main figure; default: all")
+    building: str | None = optional(None, description="building of the main figure; default: the stiffest")
 
 
 class HistoriesSpec(Model):
     """Scenes whose histories are kept."""
 
-    cases: Annotated[tuple[str, ...], _FILLED] | None = optional(None, description="cases; all unless given")
-    analyses: Annotated[tuple[AnalysisKind, ...], _FILLED] | None = optional(
-        None, description="analyses; all unless given"
-    )
-    records: Annotated[tuple[str, ...], _FILLED] | None = optional(None, description="motions; all unless given")
+    cases: Annotated[tuple[str, ...], _FILLED] | None = optional(None, description="cases; default: all")
+    analyses: Annotated[tuple[AnalysisKind, ...], _FILLED] | None = optional(None, description="analyses; default: all")
+    records: Annotated[tuple[str, ...], _FILLED] | None = optional(None, description="motions; default: all")
     where: dict[str, Any] = optional(
-        {}, description="swept keys with the value or the list of values kept; all unless given"
+        {}, description="swept keys with the value or the list of values to keep; default: all"
     )
     every: Annotated[
         float, limited(units.TIME, name="output step", example="2 ms", low=1e-6, high=1.0, open_low=False)
@@ -111,37 +109,40 @@ class _StudyModel(Model):
 
     model_config = ConfigDict(frozen=False, validate_assignment=True, title="pound study")
 
-    title: str = optional("", description="shown on every figure and table; the file's name unless given")
+    title: str = optional("", description="title of figures and tables; default: the file's name")
     records: Records = Field(description="ground motions")
     buildings: dict[Name, BuildingSpec] = Field(description="building types by name", min_length=1, max_length=1000)
     group: tuple[str, ...] = Field(
         max_length=100, description="buildings from left to right", examples=[["stiff", "soft"]]
     )
     impact: Impact = optional(Impact(), description="impact element")
-    laws: dict[Name, LawSpec] = optional({}, description="laws of links of the study's own, by name")
+    laws: dict[Name, LawSpec] = optional({}, description="the study's own laws of links, by name")
     cases: dict[Name, CaseSpec] = Field(description="cases by name", min_length=1, max_length=20_000)
     analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
         ("elastic", "inelastic"), description="whether storeys may yield"
     )
     accuracy: Annotated[float | str, _ACCURACY_FORM] = optional(
         ACCURACY.default,
-        description="relative error wanted of the peaks [-]; `auto`: every digit that costs next to nothing",
+        description="relative error of the peaks [-]; `auto`: the finest that adds almost no cost",
     )
     method: Method = optional(
-        "auto", description="how the equations of motion are solved; `auto`: the cheapest that keeps the accuracy"
+        "auto",
+        description="how the equations of motion are solved; `auto`: the cheapest method that reaches the accuracy",
     )
     time_step: Annotated[float, limited(units.TIME, name=TIME_STEP.title, example=TIME_STEP.example)] | None = optional(
         None, description="time step of a fixed-step method [s]"
     )
     estimate: Literal["none", "sample", "all"] = optional(
-        "all", description="scenes solved once more, for their numerical error and their sensitivity"
+        "all", description="scenes solved a second time, to estimate their numerical error and sensitivity"
     )
     tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = optional(
         0.0, description="free vibration after the motion [s]"
     )
-    claims: Literal["fig6", "fig7"] | None = optional(None, description="figure of the paper this study reproduces")
-    report: ReportSpec = optional(ReportSpec(), description="what the report shows first")
-    keep: Keep | None = optional(None, description="histories kept besides peaks; `histories`: of all scenes")
+    claims: Literal["fig6", "fig7"] | None = optional(
+        None, description="figure of the paper that this study reproduces"
+    )
+    report: ReportSpec = optional(ReportSpec(), description="first figure of the report")
+    keep: Keep | None = optional(None, description="histories to keep; `histories`: of all scenes")
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = optional(
         None,
         description="axes: dotted keys with the values they take; the keys of one list entry move together",
@@ -154,8 +155,8 @@ class _StudyModel(Model):
     )
     bracket: Annotated[Any, WithJsonSchema(_BRACKET_FORM)] = optional(
         None,
-        description="keys whose values nobody knows, with an odd number of them: the middle one leads in tables and "
-        "figures; `impact.stiffness`: a quarter of, once and five times the study's own",
+        description="keys with unknown values, each with an odd number of values: the middle one comes first in tables "
+        "and figures; `impact.stiffness`: a quarter of, once and five times the study's own",
     )
 
 

@@ -209,9 +209,9 @@ def _claims(study: Study, spec: SensitivitySpec, problems: Problems) -> tuple[st
     for number, name in enumerate(spec.claims):
         path = (*at, number) if node is not None and node.is_list else at
         if name != ALL and name not in about:
-            problems.at(root, path, f"'{name}' is no claim about {study.model.claims}", nearest(name, about))
+            problems.at(root, path, f"'{name}' is not a claim about {study.model.claims}", nearest(name, about))
         if spec.claims.index(name) < number:
-            problems.at(root, path, f"'{name}' stands twice", "remove one of the two")
+            problems.at(root, path, f"'{name}' occurs twice", "remove one of the two")
     return about if ALL in spec.claims else tuple(name for name in about if name in spec.claims)
 
 
@@ -245,7 +245,7 @@ def expressions(
             problems.at(root, path, *error.args)
             continue
         if expression.text in found:
-            problems.at(root, path, f"'{expression}' stands twice", "remove one of the two")
+            problems.at(root, path, f"'{expression}' occurs twice", "remove one of the two")
         for part in expression.quantities:
             tall = [
                 study.building((0,) * len(study.axes), place).storeys

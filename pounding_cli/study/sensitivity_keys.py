@@ -54,12 +54,12 @@ class SensitivitySpec(Model):
 
     outputs: Outputs = optional(
         (),
-        description="numbers that are looked at, one or a list: a column of the tables, `largest`, `smallest` or "
-        "`mean` over its storeys (`largest` unless written), `in BUILDING`, `storey N`; arithmetic, `max`, `min`",
+        description="outputs, one or a list: a column of the tables, `largest`, `smallest` or "
+        "`mean` over its storeys (default: `largest`), `in BUILDING`, `storey N`; arithmetic, `max`, `min`",
     )
     claims: ClaimNames = optional(
         (),
-        description="statements of the paper whose probability is sought, one or a list, or `all` about the figure "
+        description="statements of the paper whose probability is computed, one or a list, or `all` about the figure "
         "that `claims:` of the study names",
     )
     method: Literal["sobol", "morris"] = optional(
@@ -69,12 +69,12 @@ class SensitivitySpec(Model):
     )
     samples: Annotated[int, whole_number(4, 2**17)] | None = optional(
         None,
-        description="base samples; `sobol` takes (keys + 2) points for each, a power of 2, 256 unless given; `morris` "
-        "(keys + 1), 32 unless given",
+        description="base samples; `sobol` takes (keys + 2) points for each, a power of 2, default: 256; `morris` "
+        "(keys + 1), default: 32",
     )
     confidence: Annotated[float, CONFIDENCE] = optional("95 %", description="confidence of all intervals")
     draws: Annotated[int, whole_number(100, 100_000)] = optional(1000, description="draws of the bootstrap")
     over_motions: Literal["mean", "largest"] = optional(
-        "mean", description="what is taken of the motions, storey by storey, unless each sample has one motion"
+        "mean", description="value over the motions, storey by storey, unless each sample has one motion"
     )
     seed: SEED = optional(1, description="seed of samples and draws")

@@ -28,7 +28,7 @@ def _read_height(value: Any) -> float | str:
     if isinstance(value, str) and (found := _PLACE.match(value)):
         return f"{found[1]} {int(found[2])}"
     if isinstance(value, str) and value.strip()[:3] in ("mid", "flo"):
-        raise refuse(f"'{value}' is no height", "write a height, e.g. 13.5 m, or `mid-storey 5`, or `floor 4`")
+        raise refuse(f"'{value}' is not a height", "write a height, e.g. 13.5 m, or `mid-storey 5`, or `floor 4`")
     return _HEIGHT.read(value)
 
 

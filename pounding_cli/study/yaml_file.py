@@ -231,7 +231,7 @@ class _Reader:
             elif key in children:
                 line, column = keys[key]
                 there = f"in line {line}" + (f", column {column}" if line == at[0] else "")
-                self.refuse(at, f"'{key}' stands twice; first {there}", "remove one of the two")
+                self.refuse(at, f"'{key}' occurs twice; first {there}", "remove one of the two")
             else:
                 children[key], keys[key] = value, at
             last = first

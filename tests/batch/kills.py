@@ -184,7 +184,7 @@ def hunt(kills: int, seed: int, gaps: int, pause: float) -> list[Trial]:
         found: list[Trial] = []
         while sum(not trial.missed for trial in found) < kills:
             trial = bench.trial(len(found), chance.uniform(0.0, bench.seconds))
-            # The scenes solved to compile and to price are the parent's chunk.
+            # The scenes solved to compile and to estimate the time are the parent's chunk.
             worst = max(trial.again.values(), default=0)
             assert worst <= max(trial.most, SAMPLES), f"{worst} scenes run again by one process"
             assert sum(count > 0 for count in trial.again.values()) <= WORKERS + 1

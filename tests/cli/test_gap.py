@@ -152,7 +152,7 @@ def test_the_page_answers_first(pound):
     code, _, _ = pound("report", "results/two-gap.h5", "--format", "png")
     assert code == 0
     page = Path("results/two-gap/report.html").read_text(encoding="utf-8")
-    assert "A | B: required gap at the floors that need most, 3 motions. Elastic: mean" in page
+    assert "A | B: required gap at the floors that require the widest gap, 3 motions. Elastic: mean" in page
     assert 'id="figure-required-gap"' in page
     assert 'id="figure-required-gap-sweep"' in page
     assert 'id="explore"' not in page

@@ -63,8 +63,8 @@ def test_a_file_of_another_kind_is_not_replaced(command, results, tmp_path):
 
 TARGETS = {
     "a folder": (lambda target, own, foreign: target.mkdir(), "is a folder"),
-    "a device": (lambda target, own, foreign: target.symlink_to("/dev/null"), "no regular file"),
-    "a pipe": (lambda target, own, foreign: os.mkfifo(target), "no regular file"),
+    "a device": (lambda target, own, foreign: target.symlink_to("/dev/null"), "not a regular file"),
+    "a pipe": (lambda target, own, foreign: os.mkfifo(target), "not a regular file"),
     "a foreign file": (lambda target, own, foreign: target.write_bytes(b"notes"), "was not written by this command"),
     "a link to one": (lambda target, own, foreign: target.symlink_to(foreign), "was not written by this command"),
     "a hard link to one": (lambda target, own, foreign: target.hardlink_to(foreign), "not written by this command"),
@@ -133,7 +133,7 @@ def test_folders_that_are_files_are_refused(results, tmp_path):
 def test_what_is_no_place_for_a_file_is_refused(tmp_path):
     for path, words in (
         (tmp_path, "is a folder"),
-        (Path("/dev/null"), "no regular file"),
+        (Path("/dev/null"), "not a regular file"),
         (tmp_path / ("x" * 5000), "cannot be written"),
         (tmp_path / "a\0b", "cannot be written"),
     ):

@@ -35,7 +35,7 @@ def test_scenes_by_method_and_what_is_not_run(folder):
     assert re.search(r"run +2 of neighbours kept apart, taylor", said)
     assert re.search(r"not run +4 of gap: gaps that the buildings alone never close", said)
     assert re.search(r"shared +16 baselines asked for, 8 run; 0 rows repeat", said)
-    assert re.search(r"yielding storeys +kept in 4; dropped in 4: the analysis is elastic", said)
+    assert re.search(r"yielding storeys +simulated in 4; left out in 4: the analysis is elastic", said)
 
 
 def test_smaller_groups_that_rows_fall_into(folder, monkeypatch):
@@ -179,7 +179,7 @@ def test_the_questions_of_a_study(folder):
     assert counted["gap"] == 20 * 2 * 3
     assert counted["fragility"] == 2 * 3
     assert re.search(r"pound gap +it has", said)
-    assert re.search(r"pound fragility +the first round has .*; later rounds ask for more", said)
+    assert re.search(r"pound fragility +the first round has .*; later rounds need more scenes", said)
     assert re.search(r"pound optimise +the first round has .*; later rounds", said)
     for name in ("gap", "sensitivity"):
         ran = CliRunner().invoke(cli, [name, "two.yaml", "-o", f"{name}.h5"], catch_exceptions=False)
@@ -243,6 +243,6 @@ def test_of_a_large_sweep_some_points_are_looked_at(tmp_path, monkeypatch):
     assert re.search(r"rows +288: 6 x buildings.A.period, 12 x cases.gap.gap, 2 cases", some)
     assert re.search(r"scenes +about 170, on", some)
     assert re.search(r"shared +576 baselines asked for, about 14 run; about 132 rows repeat", some)
-    assert re.search(r"pounding links +kept in 144; dropped in 12", some)
-    assert "combinations of swept values that were not looked at are checked as the run begins" in some
+    assert re.search(r"pounding links +simulated in 144; left out in 12", some)
+    assert "other combinations of swept values are checked when the run begins" in some
     assert seconds(some) == pytest.approx(seconds(whole), rel=0.1)

@@ -28,7 +28,7 @@ def test_warnings_stand_on_the_page(folder, pound):
 
 def test_without_a_bracket_one_sentence_offers_it(folder, pound):
     page = reported(folder, pound, STUDY)
-    assert "grow with the root of the impact stiffness" in words(page, "limits")
+    assert "grow with the square root of the impact stiffness" in words(page, "limits")
     assert 'href="#limits"' in page
 
 

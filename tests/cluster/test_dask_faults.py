@@ -106,7 +106,7 @@ def test_a_scheduler_that_is_killed(refused, machines, less_patient):
     machines.wait(address, 1)
     problem = refused(address, AfterSome(lambda: (less_patient(), scheduler.kill())))
     assert f"{address} does not answer" in problem.message
-    assert "what is solved is kept" in problem.hint
+    assert "solved scenes are kept" in problem.hint
 
 
 def test_workers_that_are_all_killed(refused, machines, less_patient):
@@ -145,7 +145,7 @@ def test_the_package_is_missing(refused, machines, where):
     problem = refused(address)
     assert f"the {where} cannot" in problem.message
     assert "pounding_cli" in problem.message
-    assert "install this very version of pounding-cli" in problem.hint
+    assert "install this version of pounding-cli" in problem.hint
 
 
 PROGRAM = """

@@ -147,7 +147,7 @@ def test_the_program_runs_a_study_with_it(outside):
     assert "'pad' is missing" in refused.stderr
     wrong.write_text(study.read_text().replace("link: pounding, gap", "link: pounding, pad: 1 cm, gap"))
     refused = python("-c", POUND, "check", "wrong.yaml")
-    assert "'pad' means nothing for link: pounding" in refused.stderr
+    assert "'pad' does not apply to link: pounding" in refused.stderr
     wrong.write_text(study.read_text().replace("pad: 1 cm", "pad: 1 kg"))
     refused = python("-c", POUND, "check", "wrong.yaml")
     assert "expected m" in refused.stderr
@@ -284,7 +284,7 @@ def test_the_program_runs_a_study_with_a_storey_law(outside):
     for old, new, words in (
         (", growth: 0.5", "", "'growth' is missing"),
         ("growth: 0.5", "growth: 1.5", "growth is 1.5"),
-        ("isotropic, growth", "bilinear, growth", "'growth' means nothing for storey_law: bilinear"),
+        ("isotropic, growth", "bilinear, growth", "'growth' does not apply to storey_law: bilinear"),
         ("storey_law: isotropic, growth: 0.5", "storey_law: isotropy", "'bouc-wen' or 'isotropic'"),
     ):
         study.write_text(text.replace(old, new))

@@ -50,7 +50,7 @@ STUDIES = {
     "brackets": ("[" * 50_000, "nested too deeply"),
     "question marks": ("? " * 50_000, "nested too deeply"),
     "braces": ("{a: " * 50_000, "nested too deeply"),
-    "a building like itself": (changed("like: stiff", "like: soft"), "goes round in a circle"),
+    "a building like itself": (changed("like: stiff", "like: soft"), "is circular"),
     "a chain of buildings": (
         changed(
             "group:",
@@ -66,7 +66,7 @@ STUDIES = {
     "blanks in a rule": (changed("group:", f'impact: {{stiffness: "20 x{BLANKS}storey"}}\ngroup:'), "not a stiffness"),
     "unknown keys": (BASE + "".join(f"k{n}: 1\n" for n in range(45_000)), "and 44900 more problems"),
     "unknown keys of a building": (changed("0.36 s", f"0.36 s, {many('k{}: 1', 45_000)}"), "more problems"),
-    "one key again and again": (BASE + "k: 1\n" * 45_000, "'k' stands twice"),
+    "one key again and again": (BASE + "k: 1\n" * 45_000, "'k' occurs twice"),
     "a list without end": ("a: [" + "1, " * 1_300_000 + "1]", "more than 100000 keys and values"),
     "keys without end": (BASE + "".join(f"k{n}: 1\n" for n in range(100_000)), "motions stand in files"),
     "100 MB": ("a: [" + "1, " * 33_000_000 + "1]", "a study file has at most 4 MB"),
@@ -78,7 +78,7 @@ STUDIES = {
     "axes without end": (BASE + f"sweep: {{{many('k{}: [1]', 20_000)}}}\n", "the sweep has 20000 axes"),
     "every file of the machine": (changed("[elcentro]", '["/**/*.AT2"]'), ""),
     "a NUL in the title": (changed("title: Test", 'title: "a\\0b"'), "holds a control character"),
-    "a device as record": (changed("[elcentro]", "[{file: /dev/zero}]"), "no regular file: a device"),
+    "a device as record": (changed("[elcentro]", "[{file: /dev/zero}]"), "not a regular file: a device"),
 }
 
 
@@ -134,7 +134,7 @@ def test_a_long_header_is_answered_in_time(name, tmp_path):
 def test_a_motion_file_is_regular_and_of_bounded_size(tmp_path):
     os.mkfifo(tmp_path / "pipe.txt")
     for path in (tmp_path / "pipe.txt", Path("/dev/zero")):
-        assert "this is no regular file" in guarded(lambda path=path: read_motion(path))
+        assert "this is not a regular file" in guarded(lambda path=path: read_motion(path))
     with (tmp_path / "large.txt").open("wb") as file:
         file.truncate(10**12)
     assert "a motion file has at most 20 MB" in guarded(lambda: read_motion(tmp_path / "large.txt"))
@@ -144,15 +144,15 @@ def test_a_motion_file_is_regular_and_of_bounded_size(tmp_path):
 
 def test_a_study_file_is_regular(tmp_path):
     os.mkfifo(tmp_path / "pipe.yaml")
-    assert "this is no regular file: a pipe" in guarded(lambda: load_study(tmp_path / "pipe.yaml"))
-    assert "this is no regular file: a device" in guarded(lambda: load_study("/dev/zero"))
+    assert "this is not a regular file: a pipe" in guarded(lambda: load_study(tmp_path / "pipe.yaml"))
+    assert "this is not a regular file: a device" in guarded(lambda: load_study("/dev/zero"))
     assert "the path has 1000000 characters" in guarded(lambda: load_study("a" * 1_000_000))
 
 
 def test_a_results_file_is_regular(tmp_path):
     os.mkfifo(tmp_path / "pipe.h5")
-    assert ": cannot be read: it is no regular file\n" in guarded(lambda: open_results(tmp_path / "pipe.h5"))
-    assert "it is no regular file" in guarded(lambda: open_results("/dev/zero"))
+    assert ": cannot be read: it is not a regular file\n" in guarded(lambda: open_results(tmp_path / "pipe.h5"))
+    assert "it is not a regular file" in guarded(lambda: open_results("/dev/zero"))
     assert "cannot be read: File name too long" in guarded(lambda: open_results("a" * 20_000))
 
 

@@ -137,8 +137,8 @@ LINKS = [
         f"{VERIFICATION}/test_bouc_wen.py::test_methods_that_keep_no_state_refuse_them",
     ),
     Mutant(
-        "price-of-smooth-storeys",
-        "Bouc-Wen storeys are priced as bilinear ones",
+        "cost-of-smooth-storeys",
+        "the cost of Bouc-Wen storeys is that of bilinear ones",
         ("memories_flow(scene)", "False"),
         f"{UNIT}/batch/test_batch_forecast.py::test_smooth_storeys_cost_more_where_they_yield",
     ),

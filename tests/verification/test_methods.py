@@ -287,8 +287,8 @@ def test_exact_stepping_refuses_what_is_not_linear(scene, reason):
         ("taylor", {"accuracy": -1e-6}, "accuracy is -1e-06"),
         ("rk4", {}, "method rk4 takes a time step"),
         ("newmark", {"accuracy": 1e-4}, "method newmark takes a time step"),
-        ("taylor", {"time_step": 1e-4}, "a time step says nothing to method taylor"),
-        ("auto", {"time_step": 1e-4}, "a time step says nothing to method auto"),
+        ("taylor", {"time_step": 1e-4}, "method taylor does not use a time step"),
+        ("auto", {"time_step": 1e-4}, "method auto does not use a time step"),
     ],
 )
 def test_refused_settings(method, told, why):

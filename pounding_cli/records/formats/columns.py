@@ -43,8 +43,8 @@ def kind_of(text: Text, asked: Asked) -> str:
         return "two-column"
     headings = ", ".join(f"{place}: {words}" for place, words in enumerate(_headings(text, start, width), 1) if words)
     raise text.refuse(
-        f"{width} values on a line{f' ({headings})' if headings else ''}, and nothing says which is the acceleration",
-        "say which: column: 2 beside the file in a study, or --column 2; "
+        f"{width} values on a line{f' ({headings})' if headings else ''}, and no column is selected",
+        "select one: column: 2 beside the file in a study, or --column 2; "
         "for values printed row by row say format 'column' and dt",
         start + 1,
     )
@@ -58,7 +58,7 @@ def read_two_columns(text: Text, asked: Asked) -> Samples:
 def read_table(text: Text, asked: Asked) -> Samples:
     """One column of several; the first is the time, unless the time step is given and it does not rise."""
     if asked.column is None:
-        raise text.refuse("format 'table' needs a column", "say which: column: 2, or --column 2", 1)
+        raise text.refuse("format 'table' needs a column", "select one: column: 2, or --column 2", 1)
     return _table(text, asked, None)
 
 

@@ -101,14 +101,14 @@ def _volume_one(text: Text, asked: Asked, start: int, end: int) -> Samples:
     reals, data = text.fixed_block(after, _REALS, 8, 10, blank_as_zero=True)
     count = int(integers[_COUNT_NEW]) or int(integers[_COUNT])
     if not 1 < count < 10**8 or data >= end:
-        raise text.refuse(f"the header says {count} samples", "fetch the file again", after)
+        raise text.refuse(f"the header says {count} samples", "download the file again", after)
     unit, unit_line = _unit_of_v1(text, start, data)
     line = text.lines[data]
     if re.search(r"[A-DF-Za-df-z]", line):
         return _behind_words(text, asked, data, count, reals[_LENGTH], unit, unit_line)
     pairs, _ = text.fixed(data, 2 * count, 10, 7)
     lines = [data + place // 5 for place in range(count)]
-    step = even_step(text, pairs[0::2], lines, asked.dt, "fetch the corrected record (V2)")
+    step = even_step(text, pairs[0::2], lines, asked.dt, "download the corrected record (V2)")
     return Samples(step, pairs[1::2], data + 1, unit, unit_line)
 
 

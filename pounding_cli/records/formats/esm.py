@@ -46,7 +46,7 @@ def read(text: Text, asked: Asked) -> Samples:
     if stated and unit.startswith("cm") and abs(peak - abs(stated)) > _PEAK_AGREES * abs(stated):
         raise text.refuse(
             f"the header says a peak of {abs(stated):g} cm/s2, but the samples reach {peak:.6g} cm/s2",
-            "the file is damaged: fetch it again",
+            "the file is damaged: download it again",
             keys["PGA_CM/S^2"][1],
         )
     return Samples(step, values, rows[0][0] + 1, unit, unit_line)

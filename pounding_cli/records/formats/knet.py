@@ -63,7 +63,7 @@ def _check_peak(text: Text, peak: float) -> None:
     if stated is not None and abs(peak - abs(stated)) > _PEAK_AGREES * abs(stated) + _PEAK_DIGITS:
         raise text.refuse(
             f"the header says a maximum of {stated:g} gal, but the samples reach {peak:.4g} gal",
-            "the file is damaged, or its scale factor is another's: fetch it again",
+            "the file is damaged, or its scale factor is another's: download it again",
             line,
         )
 

@@ -41,7 +41,7 @@ def read(text: Text, asked: Asked) -> Samples:
     if rate == unknown or not rate > 0:
         raise text.refuse(
             "the header gives no sampling rate: the samples are not evenly spaced",
-            "fetch the corrected record ('2 CORRECTED ACCELEROGRAM')",
+            "download the corrected record ('2 CORRECTED ACCELEROGRAM')",
             after + 1,
         )
     step = text.same_step(asked.dt, text.step(float(f"{1.0 / rate:.9g}"), after + 1), after + 1)
@@ -53,6 +53,8 @@ def read(text: Text, asked: Asked) -> Samples:
         )
     comments, count = int(integers[_COMMENTS]), int(integers[_COUNT])
     if not (0 <= comments < len(text.lines) and 0 < count < 10**9):
-        raise text.refuse(f"the header says {comments} comments and {count} samples", "fetch the file again", place + 2)
+        raise text.refuse(
+            f"the header says {comments} comments and {count} samples", "download the file again", place + 2
+        )
     values, _ = text.fixed(start + comments, count, 8, 10)
     return Samples(step, values, start + comments + 1, "cm/s2", 0)

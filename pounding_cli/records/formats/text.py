@@ -91,7 +91,7 @@ class Text:
         if int(written) != found:
             raise self.refuse(
                 f"the header says {what} = {int(written)}, but {counted(found, 'value follows', 'values follow')}",
-                "the file is cut short or damaged: fetch it again, or correct the header",
+                "the file is cut short or damaged: download it again, or correct the header",
                 line,
             )
 
@@ -111,7 +111,7 @@ class Text:
                 return 0
             raise self.refuse(
                 f"the file holds {len(labels)} channels of acceleration: {listed}",
-                "say which: channel: 1 beside the file in a study, or --channel 1",
+                "select one: channel: 1 beside the file in a study, or --channel 1",
                 line,
             )
         if not 1 <= asked.channel <= len(labels):
@@ -151,7 +151,7 @@ class Text:
         if index < len(self.lines) and numbers_only(self.lines[index]):
             raise self.refuse(
                 f"more than the {count} values that the header says follow",
-                "the file is damaged: fetch it again, or correct the header",
+                "the file is damaged: download it again, or correct the header",
                 index + 1,
             )
         return values, index
@@ -171,7 +171,7 @@ class Text:
             if not line.strip() and not (blank_as_zero and index < len(self.lines)):
                 raise self.refuse(
                     f"the header says {counted(count, 'value')}, but {counted(len(values), 'follows', 'follow')}",
-                    "the file is cut short or damaged: fetch it again, or correct the header",
+                    "the file is cut short or damaged: download it again, or correct the header",
                     min(start, len(self.lines)),
                 )
             values += self._columns(index, wanted, width, blank_as_zero)
@@ -191,7 +191,7 @@ class Text:
                 if not token:
                     raise self.refuse(
                         f"{counted(place, 'value')} on this line, where {wanted} should stand",
-                        "the file is cut short or damaged: fetch it again",
+                        "the file is cut short or damaged: download it again",
                         index + 1,
                     )
                 raise self._no_number(token, index, place * width)

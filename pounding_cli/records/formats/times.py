@@ -34,7 +34,7 @@ def even_step(
         raise text.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
     if np.abs(t).max() > _LATEST:
         worst = int(np.abs(t).argmax())
-        raise text.refuse(f"the time {t[worst]:g} s is no time of a record", "write times in s", lines[worst] + 1)
+        raise text.refuse(f"the time {t[worst]:g} s is not a valid time", "write times in s", lines[worst] + 1)
     falling = np.flatnonzero(np.diff(t) <= 0)
     if falling.size:
         raise text.refuse(

@@ -1,4 +1,4 @@
-"""What limits the numbers of a study: warnings about its input, and values nobody knows."""
+"""What limits the numbers of a study: warnings about its input, and unknown values."""
 
 from __future__ import annotations
 

@@ -80,13 +80,13 @@ def _words(name: str, evidence: Evidence) -> tuple[str, str]:
         said = "Largest floor accelerations over those of the building alone, and over touching, floor by floor"
         return f"{building}: floor accelerations", f"{said}. {_largest(evidence, building, accelerations=True)}"
     if what == "cases":
-        said = "One panel a case with every motion and their mean, storey by storey"
+        said = "One panel per case with every motion and their mean, storey by storey"
         return f"{building}: every case and motion", f"{said}. {_largest(evidence, building)}"
     if what in ("sweep", "map"):
         of = building.replace("-", ", ")
-        said = "one line a case" if what == "sweep" else "as maps over two swept keys, one a case"
-        return f"{of}: over the sweep", f"Means over the motions where they are largest, {said}."
-    said = "Ratios to the building alone, storey by storey, one line a case"
+        said = "one line per case" if what == "sweep" else "as maps over two swept keys, one per case"
+        return f"{of}: over the sweep", f"Means over the motions at their largest place, {said}."
+    said = "Ratios to the building alone, storey by storey, one line per case"
     return f"{building}: storey shears and ductilities", f"{said}. {_largest(evidence, building)}"
 
 

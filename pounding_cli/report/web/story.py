@@ -24,7 +24,7 @@ MOST_FAILURES = 50
 MEASURED = {
     "error_estimate": "numerical error, relative",
     "sensitivity": "sensitivity",
-    "energy_residual": "energy not accounted for, over the input",
+    "energy_residual": "energy imbalance over the input",
 }
 
 
@@ -141,7 +141,7 @@ def effects(scene: pd.DataFrame) -> Grid:
         if more > 0:
             words.append(f"and {counted(more, 'further reason')}")
         rows.append([effect, str(kept[effect] or "–"), str(sum(reasons.values()) or "–"), "; ".join(words)])
-    return Grid(("effect", "simulated in", "dropped in", "why dropped"), rows, (1, 2))
+    return Grid(("effect", "simulated in", "left out in", "reason"), rows, (1, 2))
 
 
 def _head(line: str) -> str:

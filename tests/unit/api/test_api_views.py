@@ -137,7 +137,7 @@ def test_curves_of_a_history(results, plt):
     (drift,) = history.plot("drift", level=2, axes=plt.subplots()[1])
     assert [line.get_label() for line in drift.get_lines()] == ["stiff, storey 2", "soft, storey 2"]
     assert len(results.history(case="none", analysis="elastic").plot()) == 1  # no links to draw
-    with pytest.raises(pound.InputError, match="nothing stands at level 9"):
+    with pytest.raises(pound.InputError, match="there is nothing at level 9"):
         history.plot("drift", level=9)
     with pytest.raises(pound.InputError, match="1 axis for 2 quantities"):
         history.plot("drift", "shear", axes=drift)

@@ -13,7 +13,7 @@ from pounding_cli.batch.forecast import ALONE, APART, GROUP, PARTS, forecast, me
 from pounding_cli.laws.bouc_wen import BoucWen
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import solve
-from pounding_cli.solve.price import BESIDE, price
+from pounding_cli.solve.cost import BESIDE, cost
 from pounding_cli.store import open_results
 from pounding_cli.study import expand, load_study
 
@@ -172,8 +172,8 @@ def test_without_proof_smaller_groups_are_counted_that_are_sure_to_run(shaken, m
         scene.analysis,
         scene.tail,
     )
-    assert found.seconds[PARTS, "taylor"] == price(pair, "taylor") + BESIDE
-    assert found.seconds[GROUP, "taylor"] == 2 * (price(scene, "taylor") + BESIDE)
+    assert found.seconds[PARTS, "taylor"] == cost(pair, "taylor") + BESIDE
+    assert found.seconds[GROUP, "taylor"] == 2 * (cost(scene, "taylor") + BESIDE)
 
 
 def test_smooth_storeys_cost_more_where_they_yield(shaken):
@@ -183,7 +183,7 @@ def test_smooth_storeys_cost_more_where_they_yield(shaken):
     smooth = tuple(replace(building, storey_law=BoucWen) for building in scene.buildings)
     for analysis, least, most in ((Analysis.INELASTIC, 20.0, 200.0), (Analysis.ELASTIC, 1.0, 1.0)):
         plain = replace(scene, analysis=analysis)
-        assert least <= price(replace(plain, buildings=smooth), "taylor") / price(plain, "taylor") <= most
+        assert least <= cost(replace(plain, buildings=smooth), "taylor") / cost(plain, "taylor") <= most
 
 
 @pytest.mark.parametrize("prove", [False, True])

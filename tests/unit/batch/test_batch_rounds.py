@@ -88,7 +88,7 @@ def test_columns_of_two_lengths_are_refused(workflow, tmp_path, monkeypatch):
 
     monkeypatch.setattr(sys.modules[__name__], "tables", uneven)
     run_plan(three_motions(1), tmp_path / "r.h5", solve=known)
-    with pytest.raises(InputError, match="is no column of its table"):
+    with pytest.raises(InputError, match="is not a column of its table"):
         open_results(tmp_path / "r.h5").table("test")
 
 
@@ -103,5 +103,5 @@ def test_codes_of_texts_that_are_not_there_are_refused(workflow, tmp_path, monke
         answers.write_tables(file, [Table("test", [named("a", "b"), named("a")])])
         assert answers.read_table(file, "test").frame["name"].tolist() == ["a", "b", "a"]
         file["answer/test/0"][1] = 7
-        with pytest.raises(InputError, match="is no column of texts"):
+        with pytest.raises(InputError, match="is not a column of texts"):
             answers.read_table(file, "test")

@@ -376,7 +376,7 @@ def test_refused_outputs_are_refused_before_anything_is_solved(plan, tmp_path):
     [
         ({"engine_name": "gpu"}, "there is no engine 'gpu'"),
         ({"workers": -1}, "-1 is not a number of workers"),
-        ({"scheduler": "tcp://node:8786"}, "means nothing to the engine 'processes'"),
+        ({"scheduler": "tcp://node:8786"}, "no scheduler for the engine 'processes'"),
     ],
 )
 def test_unknown_engine_and_workers_are_refused(plan, output, options, message):
@@ -441,7 +441,7 @@ def test_what_a_run_left_that_was_killed_at_its_very_end_goes_with_the_next(plan
 
 def test_two_runs_on_one_file(plan, output):
     output.parent.mkdir()
-    with locked(output), pytest.raises(InputError, match="another run is at work on this file"):
+    with locked(output), pytest.raises(InputError, match="another run is using this file"):
         run_plan(plan, output, solve=known)
     assert run_plan(plan, output, solve=known).done == 24
 

@@ -31,7 +31,7 @@ def refused(folder, text):
         ("fragility:\n" + LIMITS, "", 1, 1, "no limit", "fragility: {limits: [mu > 4]}"),
         (LIMITS, "  limits: [mu > 4 in C]\n", 13, 12, "no building 'C'", "known: A, B"),
         (LIMITS, "  limits: [mu > 4 in storey 4]\n", 13, 12, "the highest is 3", "from 1 to 3"),
-        (LIMITS, "  limits: [mu > 4, mu > 4]\n", 13, 20, "stands twice", "remove one"),
+        (LIMITS, "  limits: [mu > 4, mu > 4]\n", 13, 20, "occurs twice", "remove one"),
         (LIMITS, LIMITS + "  method: pushover\n", 14, 11, "'pushover' is not known", "'ida'"),
         (LIMITS, LIMITS + "  intensity: pgx\n", 14, 14, "no intensity measure 'pgx'", "did you mean 'pgv'"),
         (LIMITS, LIMITS + "  intensity: sa\n", 14, 14, "sa is not swept and has no period", "sa(0.5 s)"),

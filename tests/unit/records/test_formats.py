@@ -197,7 +197,7 @@ REFUSED = {
     "csmip V1 uneven": (
         layouts.csmip_v1_channel(
             [round(v, 4) for v in IN_G], times=[round(0.02 * i + (0.007 if i > 20 else 0.0), 4) for i in range(43)]
-        ), {}, "32: uneven time steps: 0.027 s here, 0.02 s elsewhere | fetch the corrected record (V2)",
+        ), {}, "32: uneven time steps: 0.027 s here, 0.02 s elsewhere | download the corrected record (V2)",
     ),
     "csmip V1 without unit": (
         layouts.csmip_v1_channel(IN_G, unit="words", words_line="words (8f9.5)"), {}, "29: the file does not state",

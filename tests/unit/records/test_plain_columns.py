@@ -127,7 +127,7 @@ def test_a_time_step_in_the_heading_of_one_column(read, line: str) -> None:
         ("0 0.1\n0.01 inf\n", {}, "2:6: 'inf' is not a finite number"),
         ("0 0.1\n0.01 ****\n", {}, "2:6: '****' is not a finite number"),
         ("0 0.1\n0.01 1e999\n", {}, "2:6: '1e999' is not a finite number"),
-        ("0 0.1\n1e7 0.2\n", {}, "the time 1e+07 s is no time of a record"),
+        ("0 0.1\n1e7 0.2\n", {}, "the time 1e+07 s is not a valid time"),
         ("0 0.1\n20 0.2\n", {}, "the time step is 20"),
         ("0 1 2\n0.01 2\n0.02 3 4\n", {"column": 2}, "2:1: 2 values on this line, where every other has 3"),
         ("0 1\n0.01 2\n", {"format": "table"}, "format 'table' needs a column"),

@@ -107,8 +107,8 @@ def test_stand_ins_cite_their_synthesis(cited):
     told = {source.name: source.text for source in motions({"eureka": "stand-in", "taft": "real", "mine": "user"})}
     assert "Boore, Stewart, Seyhan and Atkinson (2014)" in told["eureka"]
     assert "Taft, Lincoln School Tunnel" in told["taft"]
-    assert "cite where you have it from" in told["taft"]
-    assert told["mine"] == "a file of your own: cite where you have it from"
+    assert "cite its source" in told["taft"]
+    assert told["mine"] == "your own file: cite its source"
 
 
 def test_the_other_systems():

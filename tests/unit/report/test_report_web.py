@@ -132,7 +132,7 @@ def test_long_sweeps_are_cut_to_points_with_the_shown_one_and_the_page_says_so(t
     assert data["shown"] == "impact.restitution = 0.47"
     assert data["tables"]["storey"]["rows"] == 4 * rows
     assert data["tables"]["storey"]["total"] == 8 * rows
-    assert "This page carries 4 of the 8 points" in text
+    assert "This page has 4 of the 8 points" in text
     # The chart of the sweep has them all.
     assert [axis["values"] for axis in data["sweep"]["axes"]] == [values]
 

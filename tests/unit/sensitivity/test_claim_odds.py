@@ -187,8 +187,8 @@ NAMES = "[connection-other, connection-always]"
     ("old", "new", "line", "column", "said", "hint"),
     [
         (NAMES, "[connection-othr]", 15, 24, "'connection-othr' is not a claim", "did you mean 'connection-other'"),
-        (NAMES, "code-gap", 15, 23, "no claim about fig6", "known: infill-response"),
-        (NAMES, "[separation, separation]", 15, 36, "stands twice", "remove one"),
+        (NAMES, "code-gap", 15, 23, "not a claim about fig6", "known: infill-response"),
+        (NAMES, "[separation, separation]", 15, 36, "occurs twice", "remove one"),
         ("claims: fig6\n", "", 14, 15, "names no figure whose claims", "claims: fig6"),
         (f"  {MASS}\n  {RESTITUTION}", "  - motion: bootstrap\n    " + MASS, 14, 5, "moves by itself", "of its own"),
         (

@@ -50,7 +50,7 @@ UNCERTAIN = STUDY[STUDY.index("uncertain:") : STUDY.index("sensitivity:")]
         (OUTPUTS, "outputs: [residual_drift in C]", 15, 13, "no building 'C'", "known: A, B"),
         (OUTPUTS, "outputs: [ductility]", 15, 13, "no quantity 'ductility'", "mu"),
         (OUTPUTS, "outputs: [mu in A storey 2]", 15, 13, "the highest is 1", "from 1 to 1"),
-        (OUTPUTS, "outputs: [mu, mu]", 15, 17, "stands twice", "remove one"),
+        (OUTPUTS, "outputs: [mu, mu]", 15, 17, "occurs twice", "remove one"),
         (OUTPUTS, "outputs: [max(mu]", 15, 13, "a bracket is not closed", ")"),
         (OUTPUTS, "outputs: []", 14, 1, "lacks 'outputs'", "largest mu"),
         (OUTPUTS, "outputs: [impacts in A]", 15, 13, "impacts belongs to links", "impacts"),

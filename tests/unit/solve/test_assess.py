@@ -288,6 +288,4 @@ def test_a_response_without_an_estimate_says_so():
 
     found = assess(scene, first, ACCURACY, run)
     assert np.isnan(found.error_estimate)
-    assert found.flags == (
-        "no error estimate: the run at 1e-09 that this one is judged by ended with: energy does not close",
-    )
+    assert found.flags == ("no error estimate: the run at 1e-09 for the estimate ended with: energy does not close",)

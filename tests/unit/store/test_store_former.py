@@ -104,7 +104,7 @@ def test_what_no_longer_tells_its_study_is_refused(project):
     content = bytearray(whole)
     content[100] ^= 1
     path.write_bytes(content)
-    with pytest.raises(InputError, match="damaged so far that they do not tell their study"):
+    with pytest.raises(InputError, match="damaged results whose study cannot be read"):
         check(project)
     check(project, replace=True)
     path.write_bytes(whole)

@@ -84,8 +84,8 @@ def test_friction_and_maxwell_are_as_stiff_as_a_storey_unless_given(tmp_path):
     ("link", "said"),
     [
         ("link: hertz", "'hertz_stiffness' is missing"),
-        (f"link: hertz, {K}, stiffness: 1e9 N/m", "'stiffness' means nothing for link: hertz"),
-        (f"link: hertz, {K}, restitution: 0.5", "'restitution' means nothing for link: hertz"),
+        (f"link: hertz, {K}, stiffness: 1e9 N/m", "'stiffness' does not apply to link: hertz"),
+        (f"link: hertz, {K}, restitution: 0.5", "'restitution' does not apply to link: hertz"),
         (f"link: hertz-damp, {K}, restitution: 0", "restitution is 0; it must be above 0"),
         (f"link: hertz-damp, {K}, restitution: 0.005", "restitution is 0.005; it must be at least 0.01"),
         ("link: hertz, hertz_stiffness: 2e9 N/m", "expected N/m^1.5"),
@@ -98,14 +98,14 @@ def test_friction_and_maxwell_are_as_stiff_as_a_storey_unless_given(tmp_path):
         ("link: friction", "'slip_force' is missing"),
         ("link: friction, slip_force: 0 kN", "the slip force is 0 N; it must be above 0 N"),
         ("link: friction, slip_force: 200 kN/m", "expected N"),
-        ("link: friction, slip_force: 200 kN, damping_ratio: 0.1", "'damping_ratio' means nothing for link: friction"),
+        ("link: friction, slip_force: 200 kN, damping_ratio: 0.1", "'damping_ratio' does not apply to link: friction"),
         ("link: viscous, exponent: 0.3", "'force_at_1_m_s' is missing"),
         ("link: viscous, force_at_1_m_s: 1 MN, exponent: 0.05", "exponent is 0.05; it must be at least 0.1"),
         ("link: viscous, force_at_1_m_s: 1 MN, exponent: 2", "exponent is 2; it must be at least 0.1 and at most 1"),
-        ("link: viscous, force_at_1_m_s: 1 MN, exponent: 0.3, stiffness: 1e8 N/m", "'stiffness' means nothing"),
+        ("link: viscous, force_at_1_m_s: 1 MN, exponent: 0.3, stiffness: 1e8 N/m", "'stiffness' does not apply"),
         ("link: damper, damping_coefficient: 2e6 N/m", "expected N s/m"),
-        ("link: damper, damping_coefficient: 2 MN s/m, stiffness: 3 kN/mm", "'stiffness' means nothing"),
-        ("link: damper, damping_coefficient: 2 MN s/m, damping_ratio: 0.2", "'damping_ratio' means nothing"),
+        ("link: damper, damping_coefficient: 2 MN s/m, stiffness: 3 kN/mm", "'stiffness' does not apply"),
+        ("link: damper, damping_coefficient: 2 MN s/m, damping_ratio: 0.2", "'damping_ratio' does not apply"),
         (f"link: jankowski, {K}, damping_formula: ye", "damping_formula: 'ye' is none of a jankowski"),
         (f"link: pounding, {K}", "it belongs to a hertz and a hertz-damp and a jankowski and a bilinear"),
     ],
@@ -165,7 +165,7 @@ def test_a_law_of_the_study_strikes(tmp_path):
     more = f"laws: {{pad: {{{spring}}}, glue: {{{spring}, acts: always}}}}"
     ((link,),) = struck(tmp_path, "pad", more=more)
     assert (link.law.name, link.law.gap) == ("pad", 0.01)
-    with pytest.raises(InputError, match=r"'glue' is no law of contact\n.*jankowski, bilinear, pad"):
+    with pytest.raises(InputError, match=r"'glue' is not a law of contact\n.*jankowski, bilinear, pad"):
         struck(tmp_path, "glue", more=more)
 
 
@@ -173,16 +173,16 @@ def test_a_law_of_the_study_strikes(tmp_path):
     ("law", "case", "said"),
     [
         ("pounding", "link: pounding", "write kelvin-voigt, hertz"),
-        ("infill", "link: pounding", "'infill' is no law of contact"),
+        ("infill", "link: pounding", "'infill' is not a law of contact"),
         (
             "hertz",
             "link: pounding, stiffness: 1 kN/mm",
-            "'stiffness' means nothing for link: pounding of the law hertz",
+            "'stiffness' does not apply to link: pounding of the law hertz",
         ),
         (
             "hertz",
             "link: pounding, restitution: 0.4",
-            "'restitution' means nothing for link: pounding of the law hertz",
+            "'restitution' does not apply to link: pounding of the law hertz",
         ),
         ("[hertz]", "link: pounding", "law: a list is not known"),
     ],

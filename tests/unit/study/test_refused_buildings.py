@@ -91,7 +91,7 @@ CASES = {
     "gamma of Bouc-Wen for another law": (
         STIFF,
         "stiff: {storeys: 3, period: 1 s, §wen_gamma: 0.5}",
-        "'wen_gamma' means nothing for storey_law: bilinear",
+        "'wen_gamma' does not apply to storey_law: bilinear",
         "it belongs to bouc-wen",
     ),
     "hardening of 1": (STIFF, "stiff: {storeys: 3, period: 1 s, hardening: §1}", "below 1", "0.05"),

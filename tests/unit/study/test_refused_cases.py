@@ -15,8 +15,8 @@ CASES = {
         "motions/x.AT2 does not exist",
         "relative to the study file",
     ),
-    "record twice": ("taft", "§elcentro", "the record 'elcentro' stands twice", "`name:`"),
-    "record unit": ("taft", "{file: x.txt, unit: §cm/s}", "'cm/s' is no unit of acceleration", "g, m/s2, cm/s2"),
+    "record twice": ("taft", "§elcentro", "the record 'elcentro' occurs twice", "`name:`"),
+    "record unit": ("taft", "{file: x.txt, unit: §cm/s}", "'cm/s' is not a unit of acceleration", "g, m/s2, cm/s2"),
     "no records": ("[elcentro, taft]", "§[]", "'use' is empty", "catalogue names"),
     "no such arias reference": (
         "scale: 1.0",
@@ -83,7 +83,7 @@ CASES = {
     "law of a connector": (
         GAP,
         "gap: {link: connector, gap: 5 cm, §law: printed}",
-        "'law' means nothing for link: connector",
+        "'law' does not apply to link: connector",
         "belongs to an infill",
     ),
     "unknown analysis": (
@@ -92,7 +92,7 @@ CASES = {
         "'plastic' is not known",
         "'elastic' or 'inelastic'",
     ),
-    "analysis twice": ("[elastic]", "[elastic, §elastic]", "'elastic' stands twice", "remove one"),
+    "analysis twice": ("[elastic]", "[elastic, §elastic]", "'elastic' occurs twice", "remove one"),
     "accuracy": ("[elastic]", "[elastic]\naccuracy: §2", "must be at least 1e-14 and at most 0.1", "1e-6"),
     "fixed step without step": (
         "[elastic]",
@@ -100,7 +100,7 @@ CASES = {
         "needs 'time_step'",
         "time_step: 1e-4 s",
     ),
-    "step without fixed step": ("[elastic]", "[elastic]\n§time_step: 1 ms", "means nothing", "remove it"),
+    "step without fixed step": ("[elastic]", "[elastic]\n§time_step: 1 ms", "does not apply", "remove it"),
     "unknown method": ("[elastic]", "[elastic]\nmethod: §newmarc", "'newmarc' is not known", "'taylor'"),
     "plot of no case": (
         "[elastic]",
@@ -159,7 +159,7 @@ CASES = {
     "sweep value twice": (
         "[elastic]",
         "[elastic]\nsweep:\n  impact.restitution: [0.4, §0.4]",
-        "0.4 stands twice",
+        "0.4 occurs twice",
         "remove one",
     ),
     "zipped keys of two lengths": (

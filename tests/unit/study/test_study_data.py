@@ -66,7 +66,7 @@ def test_the_dict_is_left_alone():
         (("records", "use"), ["elcentro", "tuft"], "records.use.1", "no motion 'tuft'"),
         (("group",), ["stiff", "sofft"], "group.1", "no building 'sofft'"),
         (("sweep", "cases.gap.gap"), [0.01, -0.02], "sweep.cases.gap.gap.1", "the gap is -0.02 m"),
-        (("records", "use"), [object()], "records.use.0", "object is no value of a study"),
+        (("records", "use"), [object()], "records.use.0", "object is not a value of a study"),
     ],
 )
 def test_what_is_wrong_is_told_at_its_key(path, value, place, message):

@@ -61,7 +61,7 @@ REFUSED = {
     "unknown case": ("{histories: {cases: [gap, §far]}}", "no case 'far'", "gap, near"),
     "unknown record": ("{histories: {records: [§tuft]}}", "no record 'tuft'", "did you mean 'taft'"),
     "analysis of no use": ("{histories: {analyses: [§plastic]}}", "'plastic' is not known", "elastic"),
-    "no axis": ("{histories: {where: {§impact.restitution: 0.5}}}", "is no axis of the sweep", "cases.gap.gap"),
+    "no axis": ("{histories: {where: {§impact.restitution: 0.5}}}", "is not an axis of the sweep", "cases.gap.gap"),
     "no such value": ("{histories: {where: {cases.gap.gap: [1 cm, §3 cm]}}}", "has no value 3 cm", "1 cm, 2 cm"),
     "no step": ("{histories: {every: §0}}", "output step is 0 s", "e.g. 2 ms"),
     "step of another kind": ("{histories: {every: §2 mm}}", "is no output step: expected s", "an output step [s]"),

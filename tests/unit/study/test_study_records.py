@@ -169,7 +169,7 @@ REFUSED = {
     "no file": (USE, "[§motions/x.AT2]", "motions/x.AT2 does not exist", "relative to the study file"),
     "empty folder": (USE, "[{file: §empty}]", "no motion files in the folder", "relative"),
     "one name for two": (USE, '[{file: §"motions/?.??[vt]", name: x}]', "'name:' is one for 2 files", "leave it out"),
-    "twice": (USE, "[motions, §motions/b.txt]", "the record 'b' stands twice", "`name:`"),
+    "twice": (USE, "[motions, §motions/b.txt]", "the record 'b' occurs twice", "`name:`"),
     "a unit against the file": (USE, "[{file: §cm.txt, unit: g}]", "1:1: the unit is given as g", "leave the unit out"),
     "channel of none": (USE, "[{file: §motions/b.txt, channel: 2}]", "b.txt: a file of format 'two-column'", "leave"),
     "channel zero, alone": (USE, "[{file: motions/b.txt, channel: §0}]", "'0' is not allowed", "at least 1"),

@@ -79,7 +79,7 @@ CASES = {
     "key twice": (
         "title: Test",
         "title: Test\n§title: again",
-        "'title' stands twice; first in line 1",
+        "'title' occurs twice; first in line 1",
         "remove one",
     ),
     "merge key": (
@@ -145,19 +145,19 @@ CASES = {
     "building twice in two spellings": (
         SOFT,
         'soft: {like: stiff, period: 0.60 s}\n  §" soft": {like: stiff, period: 1 s}',
-        "'soft' stands twice; first in line 8",
+        "'soft' occurs twice; first in line 8",
         "remove one",
     ),
     "case twice in two spellings": (
         GAP,
         GAP + "\n  §' gap ': {link: none}",
-        "'gap' stands twice; first in line 12",
+        "'gap' occurs twice; first in line 12",
         "remove one",
     ),
     "floor twice in two spellings": (
         GAP,
         "gap: {link: pounding, gap: 5 cm, by_floor: {1: none, §01: pounding}}",
-        "'1' stands twice; first in line 12, column 47",
+        "'1' occurs twice; first in line 12, column 47",
         "remove one",
     ),
     "target twice in two spellings": (
@@ -233,7 +233,7 @@ def test_circle_is_told_once(refused):
     refused(
         (STIFF, "stiff: {like: soft, storeys: 3}"),
         ("like: stiff", "like: §stiff"),
-        message="goes round in a circle",
+        message="is circular",
     )
 
 

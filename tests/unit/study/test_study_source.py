@@ -83,7 +83,7 @@ def test_aliases_stand_for_their_anchor(read):
         ("just words\n", 1, 1, "a study is a mapping", "title"),
         ("", 1, 1, "the file is empty", "quickstart"),
         ("# only a comment\n", 1, 1, "the file is empty", "quickstart"),
-        ("a: 1\nb: 2\na: 3\n", 3, 1, "'a' stands twice; first in line 1", "remove"),
+        ("a: 1\nb: 2\na: 3\n", 3, 1, "'a' occurs twice; first in line 1", "remove"),
         ("? [1]\n: 2\n", 1, 3, "a key must be a word", "key: value"),
         ("a: 1e999\n", 1, 4, "too large", "1e308"),
         ("a: &a [*a]\n", 1, 8, "undefined alias", "quotes"),

@@ -60,7 +60,7 @@ function drawChart(box, chart) {
   const points = chart.series.flatMap((one, number) => one.points.map((point, place) => ({ ...point, series: number, place })));
   box.replaceChildren();
   if (!points.length) {
-    box.append(h('p', { class: 'nothing' }, 'Nothing to draw: no number here, or no case chosen.'));
+    box.append(h('p', { class: 'nothing' }, 'Nothing to draw: there is no number, or no case is selected.'));
     box.removeAttribute('tabindex');
     return;
   }

@@ -7,7 +7,7 @@ function tableView() {
   const view = document.getElementById('table-view');
   const names = Object.keys(tables).filter((name) => tables[name].rows > 0);
   if (!names.length) {
-    view.append(h('p', {}, 'This file holds no rows.'));
+    view.append(h('p', {}, 'This file has no rows.'));
     return;
   }
   const tabs = h('div', { class: 'tabs', role: 'group', 'aria-label': 'Table' });

@@ -38,7 +38,7 @@ def method_of(scene: Scene) -> str:
     return cheapest_method(scene, pack(scene))
 
 
-def price(scene: Scene, method: str, time_step: float | None = None) -> float:
+def cost(scene: Scene, method: str, time_step: float | None = None) -> float:
     """Expected time of one run on one core [s].
 
     Parameters
@@ -52,5 +52,5 @@ def price(scene: Scene, method: str, time_step: float | None = None) -> float:
         return steps_a_sample(scene, time_step) * segments_of(scene) * STEP * floors
     if method == "exponential":
         return segments_of(scene) * (EXACT[0] + EXACT[1] * floors) * floors
-    series = SMOOTH if memories_flow(scene) else SERIES  # fault: price-of-smooth-storeys
+    series = SMOOTH if memories_flow(scene) else SERIES  # fault: cost-of-smooth-storeys
     return segments_of(scene) * series * floors * (LINKED if any(link.law.can_close for link in scene.links) else 1.0)
