@@ -166,7 +166,7 @@ def _sections() -> dict[str, tuple[Any, Any]]:
     for name, workflow in WORKFLOWS.items():
         if workflow.is_section:
             section = workflow.part("schema")
-            found[name] = section, optional(section(), description=f"what `pound {name}` is asked")
+            found[name] = section, optional(section(), description=f"settings of `pound {name}`")
     return found
 
 
