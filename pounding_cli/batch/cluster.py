@@ -16,6 +16,7 @@ from pounding_cli.batch.engines import Engine, Finished
 from pounding_cli.batch.local_cluster import local_cluster
 from pounding_cli.batch.processes import ADVICE, DIED
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.model.placed import found
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.keys import solver_version
 
@@ -227,7 +228,8 @@ def _quiet() -> Iterator[None]:
 def _sent(client: Client, bundle: list[str], scenes: Mapping[str, Any], task: Work, key: str) -> Future:
     # A key of its own for every try: Dask takes equal calls for one.
     name = f"pound-{next(_numbers)}-{bundle[0][:12]}"
-    whole = [(digest, scenes[digest]) for digest in bundle]
+    scene_of = found(scenes, bundle)
+    whole = [(digest, scene_of(digest)) for digest in bundle]
     return client.submit(solve_there, whole, task, key, solver_version(task.solver), key=name, pure=False)
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from pounding_cli.batch.bundles import Queue, Work, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
-from pounding_cli.model.placed import Placed
+from pounding_cli.model.placed import Placed, found
 from pounding_cli.model.scene import Scene
 from pounding_cli.store.chunk import Chunk
 
@@ -97,13 +97,13 @@ class _Staff:
         """Give an idle or a new worker a bundle."""
         worker = self.idle.pop() if self.idle else self._hired()
         self.busy[worker] = bundle
-        worker.give([(digest, self._told(digest)) for digest in bundle])
+        worker.give(list(zip(bundle, self._told(bundle), strict=True)))
 
-    def _told(self, digest: str) -> Told:
-        """What a worker needs to know of a scene."""
+    def _told(self, bundle: list[str]) -> Sequence[Told]:
+        """What a worker needs to know of scenes."""
         if not self._forks:
-            return self._scenes[digest]
-        return self._scenes.place(digest) if isinstance(self._scenes, Placed) else digest
+            return list(map(found(self._scenes, bundle), bundle))
+        return self._scenes.places(bundle) if isinstance(self._scenes, Placed) else bundle
 
     def _hired(self) -> _Worker:
         others = [worker.line for worker in (*self.busy, *self.idle)]

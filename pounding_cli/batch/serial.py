@@ -7,6 +7,7 @@ from typing import Any
 
 from pounding_cli.batch.bundles import Queue, Work, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
+from pounding_cli.model.placed import found
 
 
 class Serial(Engine):
@@ -19,7 +20,7 @@ class Serial(Engine):
         """The scenes in their order."""
         while queue:
             bundle = queue.take()
-            chunk, seconds = solve_bundle(bundle, scenes.__getitem__, task)
+            chunk, seconds = solve_bundle(bundle, found(scenes, bundle), task)
             queue.give_back(bundle[len(chunk) :])
             queue.learn(len(chunk), seconds)
             yield Finished(chunk)

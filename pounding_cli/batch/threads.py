@@ -9,6 +9,7 @@ from typing import Any
 
 from pounding_cli.batch.bundles import Queue, Work, solve_bundle
 from pounding_cli.batch.engines import Engine, Finished
+from pounding_cli.model.placed import found
 from pounding_cli.store.chunk import Chunk
 
 
@@ -29,7 +30,7 @@ class Threads(Engine):
             while queue or running:
                 while queue and len(running) < self.workers:
                     bundle = queue.take()
-                    job = pool.submit(solve_bundle, bundle, scenes.__getitem__, task, stopped=stop.is_set)
+                    job = pool.submit(solve_bundle, bundle, found(scenes, bundle), task, stopped=stop.is_set)
                     running[job] = bundle
                 ready, _ = wait(running, return_when=FIRST_COMPLETED)
                 for job in ready:

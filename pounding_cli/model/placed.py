@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,10 @@ class Placed(Mapping[str, Scene]):
     def place(self, digest: str) -> int:
         """Where a scene stands.  Raises `KeyError`."""
 
+    def places(self, digests: Sequence[str]) -> list[int]:
+        """Where scenes stand.  Raises `KeyError`."""
+        return [self.place(digest) for digest in digests]
+
     @abstractmethod
     def at(self, place: int) -> Scene:
         """The scene at a place."""
@@ -28,6 +33,14 @@ class Placed(Mapping[str, Scene]):
 
     def __getitem__(self, digest: str) -> Scene:
         return self.at(self.place(digest))
+
+
+def found(scenes: Mapping[str, Any], digests: Sequence[str]) -> Callable[[str], Any]:
+    """What gives each of some scenes, built when it is asked for; they are looked up together."""
+    if not isinstance(scenes, Placed):
+        return scenes.__getitem__
+    places = dict(zip(digests, scenes.places(digests), strict=True))
+    return lambda digest: scenes.at(places[digest])
 
 
 def among(scenes: Mapping[str, Scene], digests: Sequence[str]) -> np.ndarray:

@@ -182,6 +182,13 @@ class Asked(Placed):
             raise KeyError(digest)
         return self.whole.place(digest)
 
+    def places(self, digests: Sequence[str]) -> list[int]:
+        """Their places among all that could be asked."""
+        is_asked = self.has(digests)
+        if not is_asked.all():
+            raise KeyError(digests[int(np.argmin(is_asked))])
+        return self.whole.places(digests)
+
     def at(self, place: int) -> Scene:
         """The scene at a place."""
         return self.whole.at(place)

@@ -95,6 +95,10 @@ class Rounds(Placed):
         """Its place in the round."""
         return self._latest.place(digest)
 
+    def places(self, digests: Sequence[str]) -> list[int]:
+        """Their places in the round."""
+        return self._latest.places(digests)
+
     def at(self, place: int) -> Scene:
         """The scene at a place."""
         return self._latest.at(place)

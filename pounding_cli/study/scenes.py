@@ -250,6 +250,13 @@ class Scenes(Placed):
         """Whether each scene is there, shape (digests,)."""
         return self.table.numbers(digests) >= 0
 
+    def places(self, digests: Sequence[str]) -> list[int]:
+        """Where scenes stand, as `place` says.  Raises `KeyError`."""
+        numbers = self.table.numbers(digests)
+        if (numbers < 0).any():
+            raise KeyError(digests[int(np.argmin(numbers))])
+        return self._places[numbers].tolist()
+
     def __iter__(self) -> Iterator[str]:
         return iter(DigestList(self.table.digests))
 
