@@ -120,6 +120,17 @@ def test_a_queue_gives_everything_once_in_order():
     assert max(sizes) <= MOST
 
 
+def test_the_last_bundles_are_a_tenth_of_the_others_and_one_worker_has_no_need_of_them():
+    """Fails if a run ends with twenty bundles of a few scenes, each of which is brought to the disk."""
+    for workers, least in ((1, 500), (2, 50)):
+        queue, sizes = Queue([str(n) for n in range(5000)], workers, seconds=0.001), []
+        while queue:
+            sizes.append(len(queue.take()))
+        assert sizes[0] == 500
+        assert sum(sizes) == 5000
+        assert min(sizes[:-1]) == least
+
+
 def test_bundles_follow_the_pace():
     queue = Queue([str(n) for n in range(100_000)], workers=2, seconds=0.001)
     queue.learn(1000, 100.0)

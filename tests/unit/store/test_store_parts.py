@@ -116,6 +116,31 @@ def test_a_store_gives_back_what_went_in_from_memory_and_from_disk(tmp_path, pla
     assert set(found) == set(responses)
 
 
+def test_responses_of_one_header_line_come_together_and_in_the_order_asked_for(tmp_path, plan, responses):
+    """From several chunks, some in memory and some on disk, with a response asked for twice."""
+    responses["odd"] = odd(plan)
+    store = PartStore(tmp_path / "r.h5", "key")
+    names = list(responses)
+    for begin in range(0, len(names), 5):
+        store.add(Chunk.of({name: responses[name] for name in names[begin : begin + 5]}))
+        if begin == 5:
+            store.flush()
+    asked = [*names[::-1], names[3]]
+    lines, words = store.lines(asked)
+    assert lines == list(dict.fromkeys(encode(responses[name])[0] for name in asked))
+    assert [lines[word] for word in words] == [encode(responses[name])[0] for name in asked]
+    found = {
+        place: (line, row) for line, which, rows in store.alike(asked) for place, row in zip(which, rows, strict=True)
+    }
+    assert all(same(responses[name], decode(*found[place])) for place, name in enumerate(asked))
+    assert len(store.alike(asked)) == len(lines) > 1
+    assert store.is_done(asked).tolist() == [encode_is_done(responses[name]) for name in asked]
+
+
+def encode_is_done(response) -> bool:
+    return parse(encode(response)[0]).is_done
+
+
 def test_chunks_of_one_scene_go_to_the_disk_as_one_part(tmp_path, responses):
     """The last response of a scene counts. Fails if a scene is looked for in the chunk that it came in, or if one that
     came twice is read as it was first."""

@@ -212,6 +212,7 @@ def test_a_case_without_links_has_no_rows_beside_one_with(tmp_path):
     plan = small_plan(cases=(("touching", 0.0), ("apart", None)))
     write_results(tmp_path / "r.h5", plan, solved(plan))
     assert set(open_results(tmp_path / "r.h5").link().case) == {"touching"}
+    assert open_results(tmp_path / "r.h5").link().peak_force.notna().all()
 
 
 def test_xarray_opens_it_with_names_units_and_coordinates(swept):
