@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pounding_cli.outputs import EXPANDED, parts_of
+
 if TYPE_CHECKING:
     from pounding_cli.api.results import Results
     from pounding_cli.batch.progress import Progress
-    from pounding_cli.study import Study
+    from pounding_cli.study import Plan, Study
 
 
 def load_study(source: str | Path | Mapping[str, Any]) -> Study:
@@ -61,17 +63,34 @@ def run(
     from pounding_cli.study.kinds import load_for
     from pounding_cli.workflows import expansion
 
-    expand = expansion(workflow)
+    expansion(workflow)  # refuses a workflow that there is not
     if isinstance(study, Mapping):
         loaded = load_study(study)
     else:
         loaded = load_for(Path(study), workflow) if isinstance(study, str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
+    plan = plan_of(loaded, workflow, path)
     run_plan(
-        expand(loaded), path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler,
-        replace=replace,
+        plan, path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler, replace=replace,
     )  # fmt: skip
     return open_results(path)
+
+
+def plan_of(study: Study, workflow: str, output: Path) -> Plan:
+    """The plan of a workflow for `output`; what an unfinished run left there need not be expanded.
+
+    Raises
+    ------
+    InputError : a combination of swept values is not sound, or there is no such workflow
+    """
+    from pounding_cli.workflows import expansion
+
+    folder = parts_of(output)
+    if workflow != "run" or not (folder / EXPANDED).exists():
+        return expansion(workflow)(study)
+    from pounding_cli.store.expanded import expanded_plan
+
+    return expanded_plan(study, folder)
 
 
 def open_results(path: str | Path) -> Results:

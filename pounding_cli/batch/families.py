@@ -49,30 +49,44 @@ def order_of(plan: Plan, solved: Callable[[Sequence[str]], np.ndarray]) -> Order
         left[wanted[wanted >= 0]] = True
     asked = np.flatnonzero(left)
     left[asked] = ~solved(DigestList(table.digests, asked))
-    each = rows.scenes.shape[1]
-    flat = np.roll(rows.scenes, -1, axis=1).ravel()  # the buildings alone before the scene of the row
-    numbers, first = first_of(flat, np.append(left, False)[flat], len(table))
-    row, which = np.divmod(first, each)
-    case, analysis = row // (analyses * records) % cases, row // records % analyses
-    sorts = np.where(which == each - 1, case, cases) * analyses + analysis
-    names = [(name, kind) for name in (*rows.frame.cases, "") for kind in rows.frame.analyses]
-    order = Order(DigestList(table.digests, numbers[np.argsort(_families(rows.scenes[row, 1:]), kind="stable")]))
-    found, begins, counts = np.unique(sorts, return_index=True, return_counts=True)
-    for number in np.argsort(begins).tolist():
-        sort = names[found[number]]
-        some = numbers[np.flatnonzero(sorts == found[number])[:2]]
-        order.counts[sort] = int(counts[number])
-        order.samples[sort] = list(DigestList(table.digests, some))
+    del asked
+    numbers, first = first_of(rows.scenes, np.append(left, False), turned=1)  # the scene of a row after the others
+    row, which = np.divmod(first, rows.scenes.shape[1])
+    case, analysis = (
+        (row // (analyses * records) % cases).astype(np.int32),
+        (row // records % analyses).astype(np.int32),
+    )
+    case[which < rows.scenes.shape[1] - 1] = cases
+    sorts = case * analyses + analysis
+    order = Order()
+    for sort in _distinct(sorts):
+        name = (*rows.frame.cases, "")[sort // analyses], rows.frame.analyses[sort % analyses]
+        mine = sorts == sort
+        some = numbers[np.flatnonzero(mine)[:2]]
+        order.counts[name] = int(np.count_nonzero(mine))
+        order.samples[name] = list(DigestList(table.digests, some))
         left[some] = False
-    assert isinstance(order.digests, DigestList)
-    order.rest = DigestList(table.digests, order.digests.numbers[left[order.digests.numbers]])
+    families = _families(rows.scenes, row)
+    numbers = numbers if families is None else numbers[np.argsort(families, kind="stable")]
+    order.digests = DigestList(table.digests, numbers)
+    order.rest = DigestList(table.digests, numbers[left[numbers]])
     return order
 
 
-def _families(baselines: np.ndarray) -> np.ndarray:
-    """Of every line its number among the different ones, in the order in which these come first."""
-    code = np.zeros(len(baselines), np.int64)
-    for column in baselines.T:
-        code = np.unique(code * (int(column.max(initial=0)) + 2) + column + 1, return_inverse=True)[1]
+def _distinct(sorts: np.ndarray) -> list[int]:
+    """The different ones, in the order in which they come first."""
+    found, begins = np.unique(sorts, return_index=True)
+    return found[np.argsort(begins)].tolist()
+
+
+def _families(scenes: np.ndarray, rows: np.ndarray) -> np.ndarray | None:
+    """Of some rows the numbers of their baselines, in the order in which these come first; None where all are one."""
+    code = np.zeros(len(rows), np.int64)
+    for place in range(1, scenes.shape[1]):
+        column = scenes[rows, place]
+        if len(rows) and (column != column[0]).any():
+            code = np.unique(code * (int(column.max()) + 2) + column + 1, return_inverse=True)[1]
+    if not code.any():
+        return None
     _, begins, code = np.unique(code, return_index=True, return_inverse=True)
-    return np.argsort(np.argsort(begins))[code]
+    return np.argsort(np.argsort(begins))[code].astype(np.int32)

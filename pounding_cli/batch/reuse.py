@@ -10,7 +10,7 @@ import numpy as np
 
 from pounding_cli.batch.families import order_of
 from pounding_cli.batch.histories import refuse_loss
-from pounding_cli.model.digest_map import pieces
+from pounding_cli.digests import pieces
 from pounding_cli.model.placed import among
 from pounding_cli.numbers import counted
 from pounding_cli.store import PartStore, former_run, stored_chunks

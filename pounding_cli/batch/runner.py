@@ -36,6 +36,7 @@ from pounding_cli.store import (
     write_results,
 )
 from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.expanded import keep_expanded
 from pounding_cli.store.files import is_results, refused_write
 from pounding_cli.store.keys import key_of
 from pounding_cli.store.locks import lock_of
@@ -220,6 +221,7 @@ def _solve_missing(
     used = Serial() if small or (chosen.workers == 1 and chosen.name != "dask") else chosen
     if not small:
         parts.flush()
+        keep_expanded(plan, parts.folder)
     queue = Queue(order.rest, used.workers, work / max(1, len(order.rest)))
     with contextlib.closing(used.solve(queue, plan.scenes, task, parts.key)) as solved:
         for finished in solved:

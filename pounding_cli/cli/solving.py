@@ -92,12 +92,10 @@ def solve_study(
     import dataclasses
     import gc
 
-    from pounding_cli.workflows import expansion
-
     _alone_on_its_core()
     gc.disable()  # what is imported stays: looking for garbage in it takes a fifteenth of a short run
     ctx.call_on_close(gc.enable)
-    from pounding_cli.api.studies import default_output
+    from pounding_cli.api.studies import default_output, plan_of
     from pounding_cli.batch.progress import JsonLines, chosen
     from pounding_cli.study.kinds import load_for
 
@@ -108,11 +106,11 @@ def solve_study(
             log.tell("warning", text=str(warning))
         elif not how.quiet:
             click.echo(f"warning: {warning}", err=True)
-    plan = dataclasses.replace(expansion(workflow)(loaded), **changes)
+    path = output or default_output(study, workflow)
+    plan = dataclasses.replace(plan_of(loaded, workflow, path), **changes)
     numba_without_blas()  # only now: a study that is refused needs no numba
     from pounding_cli.batch import run_plan
 
-    path = output or default_output(study, workflow)
     gc.freeze()
     gc.enable()
     outcome = run_plan(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.model.digest_map import runs
+from pounding_cli.digests import runs
 from pounding_cli.model.placed import among
 from pounding_cli.solve.response import COLLAPSED, DONE
 from pounding_cli.store.codec import parse

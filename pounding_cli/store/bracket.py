@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from pounding_cli.store.files import opened
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import coordinate, written
+from pounding_cli.store.values import PIECE
 
 HARDLY = 0.05
 """A quantity whose median changes by no more than this from end to end of a bracket hardly depends on it [-]."""
@@ -161,9 +163,13 @@ def _struck(file: h5py.File, axes: int) -> np.ndarray:
     """Whether a pounding link closed under any motion, over the swept axes, case and analysis."""
     if "kind" not in file:  # no case has a link
         return np.zeros(1, bool)
-    pounds = strings(file["kind"]) == "pounding"  # over axes, case, link
-    closed = np.nan_to_num(file["impacts"][()]).max(axis=axes + 2) > 0  # over axes, case, analysis, link
-    return (closed & pounds[..., None, :]).any(axis=-1)
+    kinds, impacts, found = file["kind"], file["impacts"], []
+    step = max(1, PIECE // max(1, math.prod(impacts.shape[1:])))
+    for begin in range(0, kinds.shape[0], step):
+        pounds = kinds.asstr()[begin : begin + step] == "pounding"  # over axes, case, link
+        closed = np.nan_to_num(impacts[begin : begin + step]).max(axis=axes + 2) > 0  # over axes, case, analysis, link
+        found.append((closed & pounds[..., None, :]).any(axis=-1))
+    return np.concatenate(found)
 
 
 def _over_records(array: np.ndarray, axes: int) -> np.ndarray:

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 """Place of the left building, its floor, the floor of the right building."""
 
+_POINTS = 1 << 15
+"""Points and cases whose links are looked at together."""
+
 Data = dict[str, tuple[tuple[str, ...], np.ndarray]]
 """Variable -> (dimensions, array)."""
 
@@ -71,22 +74,28 @@ def empty(variable: Variable, shape: tuple[int, ...]) -> np.ndarray:
 
 def facts(plan: Plan, shape: Shape) -> Iterator[Data]:
     """The variables of links, of buildings and of motions; the latter two without the axes that leave them alone."""
-    for group in (_links, _buildings, _records):
-        yield group(plan, shape)
+    yield from _links(plan, shape)
+    yield _buildings(plan, shape)
+    yield _records(plan, shape)
 
 
-def _links(plan: Plan, shape: Shape) -> Data:
+def _links(plan: Plan, shape: Shape) -> Iterator[Data]:
+    """One variable after another, each filled some points at a time: with a million points each takes 40 MB."""
     places = {place: number for number, place in enumerate(shape.links)}
-    arrays = {v.name: empty(v, shape.of((*shape.axes, *v.dims))) for v in LINKS}
-    flat = {name: array.reshape(-1, len(shape.links)) for name, array in arrays.items() if array.size}
-    for links, points, gaps in plan.rows.sets.alike(plan.rows.links):  # the same for every analysis and record
-        for number, link in enumerate(links):
-            column = places[link.place]
-            flat["kind"][points, column] = link.kind
-            flat["left_at"][points, column], flat["right_at"][points, column] = link.left_at, link.right_at
-            if link.kind != APART:
-                flat["gap"][points, column] = gaps[:, number]
-    return {v.name: ((*shape.axes, *v.dims), arrays[v.name]) for v in LINKS if v.name not in shape.left_out}
+    numbers = plan.rows.links  # the same for every analysis and record
+    for variable in LINKS:
+        if variable.name in shape.left_out:
+            continue
+        array = empty(variable, shape.of((*shape.axes, *variable.dims)))
+        for begin in range(0, len(numbers) if array.size else 0, _POINTS):
+            some = array.reshape(-1, len(shape.links))[begin : begin + _POINTS]
+            for links, points, gaps in plan.rows.sets.alike(numbers[begin : begin + _POINTS]):
+                for number, link in enumerate(links):
+                    if variable.name != "gap":
+                        some[points, places[link.place]] = getattr(link, variable.name)
+                    elif link.kind != APART:
+                        some[points, places[link.place]] = gaps[:, number]
+        yield {variable.name: ((*shape.axes, *variable.dims), array)}
 
 
 def _buildings(plan: Plan, shape: Shape) -> Data:

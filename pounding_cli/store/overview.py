@@ -3,22 +3,66 @@
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Any, overload
 
 import h5py
 import numpy as np
 
+from pounding_cli.numbers import Unit
+from pounding_cli.solve.response import DONE
 from pounding_cli.store.bracket import leading, said
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import FlagGroup, SceneFlags, counts_of_flags, flag_groups
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import coordinate, written
-from pounding_cli.texts import plain
+from pounding_cli.texts import plain, plain_all
 
 MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
 """What is shown of each analysis: the paper's Figs 6 and 7 show these two."""
+
+
+Axis = list[tuple[str, Any, Unit]]
+
+PIECE = 1 << 18
+"""Numbers read at a time."""
+
+
+class Points(Sequence[str]):
+    """Points of a sweep in words, "impact.restitution = 0.5", the last axis fastest; made when they are looked at.
+
+    axes : of each axis, of each key that moves on it: the key, its values, the unit they were written in
+    """
+
+    def __init__(self, axes: Sequence[Axis]) -> None:
+        self._axes = axes
+        self._sizes = [len(keys[0][1]) for keys in axes]
+
+    def __len__(self) -> int:
+        return math.prod(self._sizes)
+
+    @overload
+    def __getitem__(self, number: int) -> str: ...
+
+    @overload
+    def __getitem__(self, number: slice) -> list[str]: ...
+
+    def __getitem__(self, number: int | slice) -> str | list[str]:
+        if isinstance(number, slice):
+            return [self[place] for place in range(*number.indices(len(self)))]
+        places, number = [], range(len(self))[number]
+        for size in reversed(self._sizes):
+            number, place = divmod(number, size)
+            places.append(place)
+        return ", ".join(
+            f"{name} = {unit.text(values[place])}"
+            for keys, place in zip(self._axes, reversed(places), strict=True)
+            for name, values, unit in keys
+        )
 
 
 @dataclass(frozen=True)
@@ -70,7 +114,7 @@ class Overview:
     meaningless : scenes whose numbers mean nothing
     ratios : analysis -> the ratio shown of it
     not_simulated : scenes answered by proof from smaller groups, none of them simulated
-    points : every point of the sweep in words, of a bracket only its middle; one, empty, where nothing is swept
+    points : those of the sweep, of a bracket only its middle; one, empty, where nothing is swept
     unknown : how results depend on unknown values, in sentences
     """
 
@@ -82,7 +126,7 @@ class Overview:
     flags: tuple[FlagGroup, ...]
     meaningless: int
     not_simulated: int
-    points: tuple[str, ...]
+    points: Points
     unknown: tuple[str, ...]
     records: int
     solver_seconds: float
@@ -102,44 +146,39 @@ def overview(path: Path) -> Overview:
         )
         sources = list(strings(file["record_source"]).reshape(-1, len(records))[0])
         swept, lead = json.loads(file.attrs["swept"]), leading(file)
-        axes = [axis for axis, at in zip(swept, lead, strict=True) if isinstance(at, slice)]
-        means, errors, sensitivities = (
-            {ratio: file[f"{ratio}_{what}"][()][lead] for ratio, _ in MEASURES.values()}
-            for what in ("mean", "mean_error", "mean_sensitivity")
-        )
+        axes = [[(name, coordinate(file, name), written(file[name])) for name in names] for names in swept]
         # Storeys of a building, in whichever point of the sweep it has most of them.
         mass = file["mass"][()]
         there = np.isfinite(mass).any(axis=tuple(range(mass.ndim - 2)))
-        everywhere = _points([{name: _shown(file[name]) for name in names} for names in swept])
-        flags = strings(file["flags"])
-        worthless = counts_of_flags(flags)["records_meaningless"]
-        marked = worthless[lead].reshape(-1, len(cases), len(analyses)) > 0
-        scenes = (
-            SceneFlags(*names, cell)
-            for names, cell in zip(product(everywhere, cases, analyses, records), flags.flat, strict=True)
-        )
-        lines = []
-        for c, case in enumerate(cases):
-            for a, analysis in enumerate(analyses):
-                ratio, _ = MEASURES[analysis]
-                values = means[ratio].reshape(-1, *means[ratio].shape[len(axes) :])[:, c, a]
-                each = [_building(values[:, b], int(there[b].sum())) for b in range(len(buildings))]
-                roof, largest, at = zip(*each, strict=True)
-                error, sensitivity = (
-                    tuple(_worst(worth[ratio][..., c, a, b, :]) for b in range(len(buildings)))
-                    for worth in (errors, sensitivities)
+        worthless: list[np.ndarray] = []
+        flags = flag_groups(_flags(file["flags"], Points(axes), (cases, analyses, records), worthless))
+        meaningless = np.concatenate(worthless).reshape(*(len(keys[0][1]) for keys in axes), len(cases), len(analyses))
+        marked = meaningless[lead].reshape(-1, len(cases), len(analyses)) > 0
+        lines = {}
+        for a, analysis in enumerate(analyses):
+            ratio, _ = MEASURES[analysis]
+            pieces = _pieces(file[f"{ratio}_mean"], lead)
+            each = [
+                [_building(piece[:, :, a, b], int(there[b].sum())) for b in range(len(buildings))] for piece in pieces
+            ]
+            error, sensitivity = (_worst_of(file[f"{ratio}_mean_{what}"], lead, a) for what in ("error", "sensitivity"))
+            for c, case in enumerate(cases):
+                roof, largest, at = (
+                    tuple(np.concatenate([piece[b][which][:, c] for piece in each]) for b in range(len(buildings)))
+                    for which in range(3)
                 )
-                lines.append(Line(case, analysis, roof, largest, at, error, sensitivity, marked[:, c, a]))
+                worst = tuple(error[c].tolist()), tuple(sensitivity[c].tolist())
+                lines[c, a] = Line(case, analysis, roof, largest, at, *worst, marked[:, c, a])
         return Overview(
             plain(str(file.attrs["title"])),
             tuple(buildings),
-            tuple(lines),
+            tuple(lines[place] for place in sorted(lines)),
             {analysis: MEASURES[analysis][1] for analysis in analyses},
             {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
-            flag_groups(scenes),
-            int(worthless.sum()),
-            int(np.sum((strings(file["status"]) == "done") & (file["steps"][()] == 0))),
-            _points([{name: _shown(file[name]) for name in names} for names in axes]),
+            flags,
+            int(meaningless.sum()),
+            _not_simulated(file),
+            Points([keys for keys, at in zip(axes, lead, strict=True) if isinstance(at, slice)]),
             tuple(said(file)),
             len(records),
             float(file.attrs["solver_seconds"]),
@@ -163,28 +202,57 @@ def _worst(values: np.ndarray) -> float:
     return float(known.max()) if known.size else float("nan")
 
 
-def _points(axes: list[dict[str, list[str]]]) -> tuple[str, ...]:
-    """Points in words, the last axis fastest, as the arrays are laid out."""
-    words = [
-        [
-            ", ".join(f"{name} = {value}" for name, value in zip(axis, row, strict=True))
-            for row in zip(*axis.values(), strict=True)
-        ]
-        for axis in axes
+def _pieces(dataset: h5py.Dataset, lead: tuple[int | slice, ...]) -> Iterator[np.ndarray]:
+    """A dataset over the swept axes, some of its points at a time: each piece with the points in its first dimension.
+
+    lead : what is taken of every swept axis
+    """
+    behind = dataset.shape[len(lead) :]
+    if not lead or not isinstance(lead[0], slice):
+        yield dataset[lead].reshape(-1, *behind)
+        return
+    step = max(1, PIECE // max(1, math.prod(dataset.shape[1:])))
+    for begin in range(0, dataset.shape[0], step):
+        yield dataset[(slice(begin, begin + step), *lead[1:])].reshape(-1, *behind)
+
+
+def _flags(
+    dataset: h5py.Dataset, points: Points, names: tuple[list[str], ...], worthless: list[np.ndarray]
+) -> Iterator[SceneFlags]:
+    """The flags of every scene; `worthless` gets, piece by piece, the records whose numbers mean nothing."""
+    number = 0
+    for piece in _pieces(dataset.asstr(), (slice(None),) * (dataset.ndim - 3)):
+        flags = np.array(plain_all(piece.flat), dtype=object).reshape(piece.shape)
+        worthless.append(counts_of_flags(flags)["records_meaningless"])
+        for cells in flags:
+            point = points[number] if any(cells.flat) else ""  # that of a scene without flags is not asked for
+            number += 1
+            for (case, analysis, record), cell in zip(product(*names), cells.flat, strict=True):
+                yield SceneFlags(point, case, analysis, record, cell)
+
+
+def _not_simulated(file: h5py.File) -> int:
+    """Scenes that are done without a step."""
+    every = (slice(None),) * (file["status"].ndim - 3)
+    pieces = zip(_pieces(file["status"].asstr(), every), _pieces(file["steps"], every), strict=True)
+    return sum(int(((status == DONE) & (steps == 0)).sum()) for status, steps in pieces)
+
+
+def _worst_of(dataset: h5py.Dataset, lead: tuple[int | slice, ...], analysis: int) -> np.ndarray:
+    """The largest of finite values over points and storeys, NaN where there is none, shape (cases, buildings)."""
+    found = [
+        np.where(np.isfinite(piece), piece, -np.inf)[:, :, analysis].max(axis=(0, -1))
+        for piece in _pieces(dataset, lead)
     ]
-    return tuple(", ".join(point) for point in product(*words))
-
-
-def _shown(dataset: h5py.Dataset) -> list[str]:
-    """The values of a swept key as the study wrote them."""
-    unit = written(dataset)
-    return [unit.text(value) for value in coordinate(dataset.file, dataset.name)]
+    worst = np.max(found, axis=0)
+    return np.where(worst == -np.inf, np.nan, worst)
 
 
 def _building(values: np.ndarray, storeys: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Roof, largest and its storey, from means of shape (points, storeys)."""
-    values = values[:, :storeys]
+    """Roof, largest and its storey, each of shape (points, cases), from means of shape (points, cases, storeys)."""
+    values = values[..., :storeys]
     known = np.isfinite(values)
     filled = np.where(known, values, -np.inf)
-    largest = np.where(known.any(axis=1), filled.max(axis=1), np.nan)
-    return values[:, -1], largest, np.where(known.any(axis=1), filled.argmax(axis=1) + 1, 0)
+    some = known.any(axis=-1)
+    largest = np.where(some, filled.max(axis=-1), np.nan)
+    return values[..., -1].copy(), largest, np.where(some, filled.argmax(axis=-1) + 1, 0).astype(np.int32)

@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pounding_cli.model.digest_map import DigestMap, pieces, runs
+from pounding_cli.digests import DigestMap, pieces, runs
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Scene
+from pounding_cli.outputs import parts_of
 from pounding_cli.solve.response import Response
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import Header, decode, parse
@@ -40,7 +41,7 @@ class PartStore(Mapping[str, Response]):
     """
 
     def __init__(self, output: Path, key: str) -> None:
-        self.folder = output.with_name(output.name + ".parts")
+        self.folder = parts_of(output)
         self.key = key
         self._chunks: list[_Held] = []
         self._unsaved: dict[int, bytes] = {}

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from pounding_cli.digests import pieces
 from pounding_cli.errors import InputError
+from pounding_cli.model.placed import among
+from pounding_cli.model.scene import Scene
 from pounding_cli.solve.response import methods_in
 from pounding_cli.store import packed
 from pounding_cli.store.chunk import Chunk
@@ -19,36 +23,42 @@ from pounding_cli.store.parts import PartStore
 _SCENES = 4096
 """Scenes written or read at a time."""
 
+_DIGESTS = 1 << 14
+"""Digests in one compressed piece of the file."""
+
 _NUMBERS = 1 << 15
 """Numbers in one compressed piece of the file."""
 
 
-def write_solutions(file: h5py.File, digests: Sequence[str], responses: PartStore) -> None:
+def write_solutions(file: h5py.File, scenes: Mapping[str, Scene], responses: PartStore) -> None:
     """Write `digest`, `line` (distinct headers, JSON), `words` (line of each scene), `numbers` (scene after scene).
 
-    First come the scenes of the study, `digests`; then what else `responses` has: scenes the study had before.
+    First come the scenes of the study; then what else `responses` has: scenes the study had before.
     """
-    mine = set(digests)
-    digests = [*digests, *(digest for digest in responses if digest not in mine)]
+    others = [some[place] for some in pieces(responses) for place in np.flatnonzero(~among(scenes, some)).tolist()]
+    count = len(scenes) + len(others)
     group = file.create_group("solutions")
     group.attrs["long_name"] = "responses by scene digest, linked scenes and buildings alone; kept for reuse"
-    packed.write(group, "digest", np.array(digests, "S64"))
-    lines, words = responses.lines(digests)
+    size = min(count, _DIGESTS)
+    stored = packed.create(group, "digest", (count,), np.dtype("S64"), (size,))
+    for number, some in enumerate(pieces(chain(scenes, others), size)):
+        packed.put(stored, (number * size,), np.array(some, "S64"))
+    lines, words = responses.lines(chain(scenes, others))
     group.create_dataset("line", data=lines, dtype=h5py.string_dtype())
     packed.write(group, "words", words)
     total = int(np.array([parse(line).size for line in lines], np.int64)[words].sum())
     size = min(total, _NUMBERS)
     numbers = packed.create(group, "numbers", (total,), np.dtype(float), (size,))
     packed.put(numbers, (0,), np.zeros(size))  # now HDF5 makes the index: damage of other pieces then does not reach it
-    for number, piece in enumerate(_pieces(digests, responses, size)):
+    for number, piece in enumerate(_pieces(chain(scenes, others), responses, size)):
         packed.put(numbers, (number * size,), piece)
 
 
-def _pieces(digests: Sequence[str], responses: PartStore, size: int) -> Iterator[np.ndarray]:
+def _pieces(digests: Iterable[str], responses: PartStore, size: int) -> Iterator[np.ndarray]:
     """The numbers of scene after scene, `size` at a time."""
     left = np.zeros(0)
-    for begin in range(0, len(digests), _SCENES):
-        left = np.concatenate([left, *(row for _, row in responses.take(digests[begin : begin + _SCENES]))])
+    for some in pieces(digests, _SCENES):
+        left = np.concatenate([left, *(row for _, row in responses.take(some))])
         whole = left.size // size * size
         yield from left[:whole].reshape(-1, size)
         left = left[whole:]

@@ -6,6 +6,7 @@ The numbers of the scenes may be anything: they are shown, and nothing is found 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 
 import h5py
@@ -17,6 +18,9 @@ from pounding_cli.variables import POINTS
 from pounding_cli.workflows import WORKFLOWS
 
 ANALYSES = ("elastic", "inelastic")
+
+PIECE = 1 << 18
+"""Values read at a time: a million points have five million links, and each text takes 60 bytes."""
 
 
 def check_study(file: h5py.File) -> None:
@@ -82,7 +86,9 @@ def _check_places_of_links(file: h5py.File) -> None:
     for name in ("link_floor", "link_right_floor"):
         if not np.isin(file[name][()], file["floor"][()]).all():
             raise refused(name, "is not a floor")
-    kind, gap = file["kind"].asstr()[()], file["gap"][()]
-    has_gap = (kind != "") & (kind != APART)
-    if gap.shape == kind.shape and not np.isfinite(gap[has_gap]).all():
-        raise refused("gap", "is not finite")
+    kinds, gaps = file["kind"], file["gap"]
+    step = max(1, PIECE // max(1, math.prod(kinds.shape[1:])))
+    for begin in range(0, kinds.shape[0] if gaps.shape == kinds.shape else 0, step):
+        kind, gap = kinds.asstr()[begin : begin + step], gaps[begin : begin + step]
+        if not np.isfinite(gap[(kind != "") & (kind != APART)]).all():
+            raise refused("gap", "is not finite")

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
+from pounding_cli.digests import AT_ONCE
 from pounding_cli.errors import InputError
-from pounding_cli.model.digest_map import AT_ONCE
 from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
 from pounding_cli.store import answers
@@ -144,7 +144,7 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
     study["warnings"] = json.dumps([vars(warning) for warning in plan.study.warnings])
     if plan.motions and (match := plan.study.spectrum_match()) is not None:
         study["spectrum"] = json.dumps(match.as_dict())
-    write_solutions(file, list(plan.scenes), responses)
+    write_solutions(file, plan.scenes, responses)
     _write_attributes(file, plan, responses, run)
     file.attrs["study_file"] = written_place(plan.study, path)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -10,9 +11,9 @@ from operator import add
 
 import numpy as np
 
+from pounding_cli.digests import DIGEST
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
-from pounding_cli.model.digest_map import DIGEST
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study.digits import cheap_accuracy
@@ -21,7 +22,7 @@ from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
 from pounding_cli.study.resolve import AROUND, Resolver, links_depend_on, places
-from pounding_cli.study.scenes import Frame, LinkSets, Rows, Scenes, in_order, seen
+from pounding_cli.study.scenes import Expanded, Frame, LinkSets, Rows, Scenes, in_order, seen
 from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.sections import Point
 
@@ -42,13 +43,18 @@ Asks = Callable[[Point, str, Analysis, str], bool]
 """asks(point, case, analysis, record) -> whether the scenes of a row are wanted."""
 
 
-def expand(study: Study, links_of: Links | None = None, asks: Asks | None = None) -> Plan:
+def expand(
+    study: Study, links_of: Links | None = None, asks: Asks | None = None, known: Expanded | None = None
+) -> Plan:
     """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound.
 
     What an axis does not touch is worked out once for all its values: every case by itself, every building alone.
 
     links_of : what stands between the buildings in place of what the study says
     asks : which rows have scenes; all unless given
+    known : what this very study came to before
+
+    Raises `ValueError` where that is of another study.
     """
     model, resolver = study.model, study.resolver
     cases, analyses = tuple(model.cases), tuple(Analysis(word) for word in model.analyses)
@@ -60,15 +66,10 @@ def expand(study: Study, links_of: Links | None = None, asks: Asks | None = None
         records,
     )
     builder = _Builder(resolver, links_of or resolver.links, cases, analyses, records)
-    digests = _Digests(study, frame, builder)
-    for place, _ in enumerate(cases):
-        digests.add_case(place)
-    digests.refuse()
-    for place, _ in enumerate(model.group):
-        digests.add_building(place)
-    table, numbers, first = in_order(*digests.whole(asks))
-    rows = Rows(frame, table, numbers, digests.links, digests.sets)
-    scenes = Scenes(frame, table, first, len(model.group), builder)
+    found = known or _Digests(study, frame, builder).expanded(asks)
+    if found.scenes.shape != (math.prod(frame.shape), 1 + len(model.group)):
+        raise ValueError("another study")
+    rows, scenes = Rows(frame, found), Scenes(frame, found, builder)
     kept, every = kept_rows(model, resolver.root, resolver.axes, rows, scenes, resolver.file)
     return Plan(
         study=study,
@@ -104,10 +105,7 @@ class _Around:
 
 
 class _Digests:
-    """Gathers the digests of all scenes and what tables say of their links.
-
-    links : of every point and case the number of its links in `sets`, shape (points * cases,)
-    """
+    """Gathers the digests of all scenes and what tables say of their links."""
 
     def __init__(self, study: Study, frame: Frame, builder: _Builder) -> None:
         self._study, self._frame, self._builder = study, frame, builder
@@ -118,9 +116,24 @@ class _Digests:
         self._problems: dict[Problem, None] = {}
         study.resolver.met.clear()
         self._links = np.empty((*self._sizes, len(frame.cases)), np.int32)
-        self.sets = LinkSets()
+        self._sets = LinkSets()
 
-    def add_case(self, place: int) -> None:
+    def expanded(self, asks: Asks | None) -> Expanded:
+        """All of it.  Raises `InputError`."""
+        for place, _ in enumerate(self._frame.cases):
+            self._add_case(place)
+        self._refuse()
+        for place, _ in enumerate(self._study.model.group):
+            self._add_building(place)
+        scenes = self._scenes.reshape(-1, self._scenes.shape[-1])
+        if asks is not None:
+            frame, points = self._frame, product(*map(range, self._sizes))
+            names = product(points, frame.cases, map(Analysis, frame.analyses), frame.records)
+            scenes[~np.fromiter(starmap(asks, names), bool, len(scenes))] = -1
+        digests = np.frombuffer(self._content, np.uint8).reshape(-1, DIGEST)
+        return Expanded(*in_order(digests, scenes), self._links.ravel(), self._sets)
+
+    def _add_case(self, place: int) -> None:
         """The scenes of a case."""
         case, builder, numbers = self._frame.cases[place], self._builder, array("i")
 
@@ -129,7 +142,7 @@ class _Digests:
             if self._met():
                 return None
             links = builder.links(point, case)
-            numbers.append(self.sets.number(seen(links)))
+            numbers.append(self._sets.number(seen(links)))
             return Digests(builder.buildings(point), links)
 
         own = self._study.resolver.touching(*links_depend_on(case))
@@ -137,7 +150,7 @@ class _Digests:
         if not self._problems:
             self._links[..., place] = np.array(numbers, np.int32).reshape(_kept(self._sizes, own))
 
-    def add_building(self, place: int) -> None:
+    def _add_building(self, place: int) -> None:
         """The scenes of a building alone."""
 
         def begin(point: Point) -> Digests:
@@ -157,7 +170,7 @@ class _Digests:
                 endings = self._builder.endings(tuple(map(add, point, other)))
                 if begun is None or self._met():
                     if len(self._problems) >= MOST_PROBLEMS:
-                        self.refuse()
+                        self._refuse()
                     continue
                 for ending in endings:
                     self._content += begun.ended(ending)
@@ -178,24 +191,10 @@ class _Digests:
         resolver.met.clear()
         return bool(self._problems)
 
-    def refuse(self) -> None:
+    def _refuse(self) -> None:
         """Raises `InputError` where something is wrong."""
         if self._problems:
             raise InputError(sorted(self._problems, key=lambda p: (p.line, p.column, p.message)))
-
-    @property
-    def links(self) -> np.ndarray:
-        return self._links.ravel()
-
-    def whole(self, asks: Asks | None) -> tuple[np.ndarray, np.ndarray]:
-        """All digests, and the numbers of those of every row, shape (rows, 1 + buildings); -1 in rows that nobody
-        asks for."""
-        scenes = self._scenes.reshape(-1, self._scenes.shape[-1])
-        if asks is not None:
-            frame, points = self._frame, product(*map(range, self._sizes))
-            names = product(points, frame.cases, map(Analysis, frame.analyses), frame.records)
-            scenes[~np.fromiter(starmap(asks, names), bool, len(scenes))] = -1
-        return np.frombuffer(self._content, np.uint8).reshape(-1, DIGEST), scenes
 
 
 def _points(sizes: tuple[int, ...], touched: tuple[bool, ...]) -> Iterator[Point]:

@@ -72,6 +72,11 @@ class MotionReader:
             raise found
         return found
 
+    @property
+    def digests(self) -> list[str]:
+        """Of all motions that were read so far."""
+        return [found.digest for found in self._read.values() if isinstance(found, Motion)]
+
     def named(self, name: str) -> Motion:
         """The whole catalogue motion `name`."""
         return self.take(name, self.items(name)[0])

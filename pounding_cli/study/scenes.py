@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from array import array
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -12,7 +13,7 @@ from typing import overload
 
 import numpy as np
 
-from pounding_cli.model.digest_map import AT_ONCE, Sorted, heads, runs, texts
+from pounding_cli.digests import AT_ONCE, DIGEST, Sorted, heads, runs, texts
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
@@ -21,8 +22,15 @@ from pounding_cli.study.plan import LinkSeen, Row
 Build = Callable[[tuple[int, ...], int, int, int], Scene]
 """build(point, case, analysis, record) -> the scene of the group; cases, analyses, records by number from 0."""
 
+_ROWS = 1 << 16
+"""Rows looked at together."""
+
 _MOST_ALIKE = 4096
 """Sets of links that are known again."""
+
+
+_SET_ARRAYS = "layout", "begin", "gaps"
+_ARRAYS = "scenes", "first", "links"
 
 
 @dataclass(frozen=True)
@@ -96,6 +104,22 @@ class LinkSets:
             each = np.arange(len(links)) * (end - begin > 1)[which, None]  # a set of one gap has it once
             yield links, which, gaps[begin[which, None] + each]
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All of it, to be written down."""
+        layouts = np.frombuffer(json.dumps(self._layouts).encode(), np.uint8)
+        return {"layouts": layouts, **{name: np.array(getattr(self, f"_{name}")) for name in _SET_ARRAYS}}
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, np.ndarray]) -> LinkSets:
+        """What `arrays` were made of."""
+        found = cls()
+        found._layouts = [
+            tuple(LinkSeen(*link) for link in layout) for layout in json.loads(arrays["layouts"].tobytes())
+        ]
+        for name in _SET_ARRAYS:
+            getattr(found, f"_{name}").frombytes(arrays[name].tobytes())
+        return found
+
 
 class DigestList(Sequence[str]):
     """Digests as texts, made when they are looked at.
@@ -159,21 +183,50 @@ class DigestTable:
         return DigestList(self.digests, numbers)[:]
 
 
+@dataclass(frozen=True, eq=False)
+class Expanded:
+    """What a study comes to.
+
+    table : the digests of all scenes, in the order of the rows that need them first
+    scenes : of every row the number of its scene and of those of the buildings alone, -1 for one that nobody asks for,
+        shape (rows, 1 + buildings)
+    first : of every scene the place in `scenes` (flat) where it stands first, shape (scenes,)
+    links : of every point and case the number of its links in `sets`, shape (points * cases,)
+    """
+
+    table: DigestTable
+    scenes: np.ndarray
+    first: np.ndarray
+    links: np.ndarray
+    sets: LinkSets
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All of it, to be written down."""
+        return {"digests": self.table.digests, **{name: getattr(self, name) for name in _ARRAYS}, **self.sets.arrays()}
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, np.ndarray]) -> Expanded:
+        """What `arrays` were made of.  Raises `ValueError` or `KeyError` where they do not fit together."""
+        scenes, first, links = (arrays[name] for name in _ARRAYS)
+        found = cls(DigestTable(arrays["digests"]), scenes, first, links, LinkSets.of(arrays))
+        if found.first.shape != found.table.digests.shape[:1] or found.table.digests.shape[1:] != (DIGEST,):
+            raise ValueError("as many digests as scenes")
+        return found
+
+
 class Rows(Sequence[Row]):
     """The rows of the tables, made when they are looked at; two are equal when all their rows are.
 
     Parameters
     ----------
     frame : their names
-    table : the digests of all scenes
-    scenes : of every row the number of its scene and of those of the buildings alone, -1 for one that nobody asks for,
-        shape (rows, 1 + buildings)
-    links : of every point and case the number of its links in `sets`, shape (points * cases,)
+    expanded : what they rest on
     """
 
-    def __init__(self, frame: Frame, table: DigestTable, scenes: np.ndarray, links: np.ndarray, sets: LinkSets) -> None:
-        self.frame, self.table, self.scenes = frame, table, scenes
-        self.links, self.sets = links, sets
+    def __init__(self, frame: Frame, expanded: Expanded) -> None:
+        self.frame, self.expanded = frame, expanded
+        self.table, self.scenes = expanded.table, expanded.scenes
+        self.links, self.sets = expanded.links, expanded.sets
 
     def __len__(self) -> int:
         return len(self.scenes)
@@ -219,14 +272,14 @@ class Scenes(Placed):
 
     Parameters
     ----------
-    table : their digests
-    places : of each the number of a row, times one more than the buildings, plus 0 for the scene of the row or 1 and
-        the place of the building alone, shape (scenes,)
+    frame : the names along the rows
+    expanded : what they are
+    build : builds the scene of a row
     """
 
-    def __init__(self, frame: Frame, table: DigestTable, places: np.ndarray, buildings: int, build: Build) -> None:
-        self.table = table
-        self._frame, self._places, self._each, self._build = frame, places, buildings + 1, build
+    def __init__(self, frame: Frame, expanded: Expanded, build: Build) -> None:
+        self.table, self.first = expanded.table, expanded.first
+        self._frame, self._each, self._build = frame, expanded.scenes.shape[1], build
         self._lock = threading.Lock()  # what builds scenes keeps what it found
 
     def place(self, digest: str) -> int:
@@ -234,7 +287,7 @@ class Scenes(Placed):
         number = self.table.numbers([digest])[0]
         if number < 0:
             raise KeyError(digest)
-        return int(self._places[number])
+        return int(self.first[number])
 
     def at(self, place: int) -> Scene:
         """The scene at a place."""
@@ -255,7 +308,7 @@ class Scenes(Placed):
         numbers = self.table.numbers(digests)
         if (numbers < 0).any():
             raise KeyError(digests[int(np.argmin(numbers))])
-        return self._places[numbers].tolist()
+        return self.first[numbers].tolist()
 
     def __iter__(self) -> Iterator[str]:
         return iter(DigestList(self.table.digests))
@@ -265,47 +318,49 @@ class Scenes(Placed):
 
 
 def in_order(digests: np.ndarray, scenes: np.ndarray) -> tuple[DigestTable, np.ndarray, np.ndarray]:
-    """Scenes each once, in the order of the rows that need them first.
+    """`table`, `scenes` and `first` of `Expanded`.
 
-    Parameters
-    ----------
-    digests : `packed`, any order, some of them alike
-    scenes : as in `Rows`, numbers of these digests
-
-    Returns
-    -------
-    the digests, the numbers as `Rows` has them, and the place among these (flat) where each scene stands first
+    digests : `packed`, in any order, some of them alike; scenes : as in `Expanded`, numbers of these digests
     """
-    flat = np.append(_first_alike(digests), np.int32(-1))[scenes.ravel()]
-    used, first = first_of(flat, flat >= 0, len(digests))
+    alike = _first_alike(digests)
+    if alike is not None:
+        scenes = np.append(alike, np.int32(-1))[scenes]
+    used, first = first_of(scenes, np.append(np.ones(len(digests), bool), False))
     number = np.full(len(digests) + 1, -1, np.int32)
     number[used] = np.arange(len(used), dtype=np.int32)
-    return DigestTable(digests[used]), number[flat].reshape(scenes.shape), first
+    return DigestTable(digests[used]), number[scenes], first
 
 
-def first_of(numbers: np.ndarray, chosen: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The different ones of the chosen numbers below `count`, in the order in which they come first, and the place
-    where each does."""
-    at = np.flatnonzero(chosen)
-    first = np.full(count, -1, np.int64)
-    first[numbers[at[::-1]]] = at[::-1]  # the first place is written last, and stays
-    found = np.flatnonzero(first >= 0)
+def first_of(scenes: np.ndarray, wanted: np.ndarray, turned: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """The different numbers that are wanted, in the order in which they come first, and the places (flat) of that.
+
+    scenes : shape (rows, columns); wanted : of every number, and last of -1, whether it is
+    turned : every row begins with its column of this number
+    """
+    rows, columns = scenes.shape
+    first = np.full(len(wanted) - 1, -1, np.int64)
+    for begin in reversed(range(0, rows, _ROWS)):  # the first place is written last, and stays
+        some = np.roll(scenes[begin : begin + _ROWS], -turned, axis=1).ravel()
+        at = np.flatnonzero(wanted[some])[::-1]
+        first[some[at]] = begin * columns + at
+    found = np.flatnonzero(first >= 0).astype(np.int32)
     found = found[np.argsort(first[found])]
     return found, first[found]
 
 
-def _first_alike(digests: np.ndarray) -> np.ndarray:
-    """Of every digest the number of the first that is the same, shape (digests,)."""
-    words = np.ascontiguousarray(digests).view(np.uint64)
-    order = np.argsort(heads(digests), kind="stable")
-    same = (words[order[1:]] == words[order[:-1]]).all(axis=1)
-    alike = words[order[1:], 0] == words[order[:-1], 0]
-    if (alike & ~same).any():  # two digests that begin alike: sorted by all they have
-        order = np.lexsort(words.T[::-1])
-        same = (words[order[1:]] == words[order[:-1]]).all(axis=1)
-    begins = np.flatnonzero(np.concatenate([[True], ~same]))[: len(order)]
-    found = np.empty(len(order), np.int32)
-    found[order] = np.repeat(order[begins], np.diff(begins, append=len(order)))
+def _first_alike(digests: np.ndarray) -> np.ndarray | None:
+    """Of every digest the number of the first that is the same, shape (digests,); None where all differ."""
+    begins = heads(digests)
+    order = np.argsort(begins, kind="stable").astype(np.int32)
+    begins = begins[order]
+    again = np.flatnonzero(begins[1:] == begins[:-1]) + 1
+    if not again.size:
+        return None
+    found = np.arange(len(digests), dtype=np.int32)
+    first: dict[bytes, int] = {}
+    for place in np.union1d(again - 1, again).tolist():  # those that begin alike, the first ones first
+        number = int(order[place])
+        found[number] = first.setdefault(digests[number].tobytes(), number)
     return found
 
 

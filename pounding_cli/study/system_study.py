@@ -12,15 +12,15 @@ from typing import Any, ClassVar, cast
 import numpy as np
 from pydantic import ValidationError
 
+from pounding_cli.digests import packed
 from pounding_cli.errors import Problem
-from pounding_cli.model.digest_map import packed
 from pounding_cli.study.base import Model
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.plan import Axis, Plan
 from pounding_cli.study.plausible import few
 from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Problems
-from pounding_cli.study.scenes import DigestTable, Frame, LinkSets, Rows
+from pounding_cli.study.scenes import DigestTable, Expanded, Frame, LinkSets, Rows
 from pounding_cli.study.source import Node
 from pounding_cli.study.yaml_file import read_source
 from pounding_cli.workflows import WORKFLOWS
@@ -127,7 +127,8 @@ def expand_system(study: SystemStudy) -> Plan:
     number, sets = {digest: place for place, digest in enumerate(scenes)}, LinkSets()
     frame = Frame((*(len(axis.nodes) for axis in study.axes), 1, 1, 1), ("points",), ("",), ("",))
     places = np.array([[number[digest]] for digest in digests], np.int32)
-    rows = Rows(frame, DigestTable(packed(list(scenes))), places, np.full(len(digests), sets.number(())), sets)
+    table, first = DigestTable(packed(list(scenes))), np.unique(places, return_index=True)[1]
+    rows = Rows(frame, Expanded(table, places, first, np.full(len(digests), sets.number(())), sets))
     axes = []
     for place, axis in enumerate(study.axes):
         along = {point.index[place]: point.values for point in study.points}

@@ -1,6 +1,7 @@
 """Many scenes by one command: time and memory of all its processes together.
 
-`python -m tests.bench.sweep COMMAND SCENES [ENGINE]` measures run, gap, fragility, sensitivity or optimise."""
+`python -m tests.bench.sweep COMMAND SCENES [ENGINE]` measures run, gap, fragility, sensitivity or optimise;
+`python -m tests.bench.sweep resume SCENES [SECONDS]` how soon a run that was killed goes on."""
 
 from __future__ import annotations
 
@@ -136,6 +137,48 @@ def run(count: int, command: str = "run", engine: str = "processes") -> dict:
     return found | {"main": watcher.main, "file": size, "load": load}
 
 
+def resume(count: int, seconds: float = 60.0) -> dict:
+    """Kill `pound run` so long [s] after its first part, and begin it again: the parts it had, and the time until the
+    first new one [s], by the clock and of all cores."""
+    with tempfile.TemporaryDirectory() as folder:
+        study, results = Path(folder) / "sweep.yaml", Path(folder) / "sweep.h5"
+        study.write_text(study_of("run", count))
+        found: dict = {}
+        for wait in (seconds, 0.0):
+            had, begin = _parts(results), time.perf_counter()
+            command = [*pound(), "run", str(study), "-o", str(results)]
+            process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while _parts(results) == had:
+                if process.poll() is not None:
+                    raise RuntimeError(f"pound run ended with {process.returncode} before it was killed")
+                time.sleep(0.05)
+            found = {"parts": had, "until_first": time.perf_counter() - begin, "on_cores": family_seconds(process.pid)}
+            time.sleep(wait)
+            process.kill()
+            process.wait()
+            time.sleep(2.0)  # its workers end as they see that it is gone
+    return found
+
+
+def _parts(results: Path) -> int:
+    return sum(path.suffix == ".part" for path in Path(f"{results}.parts").glob("*"))
+
+
+def family_seconds(pid: int) -> float:
+    """Time on the cores of a process and all below it [s] (Linux)."""
+    total, waiting = 0, [pid]
+    while waiting:
+        here = waiting.pop()
+        try:
+            user, system = Path(f"/proc/{here}/stat").read_text().rpartition(")")[2].split()[11:13]
+            for task in Path(f"/proc/{here}/task").iterdir():
+                waiting += [int(child) for child in (task / "children").read_text().split()]
+        except OSError:  # ended meanwhile
+            continue
+        total += int(user) + int(system)
+    return total / os.sysconf("SC_CLK_TCK")
+
+
 def scenes_of(results: Path) -> int:
     """Scenes in a results file."""
     with h5py.File(results) as file:
@@ -186,4 +229,7 @@ def resident(pid: int) -> int:
 
 
 if __name__ == "__main__":
-    print(run(int(sys.argv[2]), *sys.argv[1:2], *sys.argv[3:]))
+    if sys.argv[1] == "resume":
+        print(resume(int(sys.argv[2]), *map(float, sys.argv[3:])))
+    else:
+        print(run(int(sys.argv[2]), *sys.argv[1:2], *sys.argv[3:]))

@@ -12,6 +12,7 @@ import numpy as np
 from pounding_cli.batch import run_plan
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import solve_bundle
+from pounding_cli.batch.families import order_of
 from pounding_cli.solve import solve
 from pounding_cli.study import load_study
 from pounding_cli.workflows import expansion
@@ -21,6 +22,9 @@ from . import sweep
 
 MOST = 1500.0
 """Held at the same time for each scene, at most [bytes]."""
+
+MOST_OF_A_POINT = 150.0
+"""What a plan and the order of its scenes keep of a point with one scene, at most [bytes]."""
 
 MOST_OF_A_WORKER = 2000.0
 """What a worker keeps of each scene once it keeps as much as it may, at most [bytes]."""
@@ -73,3 +77,22 @@ def test_a_worker_stops_growing(tmp_path, monkeypatch):
         sizes.append(tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
     assert sizes[2] - sizes[1] < 150 * MOST_OF_A_WORKER, sizes
+
+
+def test_a_plan_holds_little_of_every_point(tmp_path, monkeypatch):
+    """A million points must fit beside the rest: fails if digests are texts, or if rows, scenes or links are kept."""
+    monkeypatch.setattr("pounding_cli.study.sections.MOST_KEPT", 200)
+    sizes = []
+    for count in (400, 800, 2400):
+        path = tmp_path / f"{count}.yaml"
+        path.write_text(sweep.study_of("run", count))
+        study = load_study(path)
+        gc.collect()
+        tracemalloc.start()
+        plan = expansion("run")(study)
+        order = order_of(plan, lambda digests: np.zeros(len(digests), bool))
+        assert plan.scenes.place(order.digests[-1]) >= 0  # what is looked up once is kept
+        gc.collect()
+        sizes.append(tracemalloc.get_traced_memory()[0])
+        tracemalloc.stop()
+    assert (sizes[2] - sizes[1]) / 1600 < MOST_OF_A_POINT, sizes

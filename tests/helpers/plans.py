@@ -8,17 +8,17 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from pounding_cli.digests import packed
 from pounding_cli.errors import Problem
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
-from pounding_cli.model.digest_map import packed
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import Axis, MotionUse, Plan, Row
-from pounding_cli.study.scenes import DigestTable, Frame, LinkSets, Rows, seen
+from pounding_cli.study.scenes import DigestTable, Expanded, Frame, LinkSets, Rows, seen
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def rows_of(frame: Frame, rows: list[Row]) -> Rows:
     number, sets = {digest: place for place, digest in enumerate(digests)}, LinkSets()
     scenes = np.array([[number[digest] for digest in (row.scene, *row.baselines)] for row in rows], np.int32)
     links = [sets.number(row.links) for row in rows[:: len(frame.analyses) * len(frame.records)]]
-    return Rows(frame, DigestTable(packed(digests)), scenes, np.array(links), sets)
+    return Rows(frame, Expanded(DigestTable(packed(digests)), scenes, np.arange(len(digests)), np.array(links), sets))
 
 
 def known(scene: Scene, accuracy: float = 1e-6, method: str = "taylor", **_) -> Response:

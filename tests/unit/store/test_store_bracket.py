@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -90,8 +91,23 @@ def test_where_no_floor_strikes_nothing_is_said(file):
 def test_the_overview_leads_with_the_middle(file):
     axes = (AXIS, Axis(("tail",), ((0.0,), (1.0,))))
     found = overview(file([KEY], axes=axes, pull=1.2))
-    assert found.points == ("tail = 0", "tail = 1")
+    assert list(found.points) == ["tail = 0", "tail = 1"]
     first = found.lines[0]
     assert first.roof[0].tolist() == pytest.approx([1.5 * 1.2] * 2)
     assert first.meaningless.shape == (2,)
     assert found.unknown[0].startswith("Bracket of impact.stiffness")
+
+
+def test_the_overview_is_the_same_read_bit_by_bit(file, monkeypatch):
+    """Fails if a piece of the file is left out, read twice or taken for another's points."""
+    axes = (AXIS, Axis(("tail",), ((0.0,), (1.0,), (2.0,))))
+    path = file([], axes=axes, pull=1.2)
+    whole = overview(path)
+    monkeypatch.setattr(sys.modules["pounding_cli.store.overview"], "PIECE", 1)  # its name is the function's too
+    again = overview(path)
+    assert list(again.points) == list(whole.points)
+    assert repr((again.flags, again.meaningless, again.trust)) == repr((whole.flags, whole.meaningless, whole.trust))
+    for one, other in zip(again.lines, whole.lines, strict=True):
+        for mine, theirs in zip(vars(one).values(), vars(other).values(), strict=True):
+            np.testing.assert_array_equal(mine, theirs)
+        assert len(one.roof[0]) == len(whole.points) == 3 * len(AXIS.values)

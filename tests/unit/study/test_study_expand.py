@@ -7,6 +7,7 @@ import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.study import expand, load_study
+from pounding_cli.study.scenes import LinkSets
 
 GAP = "gap: {link: pounding, gap: 5 cm}"
 END = "analyses: [elastic]\n"
@@ -124,6 +125,19 @@ def test_repeated_scene_runs_once(study):
     plan = expand(read)
     assert len(plan.rows) == 4
     assert len({row.scene for row in plan.rows}) == 2
+
+
+def test_what_an_axis_does_not_touch_is_built_once(study, monkeypatch):
+    """Three gaps, four durations of the motions, two periods: links at each gap and period, whatever the motion.
+    Fails if links are looked at at every point."""
+    built = []
+    real = LinkSets.number
+    monkeypatch.setattr(LinkSets, "number", lambda *given: built.append(given) or real(*given))
+    text = "sweep:\n  records.duration: [2 s, 3 s, 4 s, 5 s]\n  cases.gap.gap: [1 cm, 2 cm, 3 cm]\n"
+    read = study((END, END + text + "  buildings.soft.period: [0.5 s, 0.7 s]\n"))
+    plan = expand(read)
+    assert len(plan.rows) == 24 * 2
+    assert len(built) == 3 * 2
 
 
 def test_expansion_is_the_same_twice(tmp_path):

@@ -7,8 +7,8 @@ import hashlib
 import numpy as np
 import pytest
 
-from pounding_cli.model import digest_map
-from pounding_cli.model.digest_map import DigestMap, Sorted, packed, texts
+from pounding_cli import digests as digests_module
+from pounding_cli.digests import DigestMap, Sorted, packed, texts
 
 
 def digests(*numbers: int) -> list[str]:
@@ -26,7 +26,7 @@ def test_texts_and_bytes():
 def test_a_map_is_a_dict(monkeypatch):
     """Against a dict, through many small steps. Fails if a number is lost when digests are sorted in, or if the first
     number of a digest stays."""
-    monkeypatch.setattr(digest_map, "_MOST_FRESH", 50)
+    monkeypatch.setattr(digests_module, "_MOST_FRESH", 50)
     random, mine, theirs = np.random.default_rng(1), DigestMap(), {}
     for _ in range(60):
         some = list(dict.fromkeys(digests(*random.integers(400, size=20).tolist())))

@@ -34,10 +34,10 @@ def texts(digests: np.ndarray) -> list[str]:
     return [whole[begin : begin + 64] for begin in range(0, len(whole), 64)]
 
 
-def pieces(digests: Iterable[str]) -> Iterator[list[str]]:
-    """Some digests at a time."""
+def pieces(digests: Iterable[str], size: int = AT_ONCE) -> Iterator[list[str]]:
+    """So many digests at a time."""
     left = iter(digests)
-    while some := list(islice(left, AT_ONCE)):
+    while some := list(islice(left, size)):
         yield some
 
 
@@ -69,10 +69,13 @@ class Sorted:
         """Take in the digests from the number that are known on."""
         known = len(self._order)
         new = heads(digests[known:])
-        order = np.argsort(new, kind="stable")
-        at = np.searchsorted(self._heads, new[order])
-        self._order = np.insert(self._order, at, (order + known).astype(np.int32))
-        self._heads = np.insert(self._heads, at, new[order])
+        order = np.argsort(new, kind="stable").astype(np.int32)
+        new = new[order]
+        if known:
+            at = np.searchsorted(self._heads, new)
+            self._order, self._heads = np.insert(self._order, at, order + known), np.insert(self._heads, at, new)
+        else:
+            self._order, self._heads = order, new
 
     def find(self, digests: np.ndarray, asked: Sequence[str]) -> np.ndarray:
         """Where the digests `asked` stand among `digests`, -1 for what is none of them, shape (asked,)."""
