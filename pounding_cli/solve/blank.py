@@ -57,10 +57,11 @@ class Blank:
         memory[:] = self._memory
         return memory
 
-    def tuples(self, memory: np.ndarray) -> list[Any]:
-        """The tuples in such a memory, or with rows of arrays in those of several runs, shape (runs, k)."""
+    def tuples(self, memory: np.ndarray, first: int | None = None) -> list[Any]:
+        """The tuples in such a memory, or with rows of arrays in those of several runs, shape (runs, k); the `first`
+        ones or all."""
         whole = memory.view(np.int64)
         return [
             make([v if type(v) is not slice else (whole if is_whole else memory)[..., v] for is_whole, v in values])
-            for make, values in self._parts
+            for make, values in self._parts[:first]
         ]

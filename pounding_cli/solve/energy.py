@@ -1,6 +1,7 @@
 """The energy ledger of runs: what came in, where it is, where it went, and what is missing.
 
-States, peaks and ledgers have a row for each run; the runs share buildings and analysis, and have as many links."""
+States and peaks have a row for each run, ledgers a sum (`arrays.Left`); the runs share buildings and analysis, and have
+as many links."""
 
 from __future__ import annotations
 
@@ -29,11 +30,11 @@ def held(
     arrays = runs[0]
     kinetic = 0.5 * _dots(arrays.slots.mass, state.v**2)
     if not arrays.yields:
-        stored = _sums(0.5 * (arrays.slots.stiffness * drift) * drift)
+        stored = np.add.reduce(0.5 * (arrays.slots.stiffness * drift) * drift, axis=1)
     elif ledger is None:
         stored = shear_and_stored(arrays, drift, state.storey_branch, state.storey_memory)[1]
     else:
-        stored = _sums(ledger.stored)
+        stored = ledger.stored
     if arrays.springs.number:
         springs = np.sum(arrays.springs.weight * state.u[:, arrays.springs.freedom], axis=1)
         stored = stored + 0.5 * _dots(arrays.springs.stiffness, springs**2)
@@ -42,11 +43,6 @@ def held(
         leans = state.u - arrays.slots.couple * below
         stored = stored - 0.5 * _dots(arrays.slots.geometric, leans**2)  # fault: p-delta-energy
     return kinetic, stored, _in_links(scenes, runs, state)
-
-
-def _sums(rows: np.ndarray) -> np.ndarray:
-    """The sum of every row."""
-    return np.add.reduce(rows, axis=1)
 
 
 def _dots(weights: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -86,22 +82,27 @@ def balance(
         less than nothing
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
-    now = held(scenes, runs, state, drift, ledger)
-    at_start, in_links = np.array([sum(each) for each in before]), np.array([each[2] for each in before])
-    work_on_links = _sums(ledger.links)
-    entries = {
-        "input": _sums(ledger.input) + at_start,
-        **dict(zip(("kinetic", "stored", "links_stored"), now, strict=True)),
-        "damping": _sums(ledger.dashpots) + _sums(ledger.drag),
-        "hysteresis": _sums(ledger.hysteresis),
-        "links": work_on_links - now[2] + in_links,  # fault: links-energy
-    }
+    rows = zip(
+        *(each.tolist() for each in ledger),
+        *(each.tolist() for each in held(scenes, runs, state, drift, ledger)),
+        _held_at_peaks(runs[0], peaks).tolist(),
+        before,
+        strict=True,
+    )
     books = []
-    rows = zip(*(each.tolist() for each in entries.values()), strict=True)
-    for row, at_peaks in zip(rows, _held_at_peaks(runs[0], peaks).tolist(), strict=True):
-        came, *went = row
-        missing, scale = came - sum(went), max(*map(abs, row), at_peaks)
-        books.append(dict(zip(entries, row, strict=True)) | {"residual": missing / scale if scale > 0 else 0.0})
+    for came, dashpots, drag, hysteresis, _, on_links, kinetic, stored, in_links, at_peaks, start in rows:
+        entries = {
+            "input": came + sum(start),
+            "kinetic": kinetic,
+            "stored": stored,
+            "links_stored": in_links,
+            "damping": dashpots + drag,
+            "hysteresis": hysteresis,
+            "links": on_links - in_links + start[2],  # fault: links-energy
+        }
+        given, *went = entries.values()
+        missing, scale = given - sum(went), max(*map(abs, entries.values()), at_peaks)
+        books.append(entries | {"residual": missing / scale if scale > 0 else 0.0})
     return books
 
 

@@ -549,7 +549,7 @@ ENERGY = [
     Mutant(
         "links-energy",
         "energy stored in links counted twice",
-        ("work_on_links - ", "work_on_links + "),
+        ("on_links - ", "on_links + "),
         f"{ENERGIES}::test_connector_dashpot_and_spring",
     ),
 ]
