@@ -68,7 +68,7 @@ def test_a_former_run_tells_what_keeps_its_scenes_from_being_used(results):
 def test_a_second_run_on_one_file_is_refused(tmp_path):
     path = tmp_path / "r.h5"
     with locked(path):
-        with pytest.raises(InputError, match="another run is at work"), locked(path):
+        with pytest.raises(InputError, match="another run is using this file"), locked(path):
             pass
         with locked(tmp_path / "other.h5"):
             pass
