@@ -94,7 +94,7 @@ class Steps:
         W, ends, slots, series, rule, now = (
             memory[_at(memory, integers, frame, name) :] for name in ("W", "ends", "slots", "series", "rule", "clock")
         )
-        row, *_ = taylor.places_of(self.scene, self.arrays)
+        row, *_ = taylor.places_of(self.arrays)
         place = int(row.link_places[self.link])
         left, right = (int(row.slot_places[i[self.link]]) for i in (self.arrays.links.left, self.arrays.links.right))
         h, end = now[clock.H], now[clock.END]

@@ -97,9 +97,9 @@ def test_a_part_of_the_sweep(swept):
 
 def test_every_quantity_named_is_a_column_of_its_table(tmp_path):
     from pounding_cli import variables
-    from pounding_cli.store import results
+    from pounding_cli.store import row_tables
 
-    columns = {*results._STOREY, *results._FLOOR, *results._LINK, *results._SCENE, *variables.OF_COLUMNS}
+    columns = {*row_tables._STOREY, *row_tables._FLOOR, *row_tables._LINK, *row_tables._SCENE, *variables.OF_COLUMNS}
     assert set(quantities()) <= columns
     assert set(quantities()) <= set(variables.VARIABLES)
 

@@ -163,7 +163,7 @@ def test_meaningless_scenes_are_hatched_and_explained():
     (cells,) = [part for part in ax.collections if type(part) is PatchCollection]
     (box,) = [path.get_extents() for path in cells.get_paths()]
     np.testing.assert_allclose([box.x0, box.x1, box.y0, box.y1], [2.5, 3.5, 1.5, 2.5])
-    assert "mean nothing, connector closes more than the gap" in figure.get_supxlabel().replace("\n", " ")
+    assert "have no meaning, connector closes more than the gap" in figure.get_supxlabel().replace("\n", " ")
     one = make(axis=("e", [0.4, 0.5]))
     one._frames["scene"].loc[one.scene()["case"] == "connected", "flags"] = STRUCK
     words = drawn(one)["stiff-sweep"].get_supxlabel().replace("\n", " ")
