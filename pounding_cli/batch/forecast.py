@@ -16,7 +16,7 @@ from pounding_cli.methods import AUTO
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.cost import ASSESSED, BESIDE, cost, method_of
+from pounding_cli.solve.cost import ASSESSED, BESIDE, NEW_LINKS, cost, method_of
 from pounding_cli.solve.groups import GroupSolver, sure_parts
 from pounding_cli.solve.response import Response
 from pounding_cli.study.thinned import times
@@ -78,12 +78,14 @@ def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
     found.looked_at = len(digests) / max(1, found.all)
     every = _every(plan)
     parts: set[str] = set()
-    runs = {"none": 1.0, "sample": 1 + (ASSESSED - 1) / 8, "all": float(ASSESSED)}[plan.estimate]
+    runs = {"none": 1.0, "sample": 1 + (ASSESSED - 1) / 8, "all": ASSESSED}[plan.estimate]
 
     def count(what: str, scene: Scene, number: float) -> None:
         method = _method(plan, scene)
         found.scenes[what, method] += number
         found.seconds[what, method] += number * (runs * cost(scene, method, plan.time_step) + BESIDE)
+        if what == GROUP:  # scenes of a point share their links
+            found.seconds[what, method] += number * NEW_LINKS / (len(plan.analyses) * len(plan.records))
 
     def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:

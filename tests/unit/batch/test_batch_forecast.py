@@ -13,7 +13,7 @@ from pounding_cli.batch.forecast import ALONE, APART, GROUP, PARTS, forecast, me
 from pounding_cli.laws.bouc_wen import BoucWen
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.solve import solve
-from pounding_cli.solve.cost import BESIDE, cost
+from pounding_cli.solve.cost import BESIDE, NEW_LINKS, cost
 from pounding_cli.store import open_results
 from pounding_cli.study import expand, load_study
 
@@ -173,7 +173,7 @@ def test_without_proof_smaller_groups_are_counted_that_are_sure_to_run(shaken, m
         scene.tail,
     )
     assert found.seconds[PARTS, "taylor"] == cost(pair, "taylor") + BESIDE
-    assert found.seconds[GROUP, "taylor"] == 2 * (cost(scene, "taylor") + BESIDE)
+    assert found.seconds[GROUP, "taylor"] == pytest.approx(2 * (cost(scene, "taylor") + BESIDE + NEW_LINKS))
 
 
 def test_smooth_storeys_cost_more_where_they_yield(shaken):
@@ -194,3 +194,12 @@ def test_where_rows_stay_whole_there_are_no_smaller_groups(shaken, prove):
     plan, solved = shaken((WIDE, TOUCHING, WIDE), FIXED)
     assert solved == {(1, "newmark"): 3, (4, "newmark"): 1}
     assert forecast(plan, prove).scenes == {(ALONE, "newmark"): 3, (GROUP, "newmark"): 1}
+
+
+@pytest.mark.parametrize("analyses", ["[elastic]", "[elastic, inelastic]"])
+def test_scenes_of_a_point_share_the_cost_of_their_links(planned, analyses):
+    """Fails if elastic and inelastic scenes, which stand between the same links, each pay for links of their own."""
+    plan, _ = planned(("gap: 50 cm", "gap: 0 cm"), ("[elastic]", analyses))
+    found = forecast(plan, prove=False)
+    solver = sum(cost(plan.scenes[row.scene], "taylor") for row in plan.rows)
+    assert found.seconds[GROUP, "taylor"] - solver - len(plan.rows) * BESIDE == pytest.approx(NEW_LINKS)
