@@ -10,6 +10,9 @@ from pounding_cli.store import packed
 _PACKED_ABOVE = 1 << 13
 """Arrays above this size [bytes] are compressed; smaller ones are not worth the chunk index."""
 
+_TEXTS = 1 << 16
+"""Texts written at a time: for each, h5py takes some 50 bytes until all are written."""
+
 _DIMENSIONS = h5py.vlen_dtype(h5py.ref_dtype)
 _PLACES = np.dtype([("dataset", h5py.ref_dtype), ("dimension", np.uint32)], align=True)
 """Of the attributes by which datasets and scales know each other (HDF5's "Dimension Scale Specification")."""
@@ -38,6 +41,11 @@ class Datasets:
         """A variable over some dimensions."""
         if array.dtype != object and array.nbytes > _PACKED_ABOVE:
             dataset = packed.write(self._file, name, array)
+        elif array.size > _TEXTS:
+            dataset = self._file.create_dataset(name, array.shape, _dtype(array))
+            each = max(1, _TEXTS * len(array) // array.size)
+            for begin in range(0, len(array), each):
+                dataset[begin : begin + each] = array[begin : begin + each]
         else:
             dataset = self._file.create_dataset(name, data=array, dtype=_dtype(array))
         return self._told(dataset, dims, unit, text)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 
 import h5py
 import numpy as np
 import pytest
 
-from pounding_cli.store import packed
+from pounding_cli.store import datasets, packed
 from pounding_cli.store.datasets import Datasets, put
 
 
@@ -99,3 +100,14 @@ def test_dimensions_are_those_that_hdf5_would_tie(tmp_path):
             assert {(file[each].name, int(place)) for each, place in file[dim].attrs["REFERENCE_LIST"]} == along
         assert file["status"].asstr()[1] == "two"
         assert (file["V"].attrs["units"], file["V"].attrs["long_name"]) == ("N", "shear")
+
+
+@pytest.mark.parametrize("shape", [(50, 3, 2), (3, 40), (1, 30), (29,)])
+def test_many_texts_are_written_some_at_a_time(tmp_path, monkeypatch, shape):
+    """Fails if a row is left out."""
+    monkeypatch.setattr(datasets, "_TEXTS", 24)
+    texts = np.array([f"text {number}" for number in range(math.prod(shape))], object).reshape(shape)
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        Datasets(file).write("kind", ("row",), texts, "", "")
+    with h5py.File(tmp_path / "r.h5") as file:
+        assert (file["kind"].asstr()[()] == texts).all()
