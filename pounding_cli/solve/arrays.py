@@ -207,7 +207,7 @@ def at_rest(arrays: Arrays, watched: int = 0) -> Begun:
     return Begun(state, peaks, ledger, memory)
 
 
-class Left(NamedTuple):
+class Ended(NamedTuple):
     """What runs that are laid out alike have left: state and peaks with a row for each run, their ledgers summed over
     slots and links [J], shape (runs,) each, and which of them have left finite peaks."""
 
@@ -217,7 +217,7 @@ class Left(NamedTuple):
     finite: np.ndarray
 
 
-def left_by(arrays: Arrays, runs: Sequence[Begun]) -> Left:
+def ended(arrays: Arrays, runs: Sequence[Begun]) -> Ended:
     """What runs have left; `arrays` are those of one of them, the others are laid out alike."""
     blank = _blank(arrays.padded, arrays.links.size)
     memory = runs[0].memory[None] if len(runs) == 1 else np.array([run.memory for run in runs])
@@ -226,7 +226,7 @@ def left_by(arrays: Arrays, runs: Sequence[Begun]) -> Left:
     of_slots = booked[:, : booked.shape[1] - arrays.links.size].reshape(len(runs), -1, arrays.padded)
     sums = np.add.reduce(of_slots, axis=2).T
     ledger = Ledger._make([*sums, np.add.reduce(booked[:, booked.shape[1] - arrays.links.size :], axis=1)])
-    return Left(state, peaks, ledger, np.isfinite(memory[:, blank.spans[1]]).all(axis=1))
+    return Ended(state, peaks, ledger, np.isfinite(memory[:, blank.spans[1]]).all(axis=1))
 
 
 @functools.lru_cache(maxsize=64)

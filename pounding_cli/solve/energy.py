@@ -1,7 +1,7 @@
 """The energy ledger of runs: what came in, where it is, where it went, and what is missing.
 
-States and peaks have a row for each run, ledgers a sum (`arrays.Left`); the runs share buildings and analysis, and have
-as many links."""
+States and peaks have a row for each run, ledgers a sum (`arrays.Ended`); the runs share buildings and analysis, and
+have as many links."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import taylor
-from pounding_cli.solve.arrays import Arrays, Begun, at_rest, drift_of, left_by, pack
+from pounding_cli.solve.arrays import Arrays, Begun, at_rest, drift_of, ended, pack
 from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.energy import AT_REST, Held, balance, held
 from pounding_cli.solve.flags import collapse_flag, flags_of
@@ -203,7 +203,7 @@ def responses(runs: Sequence[Prepared]) -> list[Response]:
 def _responses(runs: Sequence[Prepared]) -> list[Response]:
     """Of runs that are laid out alike."""
     arrays, scenes = runs[0].arrays, [run.scene for run in runs]
-    state, peaks, ledger, finite = left_by(arrays, [run.begun for run in runs])
+    state, peaks, ledger, finite = ended(arrays, [run.begun for run in runs])
     drift = drift_of(arrays, state.u)
     books: list[dict[str, float]] = [{} for _ in runs]
     if runs[0].keeps_ledger:
@@ -288,7 +288,7 @@ def prepare(
             peaks.displacement_max[span], peaks.displacement_min[span] = u, u
     before = AT_REST
     if initial is not None:
-        rows = left_by(arrays, [begun]).state
+        rows = ended(arrays, [begun]).state
         kinetic, stored, in_links = held([scene], [arrays], rows, drift_of(arrays, rows.u))
         before = float(kinetic[0]), float(stored[0]), float(in_links[0])
     return Prepared(

@@ -19,7 +19,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import solve, taylor
-from pounding_cli.solve.arrays import at_rest, drift_of, left_by, pack
+from pounding_cli.solve.arrays import at_rest, drift_of, ended, pack
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.groups import GroupSolver
 from pounding_cli.solve.unpack import unpack
@@ -39,7 +39,7 @@ def kernel(scene: Scene, everything: bool) -> list[np.ndarray]:
     run = taylor.prepare(scene, arrays, begun.state, ACCURACY, (10**6, 10**6), everything)
     status, *counts, _ = run(*begun[:3], *segments(scene))
     assert status == layout.DONE
-    state, peaks, *_ = left_by(arrays, [begun])
+    state, peaks, *_ = ended(arrays, [begun])
     ((buildings, found, _),) = unpack([scene], arrays, drift_of(arrays, state.u), peaks)
     numbers = [np.atleast_1d(value) for b in buildings for value in dataclasses.astuple(b)]
     return [*numbers, *dataclasses.astuple(found), np.array(counts)]
