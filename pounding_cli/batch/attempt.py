@@ -7,19 +7,22 @@ import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.assess import assess, judging
 from pounding_cli.solve.groups import GroupSolver
+from pounding_cli.solve.read import OneOf, read
 from pounding_cli.solve.response import Response
-from pounding_cli.solve.run import Prepared, prepare, responses, solve
+from pounding_cli.solve.run import Prepared, prepare, solve
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
 """solve(scene, accuracy=..., method=..., all_effects=..., watch=..., ledger=...) -> Response; with time_step=... where
 the study has one."""
+
+_Answer = TypeVar("_Answer", Response, OneOf)
 
 
 HARDER = 0.01
@@ -71,7 +74,7 @@ class Task:
 
     def each(
         self, scenes: Sequence[Scene], begins: Callable[[int], None], halted: Callable[[], bool]
-    ) -> list[Response]:
+    ) -> list[Response | OneOf]:
         """The responses of scenes in their order; only the first of them, at least one, where it is `halted`.
 
         All are laid out before the first is run, and all are run before the first is unpacked. Between two runs of the
@@ -94,25 +97,26 @@ class Task:
                     del answers[place + 1 :]
         runs = [run for each in answers if isinstance(each, _Begun) for run in each.done()]
         try:
-            read = dict(zip(runs, responses(runs), strict=True))
+            found = dict(zip(runs, read(runs), strict=True))
         except Exception:  # some run cannot be read: each by itself, so that the others can
-            read = {}
+            found = {}
         ended = (
-            self._caught(each.scene, self._ended, each, read) if isinstance(each, _Begun) else each for each in answers
+            self._caught(each.scene, self._ended, each, found) if isinstance(each, _Begun) else each for each in answers
         )
         return [self._again(scene, answer) for scene, answer in zip(scenes, ended, strict=False)]
 
-    def _again(self, scene: Scene, response: Response) -> Response:
+    def _again(self, scene: Scene, response: _Answer) -> _Answer | Response:
         """The response, or of a scene that failed that of a harder try, which says so; the first where that fails."""
         if not self.harder or response.status == "done":
             return response
         step = None if self.time_step is None else self.time_step * HARDER
         task = dataclasses.replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)
-        second = task._caught(scene, task.respond, scene, False)  # fault: harder-try
+        second: Response = task._caught(scene, task.respond, scene, False)  # fault: harder-try
         if second.status != "done":
             return response
-        note = f"solved once more, {1 / HARDER:g} times as finely: {response.status}"
-        return dataclasses.replace(second, flags=(*second.flags, note), seconds=response.seconds + second.seconds)
+        first = response.response() if isinstance(response, OneOf) else response
+        note = f"solved once more, {1 / HARDER:g} times as finely: {first.status}"
+        return dataclasses.replace(second, flags=(*second.flags, note), seconds=first.seconds + second.seconds)
 
     def _caught(self, scene: Scene, work: Callable[..., Any], *arguments: Any) -> Any:
         """What `work` gives; an exception becomes a failed response that names it."""
@@ -136,13 +140,19 @@ class Task:
         if response is not None:
             return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
         first = prepare(scene, self.accuracy, self.method, time_step=self.time_step, all_effects=self.all_effects)
-        asked = judging(scene, first.method.name, self.accuracy, self.all_effects) if self.is_assessed(scene) else ()
+        asked = (
+            judging(scene, first.what.method.name, self.accuracy, self.all_effects) if self.is_assessed(scene) else ()
+        )
         return _Begun(scene, first, [prepare(each, **settings) for each, settings in asked], beside)
 
-    def _ended(self, begun: _Begun, read: Mapping[Prepared, Response]) -> Response:
-        """The response of runs that are done, as far as they are `read` already."""
-        response, *judges = (read.get(run) or run.response() for run in begun.done())
-        if judges and response.has_result:
+    def _ended(self, begun: _Begun, found: Mapping[Prepared, OneOf]) -> Response | OneOf:
+        """The response of runs that are done, as far as they are `found` already."""
+        one, *others = [found.get(run) or read([run])[0] for run in begun.done()]
+        if not (begun.judges or begun.beside):
+            return one
+        response = one.response()
+        if others and response.has_result:
+            judges = [other.response() for other in others]
             response = assess(begun.scene, response, self.accuracy, self.solve, self.all_effects, judges)
         return dataclasses.replace(response, seconds=response.seconds + begun.beside) if begun.beside else response
 

@@ -8,10 +8,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Protocol
 
+from pounding_cli.solve.read import OneOf
 from pounding_cli.solve.response import PointResponse, Response
 from pounding_cli.store.chunk import Chunk
 
-Answer = Response | PointResponse
+Answer = Response | PointResponse | OneOf
 
 CHUNK_SECONDS = 0.5
 """Work in one chunk: long against sending and keeping it (milliseconds), little to lose."""

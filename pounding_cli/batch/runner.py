@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import itertools
 import os
 import sys
@@ -106,6 +107,17 @@ def run_plan(
         raise refused_write(error, output, parts.folder) from None
 
 
+@contextlib.contextmanager
+def _garbage_of_the_run() -> Iterator[None]:
+    """Look for garbage in what the run makes, not in what was there before, unless the caller has set that aside."""
+    before = gc.get_freeze_count()
+    try:
+        yield
+    finally:
+        if not before:
+            gc.unfreeze()
+
+
 def _tidy(output: Path, parts: PartStore) -> None:
     """Remove what a run left that was killed between its last two steps."""
     if parts.folder.exists() or lock_of(output).exists():
@@ -124,7 +136,7 @@ def _run(
     replace: bool,
 ) -> Outcome:
     reuse(plan, output, parts, progress.say, replace)
-    with contextlib.closing(chosen):
+    with contextlib.closing(chosen), _garbage_of_the_run():
         plan, solved = _solve_rounds(plan, parts, chosen, progress, solve)
     if replace:
         parts.only(plan.scenes)
@@ -213,6 +225,7 @@ def _solve_missing(
         for digests in order.samples.values():
             here(digests[0])
     progress.compiled()
+    gc.freeze()  # kernels are loaded, the plan is made: to look for garbage in them takes a thirtieth of a short run
     for note in _notes_of_kernels():
         progress.say(note)
     work = sum(here(digests[1]) * (order.counts[sort] - 2) for sort, digests in order.samples.items() if digests[1:])

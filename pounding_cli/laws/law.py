@@ -194,6 +194,11 @@ class LinkLaw(Law):
         return -math.inf if self._sample[0].closed else self.offset + self._sample[0].interval[1]
 
     @cached_property
+    def empty_below(self) -> float:
+        """The closing u_left - u_right [m] up to which it holds no energy; -inf where it may always hold some."""
+        return -math.inf if any(branch.holds is not None for branch in self._sample) else self.free_below
+
+    @cached_property
     def damped(self) -> bool:
         """Whether a dashpot takes energy."""
         return any(branch.damps for branch in self._sample)

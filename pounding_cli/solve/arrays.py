@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -56,6 +57,7 @@ class Arrays:
     columns: tuple[Columns, ...]  # whose shear is asked for
     memory_at_rest: np.ndarray  # of the laws, shape (MEMORIES slots,)
     left_of_links: tuple[int, ...]  # by link, the building to its left
+    empty_below: tuple[float, ...]  # by link (`LinkLaw.empty_below`)
     yield_drift: np.ndarray  # by slot [m]; inf where there is no storey
     yields: bool  # whether some storey can
     leans: bool  # whether some storey carries P-Delta of its own
@@ -94,7 +96,8 @@ def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: 
     slots = alone.slots._replace(branch=branch, **own)
     return dataclasses.replace(
         alone, slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest,
-        left_of_links=tuple([link.left for link in links]), written=any([link.law.general for link in links]),
+        left_of_links=tuple([link.left for link in links]), empty_below=tuple([link.law.empty_below for link in links]),
+        written=any([link.law.general for link in links]),
     )  # fmt: skip
 
 
@@ -143,7 +146,8 @@ def _without_links(
     arrays = Arrays(
         slots, points, springs_of(buildings, places), *law_tables.pack_links((), [], []),
         tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), tuple(laws),
-        columns, memory.ravel(), left_of_links=(), yield_drift=yield_drift, yields=any(law is not None for law in laws),
+        columns, memory.ravel(), left_of_links=(), empty_below=(), yield_drift=yield_drift,
+        yields=any(law is not None for law in laws),
         leans=bool(slots.geometric.any()), collapses=bool(np.isfinite(slots.collapse).any()),
         flows=analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings]), written=False,
     )  # fmt: skip
@@ -193,18 +197,45 @@ class Begun(NamedTuple):
     memory: np.ndarray
 
 
-def at_rest(arrays: Arrays, watched: int = 0) -> Begun:
-    """Before the motion: at rest, touching links exactly at v = 0, no peaks, no energies; `watched` is the number of
-    segments at whose ends displacements are wanted."""
+def at_rest(arrays: Arrays) -> Begun:
+    """Before the motion: at rest, touching links exactly at v = 0, no peaks, no energies."""
     blank = _blank(arrays.padded, arrays.links.size)
     memory = blank.copy()
     state, peaks, ledger = blank.tuples(memory)
     state.storey_branch[:], state.storey_memory[:] = arrays.slots.branch, arrays.memory_at_rest
     state.link_branch[:], state.pinned_link[:], state.pinned_closing[:] = arrays.links_at_rest
-    if watched:
-        samples = aligned(watched * arrays.padded).reshape(watched, arrays.padded)
-        peaks = peaks._replace(watched=1, samples=samples)
     return Begun(state, peaks, ledger, memory)
+
+
+def begun_in_turn(arrays: Arrays, memory: np.ndarray) -> Begun:
+    """What a run fills that starts from such a memory (`Begun`): in place of what the last run of this size in this
+    thread has filled."""
+    begun = _in_turn(arrays.padded, arrays.links.size, threading.get_ident())
+    begun.memory[:] = memory
+    return begun
+
+
+@functools.lru_cache(maxsize=64)
+def _in_turn(padded: int, links: int, thread: int) -> Begun:
+    blank = _blank(padded, links)
+    memory = blank.copy()
+    state, peaks, ledger = blank.tuples(memory)
+    return Begun(state, peaks, ledger, memory)
+
+
+NO_SAMPLES = np.zeros((0, 0))
+"""Of a run that is not watched."""
+
+
+def watched(peaks: Peaks, segments: int) -> Peaks:
+    """The peaks, with room for the displacements at the ends of so many segments."""
+    padded = peaks.drift.size
+    return peaks._replace(watched=1, samples=aligned(segments * padded).reshape(segments, padded))
+
+
+def peaks_in(arrays: Arrays, memory: np.ndarray) -> Peaks:
+    """The peaks in such a memory (`Begun`)."""
+    return _blank(arrays.padded, arrays.links.size).tuples(memory, 2)[1]
 
 
 class Ended(NamedTuple):
@@ -217,10 +248,11 @@ class Ended(NamedTuple):
     finite: np.ndarray
 
 
-def ended(arrays: Arrays, runs: Sequence[Begun]) -> Ended:
-    """What runs have left; `arrays` are those of one of them, the others are laid out alike."""
+def ended(arrays: Arrays, runs: Sequence[np.ndarray]) -> Ended:
+    """What runs have left in their memories (`Begun`); `arrays` are those of one of them, the others are laid out
+    alike."""
     blank = _blank(arrays.padded, arrays.links.size)
-    memory = runs[0].memory[None] if len(runs) == 1 else np.array([run.memory for run in runs])
+    memory = np.array(runs)
     state, peaks = blank.tuples(memory, 2)
     booked = memory[:, blank.spans[2]]
     of_slots = booked[:, : booked.shape[1] - arrays.links.size].reshape(len(runs), -1, arrays.padded)

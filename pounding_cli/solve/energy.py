@@ -58,11 +58,14 @@ def _in_links(scenes: Sequence[Scene], runs: Sequence[Arrays], state: State) -> 
         return np.zeros(len(scenes))
     u = with_points(runs[0], state.u)
     closings = u[:, links.left[:count]] - u[:, links.right[:count]]
-    branches = state.link_branch[:, :count] - np.array([arrays.links.first[:count] for arrays in runs])
-    rows = zip(scenes, branches.tolist(), closings.tolist(), state.link_memory[:, :count].tolist(), strict=True)
-    return np.array(
-        [float(sum([link.law.held(*of) for link, *of in zip(scene.links, *row, strict=True)])) for scene, *row in rows]
-    )
+    found = np.zeros(len(scenes))
+    below = np.array([arrays.empty_below for arrays in runs])
+    for row in np.flatnonzero(~(closings <= below).all(axis=1)).tolist():  # the others hold nothing
+        memory, first = state.link_memory[row, :count].tolist(), runs[row].links.first[:count]
+        branches = (state.link_branch[row, :count] - first).tolist()
+        each = zip(scenes[row].links, branches, closings[row].tolist(), memory, strict=True)
+        found[row] = float(sum([link.law.held(*of) for link, *of in each]))
+    return found
 
 
 def balance(
@@ -73,37 +76,32 @@ def balance(
     drift: np.ndarray,
     peaks: Peaks,
     ledger: Ledger,
-) -> list[dict[str, float]]:
-    """The ledgers [J]; `residual` is what is missing over the largest entry [-], or over what storeys held at
-    their peaks if that is more: a run may have given back what it took in.
+) -> dict[str, np.ndarray]:
+    """The ledgers [J], shape (runs,) each; `residual` is what is missing over the largest entry [-], or over what
+    storeys held at their peaks if that is more: a run may have given back what it took in.
 
     input : work of the ground, plus what the scene held at the start
     kinetic, stored, links_stored : held at the end; of P-Delta what the weights have lost in height counts as stored
         less than nothing
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
-    rows = zip(
-        *(each.tolist() for each in ledger),
-        *(each.tolist() for each in held(scenes, runs, state, drift, ledger)),
-        _held_at_peaks(runs[0], peaks).tolist(),
-        before,
-        strict=True,
-    )
-    books = []
-    for came, dashpots, drag, hysteresis, _, on_links, kinetic, stored, in_links, at_peaks, start in rows:
-        entries = {
-            "input": came + sum(start),
-            "kinetic": kinetic,
-            "stored": stored,
-            "links_stored": in_links,
-            "damping": dashpots + drag,
-            "hysteresis": hysteresis,
-            "links": on_links - in_links + start[2],  # fault: links-energy
-        }
-        given, *went = entries.values()
-        missing, scale = given - sum(went), max(*map(abs, entries.values()), at_peaks)
-        books.append(entries | {"residual": missing / scale if scale > 0 else 0.0})
-    return books
+    came, dashpots, drag, hysteresis, _, on_links = ledger
+    kinetic, stored, in_links = held(scenes, runs, state, drift, ledger)
+    start = np.array(before).T
+    entries = {
+        "input": came + (start[0] + start[1] + start[2]),
+        "kinetic": kinetic,
+        "stored": stored,
+        "links_stored": in_links,
+        "damping": dashpots + drag,
+        "hysteresis": hysteresis,
+        "links": on_links - in_links + start[2],  # fault: links-energy
+    }
+    given, *went = entries.values()
+    missing, scale = given - sum(went), np.abs(given)
+    for other in (*map(np.abs, went), _held_at_peaks(runs[0], peaks)):
+        scale = np.where(other > scale, other, scale)
+    return entries | {"residual": np.divide(missing, scale, out=np.zeros(len(scale)), where=scale > 0)}
 
 
 def _held_at_peaks(arrays: Arrays, peaks: Peaks) -> np.ndarray:

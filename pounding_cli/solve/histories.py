@@ -21,7 +21,8 @@ from pounding_cli.solve import law_tables, taylor
 from pounding_cli.solve.arrays import Arrays, at_rest, pack
 from pounding_cli.solve.elements import elements_of, term_matrix
 from pounding_cli.solve.ground import segments
-from pounding_cli.solve.run import MAX_EVENTS, MAX_STEPS, OUTCOMES
+from pounding_cli.solve.read import OUTCOMES
+from pounding_cli.solve.run import MAX_EVENTS, MAX_STEPS
 from pounding_cli.solve.storeys import shear_and_stored
 
 EVERY = 0.002

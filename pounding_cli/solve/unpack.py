@@ -10,16 +10,20 @@ from pounding_cli.kernels.layout import Peaks
 from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import Arrays
 from pounding_cli.solve.places import struck_columns
-from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse
+from pounding_cli.solve.response import ColumnResponse
 
-Unpacked = tuple[tuple[BuildingResponse, ...], LinkResponse, ColumnResponse]
+OfBuilding = tuple[tuple[np.ndarray, ...], tuple[np.ndarray, np.ndarray]]
+"""The fields of `BuildingResponse`, a row a run: those of every storey or floor, shape (runs, n); sway and rocking,
+shape (runs,)."""
 
-_NO_COLUMNS = ColumnResponse()
+Unpacked = tuple[list[OfBuilding], tuple[np.ndarray, ...], list[ColumnResponse]]
+"""Of every building; the fields of `LinkResponse`, shape (runs, links); of every run its struck columns, none where
+nothing strikes columns."""
 
 
-def unpack(scenes: Sequence[Scene], arrays: Arrays, drift_now: np.ndarray, peaks: Peaks) -> list[Unpacked]:
-    """Peaks by slot and link, a row a scene, as responses by building, link and struck column, which share their
-    memory. The scenes have the same buildings and analysis, and as many links.
+def unpack(scenes: Sequence[Scene], arrays: Arrays, drift_now: np.ndarray, peaks: Peaks) -> Unpacked:
+    """Peaks by slot and link as those of buildings, links and struck columns, a row a scene. The scenes have the same
+    buildings and analysis, and as many links.
 
     drift_now : at the end, by slot [m], shape (scenes, slots)
     """
@@ -32,22 +36,18 @@ def unpack(scenes: Sequence[Scene], arrays: Arrays, drift_now: np.ndarray, peaks
         peaks.displacement_min,
         drift_now,
     )
-    buildings = []
+    buildings: list[OfBuilding] = []
     for b, building in enumerate(scenes[0].buildings):
-        rows = zip(*[each[:, arrays.floors[b]] for each in of_slots], strict=True)
-        if building.foundation is None:
-            buildings.append([BuildingResponse(*row) for row in rows])
-            continue
         sway, rocking = _furthest(peaks, arrays.bases[b]), _furthest(peaks, arrays.rocks[b])
-        moving = zip(rows, sway.tolist(), (rocking / float(building.elevation[-1])).tolist(), strict=True)
-        buildings.append([BuildingResponse(*row, *moved) for row, *moved in moving])
+        if arrays.rocks[b] >= 0:
+            rocking /= float(building.elevation[-1])
+        buildings.append((tuple([each[:, arrays.floors[b]] for each in of_slots]), (sway, rocking)))
     of_links = (peaks.impacts, peaks.force, peaks.closing, peaks.impulse, peaks.contact_time)
-    links = [LinkResponse(*row) for row in zip(*[each[:, : arrays.links.number] for each in of_links], strict=True)]
-    columns = [_NO_COLUMNS] * len(scenes)
+    columns = []
     if arrays.columns:
         shears = peaks.shear[:, arrays.points.shears.slot]
         columns = [columns_of(scene, *row.reshape(-1, 2).T) for scene, row in zip(scenes, shears, strict=True)]
-    return list(zip(zip(*buildings, strict=True), links, columns, strict=True))
+    return buildings, tuple([each[:, : arrays.links.number] for each in of_links]), columns
 
 
 def _furthest(peaks: Peaks, slot: int) -> np.ndarray:
@@ -62,7 +62,7 @@ def columns_of(scene: Scene, below: np.ndarray, above: np.ndarray) -> ColumnResp
     scene that asks for them."""
     columns = struck_columns(scene.links)
     if not columns:
-        return _NO_COLUMNS
+        return ColumnResponse()
     strength = [each.share * scene.buildings[each.building].yield_shear[each.storey - 1] for each in columns]
     demand = np.maximum(below, above) / np.array(strength, float)
     demand[np.isinf(strength)] = np.nan

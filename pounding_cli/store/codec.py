@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from pounding_cli.solve.read import Responses
 from pounding_cli.solve.response import (
     DONE,
     OUTCOMES,
@@ -86,6 +87,27 @@ def encode(response: Response | PointResponse) -> tuple[str, np.ndarray]:
     if response.columns.link.size:
         columns += [getattr(response.columns, name) for name in _COLUMN_ARRAYS]
     return line, np.concatenate(columns, dtype=float)
+
+
+def encode_together(responses: Responses) -> tuple[list[str], np.ndarray]:
+    """Of responses that were read together the header lines and the numbers, shape (runs, k), as of `encode`."""
+    buildings, links, columns = responses.peaks
+    scalars, energy = responses.scalars, responses.energy
+    storeys = tuple([most[0].shape[1] for most, _ in buildings])
+    struck = columns[0].link.size if columns else 0
+    size = tuple(energy), storeys, links[0].shape[1], struck
+    lines = [
+        _line((*end, run.what.method.name), (flags, run.what.effects, run.what.dropped), *size)
+        for run, end, flags in zip(responses.runs, responses.ends, responses.flags, strict=True)
+    ]
+    parts = [np.array([scalars[name] for name in _SCALARS], float).T]
+    parts += [values[:, None] for values in energy.values()]
+    for most, base in buildings:
+        parts += [*most, *(values[:, None] for values in base)]
+    parts += links
+    if struck:
+        parts += [np.array([getattr(each, name) for each in columns]) for name in _COLUMN_ARRAYS]
+    return lines, np.concatenate(parts, axis=1, dtype=float)
 
 
 @lru_cache(maxsize=1024)

@@ -39,10 +39,9 @@ def kernel(scene: Scene, everything: bool) -> list[np.ndarray]:
     run = taylor.prepare(scene, arrays, begun.state, ACCURACY, (10**6, 10**6), everything)
     status, *counts, _ = run(*begun[:3], *segments(scene))
     assert status == layout.DONE
-    state, peaks, *_ = ended(arrays, [begun])
-    ((buildings, found, _),) = unpack([scene], arrays, drift_of(arrays, state.u), peaks)
-    numbers = [np.atleast_1d(value) for b in buildings for value in dataclasses.astuple(b)]
-    return [*numbers, *dataclasses.astuple(found), np.array(counts)]
+    state, peaks, *_ = ended(arrays, [begun.memory])
+    buildings, found, _ = unpack([scene], arrays, drift_of(arrays, state.u), peaks)
+    return [*(value for most, base in buildings for value in (*most, *base)), *found, np.array(counts)]
 
 
 @pytest.mark.parametrize("kind", ["pounding", "infill", "connector"])

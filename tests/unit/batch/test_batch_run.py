@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import multiprocessing
 import os
 import signal
@@ -458,3 +459,23 @@ def test_a_place_of_a_swept_study_names_its_point(output):
     plan = small_plan(axes=(axis,))
     outcome = run_plan(plan, output, solve=fails)
     assert "impact.damping_ratio = 0.2, gap, elastic, strong" in {f.place for f in outcome.failures}
+
+
+@pytest.mark.parametrize("before", [False, True])
+def test_garbage_of_before_is_looked_for_again_after_a_run(before, tmp_path):
+    """During a run it is not; what the caller had set aside stays aside."""
+    seen = []
+
+    def solve(*asked, **settings):
+        seen.append(gc.get_freeze_count())
+        return known(*asked, **settings)
+
+    assert gc.get_freeze_count() == 0
+    try:
+        if before:
+            gc.freeze()
+        run_plan(small_plan(), tmp_path / "r.h5", solve=solve, workers=1)
+        assert (gc.get_freeze_count() > 0) is before
+    finally:
+        gc.unfreeze()
+    assert seen[-1] > 10_000

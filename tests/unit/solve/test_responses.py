@@ -7,8 +7,9 @@ import dataclasses
 import numpy as np
 
 from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.solve.read import read
 from pounding_cli.solve.response import Response
-from pounding_cli.solve.run import Prepared, prepare, responses
+from pounding_cli.solve.run import Prepared, prepare
 from pounding_cli.store.codec import encode
 from tests.helpers.five_storeys import motion, pair, pounding
 
@@ -37,7 +38,7 @@ def said(response: Response) -> tuple[str, bytes]:
 
 def test_runs_read_together_are_what_they_are_alone():
     """Bit for bit. Fails if rows are mixed up, or summed in another order."""
-    together = responses(runs())
+    together = [one.response() for one in read(runs())]
     for one, other in zip(together, [run.response() for run in runs()], strict=True):
         assert said(one) == said(other)
     peaks = [response.buildings[0].shear.max() for response in together]
@@ -45,7 +46,7 @@ def test_runs_read_together_are_what_they_are_alone():
 
 
 def test_a_run_that_fails_shows_no_number_and_takes_none_from_others():
-    together = responses(runs())
+    together = [one.response() for one in read(runs())]
     assert [response.status for response in together] == ["done", "step bound reached", *["done"] * 5]
     for response in together:
         numbers = np.concatenate([*(b.shear for b in response.buildings), *response.final[0], response.links.impulse])
