@@ -82,10 +82,10 @@ class Task:
 
         begins : told the place of every scene before something of it is run
         """
-        answers = []
+        answers, groups = [], _group_solver(self) if self.falls_apart() else None
         for place, scene in enumerate(scenes):
             begins(place)
-            answers.append(self._caught(scene, self._begun, scene))
+            answers.append(self._caught(scene, self._begun, scene, groups))
             if halted():
                 break
         for place, answer in enumerate(answers):
@@ -132,11 +132,11 @@ class Task:
     def _respond_or_prove(self, scene: Scene) -> Response:
         return _group_solver(self)(scene) if self.falls_apart() else self.respond(scene, False)
 
-    def _begun(self, scene: Scene) -> Response | _Begun:
+    def _begun(self, scene: Scene, groups: GroupSolver | None) -> Response | _Begun:
         """The response of a scene that need not be run as a whole, or its runs laid out."""
         if self.solve is not solve:
             return self._respond_or_prove(scene)
-        response, beside = _group_solver(self).without_a_run(scene) if self.falls_apart() else (None, 0.0)
+        response, beside = groups.without_a_run(scene) if groups else (None, 0.0)
         if response is not None:
             return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
         first = prepare(scene, self.accuracy, self.method, time_step=self.time_step, all_effects=self.all_effects)

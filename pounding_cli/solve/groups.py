@@ -9,16 +9,18 @@ run is as accurate as all others; a finer one follows only where the gap lies wi
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Collection, Hashable
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
 
 import numpy as np
 
+from pounding_cli.model.building import Building
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
@@ -96,7 +98,7 @@ class GroupSolver:
 
     def by_proof(self, scene: Scene) -> Response | None:
         """The response of a row that is not simulated, from its groups; None if all of it may meet."""
-        groups = _first_groups(scene)
+        groups = list(_first_groups(scene.buildings, scene.links))
         while len(groups) > 1:
             keys = [_key(scene, group) for group in groups]
             parts = [self._watched(scene, group, key) for group, key in zip(groups, keys, strict=True)]
@@ -171,21 +173,18 @@ class GroupSolver:
         closings = self._closings.setdefault(key, {})
         if len(self._closings) > MOST_PAIRS:
             self._closings = {key: closings}
-        for link in _between(scene, left[-1]):
-            if _rests(scene, left, right, link) or (link.left_at, link.right_at) != (1.0, 1.0):
-                continue
-            floors = link.left_floor - 1, link.right_floor - 1
+        for floors, free_below in _between_floors(scene.buildings, scene.links, left, right):
             if floors not in closings:
                 closing = a.samples[-1][:, floors[0]] - b.samples[0][:, floors[1]]
                 closings[floors] = float(closing.max(initial=0.0))
-            if closings[floors] >= link.law.free_below:
+            if closings[floors] >= free_below:
                 return True
         return False
 
 
 def sure_parts(scene: Scene) -> list[Scene]:
     """The groups of several buildings that a row is taken apart into before anything is known of its responses."""
-    groups = _first_groups(scene)
+    groups = _first_groups(scene.buildings, scene.links)
     return [_cut_out(scene, group) for group in groups if len(group) > 1] if len(groups) > 1 else []
 
 
@@ -207,23 +206,37 @@ def _between(scene: Scene, left: int) -> list[Link]:
     return [link for link in scene.links if link.left == left]
 
 
-def _move_alike(scene: Scene, link: Link) -> bool:
+def _move_alike(buildings: Sequence[Building], link: Link) -> bool:
     """Whether the link joins the same floor of two equal buildings: as long as nothing else pushes them, it is not
     closed by anything."""
-    a, b = scene.buildings[link.left], scene.buildings[link.left + 1]
+    a, b = buildings[link.left], buildings[link.left + 1]
     return a.digest == b.digest and (link.left_floor, link.left_at) == (link.right_floor, link.right_at)
 
 
-def _rests(scene: Scene, left: range, right: range, link: Link) -> bool:
+def _rests(buildings: Sequence[Building], left: range, right: range, link: Link) -> bool:
     """Whether a link between two groups joins buildings that move alike, each alone in its group."""
-    return len(left) == len(right) == 1 and _move_alike(scene, link)
+    return len(left) == len(right) == 1 and _move_alike(buildings, link)
 
 
-def _first_groups(scene: Scene) -> list[range]:
+@functools.lru_cache(maxsize=256)  # the same for every motion
+def _between_floors(
+    buildings: tuple[Building, ...], links: tuple[Link, ...], left: range, right: range
+) -> list[tuple[tuple[int, int], float]]:
+    """Of the links between floors of two groups, but for those that rest, the floors, from 0, and the closing below
+    which no force acts [m]."""
+    return [
+        ((link.left_floor - 1, link.right_floor - 1), link.law.free_below)
+        for link in links
+        if link.left == left[-1] and link.left_at == link.right_at == 1.0 and not _rests(buildings, left, right, link)
+    ]
+
+
+@functools.lru_cache(maxsize=256)  # the same for every motion
+def _first_groups(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> tuple[range, ...]:
     """Every building by itself, but for those that are sure to meet: with a link that a first movement may already
     close."""
-    sure = {link.left for link in scene.links if link.law.free_below <= 0 and not _move_alike(scene, link)}
-    return _merged([range(b, b + 1) for b in range(len(scene.buildings))], sure)
+    sure = {link.left for link in links if link.law.free_below <= 0 and not _move_alike(buildings, link)}
+    return tuple(_merged([range(b, b + 1) for b in range(len(buildings))], sure))
 
 
 def _merged(groups: list[range], meeting: Collection[int]) -> list[range]:
@@ -239,6 +252,8 @@ def _merged(groups: list[range], meeting: Collection[int]) -> list[range]:
 
 def _key(scene: Scene, group: range) -> Key:
     """The same for all scenes in which the group by itself is the same scene, as their digests would be."""
+    if len(group) == 1:
+        return scene.buildings[group.start].digest, scene.motion.digest, scene.analysis, scene.tail
     buildings = tuple([building.digest for building in scene.buildings[group.start : group.stop]])
     return buildings, _inside(scene, group), scene.motion.digest, scene.analysis, scene.tail
 
@@ -266,7 +281,7 @@ def _stretches(scene: Scene, groups: list[range]) -> list[list[int]]:
     again more often than three. Left out where nothing can close."""
     stretches: list[list[int]] = []
     for n, (left, right) in enumerate(pairwise(groups)):
-        if all(_rests(scene, left, right, link) for link in _between(scene, left[-1])):
+        if all(_rests(scene.buildings, left, right, link) for link in _between(scene, left[-1])):
             continue
         if stretches and stretches[-1][-1] == n - 1 and len(left) > 1:
             stretches[-1].append(n)
@@ -298,7 +313,7 @@ def _open(
         closings[link] = found[(one - begin, floor, at), (other - begin, other_floor, other_at)]
     error *= sum(_furthest(response.buildings[place - begin]) for place in (left[-1], right[0]))
     for link in closings:
-        if _rests(scene, left, right, link):
+        if _rests(scene.buildings, left, right, link):
             closings[link] = 0.0
         elif closings[link] + error >= link.law.free_below:  # fault: gap-stays-open
             return None

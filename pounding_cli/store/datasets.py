@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import h5py
 import numpy as np
+from h5py import h5a, h5s, h5t
 
 from pounding_cli.store import packed
 
@@ -14,6 +15,7 @@ _TEXTS = 1 << 16
 """Texts written at a time: for each, h5py takes some 50 bytes until all are written."""
 
 _DIMENSIONS = h5py.vlen_dtype(h5py.ref_dtype)
+_ONE = h5s.create(h5s.SCALAR)
 _PLACES = np.dtype([("dataset", h5py.ref_dtype), ("dimension", np.uint32)], align=True)
 """Of the attributes by which datasets and scales know each other (HDF5's "Dimension Scale Specification")."""
 
@@ -69,7 +71,7 @@ class Datasets:
             for number, dim in enumerate(dims):
                 known[number] = own[dim]
                 places[dim].append((dataset.ref, number))
-            dataset.attrs.create("DIMENSION_LIST", known, dtype=_DIMENSIONS)
+            _add(dataset, "DIMENSION_LIST", known, _DIMENSIONS)
         for name, found in places.items():
             if found:
                 self._scales[name].attrs.create("REFERENCE_LIST", np.array(found, _PLACES))
@@ -90,9 +92,15 @@ def put(dataset: h5py.Dataset, at: tuple[int, ...], piece: np.ndarray) -> None:
 
 
 def _describe(dataset: h5py.Dataset, unit: str, text: str) -> None:
-    dataset.attrs["long_name"] = text
-    if unit:
-        dataset.attrs["units"] = unit
+    for name, value in (("long_name", text), *([("units", unit)] if unit else [])):
+        _add(dataset, name, np.array(value, object), h5py.string_dtype())
+
+
+def _add(dataset: h5py.Dataset, name: str, value: np.ndarray, dtype: np.dtype) -> None:
+    """A new attribute. h5py makes it under another name and renames it, in case there is one: three times as long."""
+    space = h5s.create_simple(value.shape) if value.shape else _ONE
+    kind, here = h5t.py_create(dtype, logical=True), h5t.py_create(dtype)
+    h5a.create(dataset.id, name.encode(), kind, space).write(value, mtype=here)
 
 
 def _dtype(array: np.ndarray):

@@ -12,6 +12,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+from h5py import h5d, h5p, h5s, h5t
 
 deflate: Any
 try:
@@ -23,7 +24,6 @@ except ImportError:  # no wheel for this machine: another stream of the same kin
 PIECE_BYTES = 1 << 20
 """Most bytes of a piece."""
 
-_FILTERS = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 _ROW = 1 << 15
 """Words that are summed at a time: as doubles their sums are exact."""
 _WEIGHTS = np.stack([np.ones(_ROW), np.arange(_ROW, dtype=float)], axis=1)
@@ -32,8 +32,16 @@ _WEIGHTS = np.stack([np.ones(_ROW), np.arange(_ROW, dtype=float)], axis=1)
 def create(
     group: h5py.Group, name: str, shape: tuple[int, ...], dtype: np.dtype, piece: tuple[int, ...]
 ) -> h5py.Dataset:
-    """A dataset to be filled piece by piece; `piece`: the shape of each."""
-    return group.create_dataset(name, shape, dtype, chunks=piece, **_FILTERS)
+    """A dataset to be filled piece by piece; `piece`: the shape of each. As `h5py.Group.create_dataset` makes it, in
+    half the time."""
+    how = h5p.create(h5p.DATASET_CREATE)
+    how.set_chunk(piece)
+    how.set_shuffle()
+    how.set_deflate(1)
+    how.set_fletcher32()
+    how.set_obj_track_times(False)
+    kind, space = h5t.py_create(dtype, logical=True), h5s.create_simple(shape)
+    return h5py.Dataset(h5d.create(group.id, name.encode(), kind, space, how))
 
 
 def put(dataset: h5py.Dataset, at: tuple[int, ...], values: np.ndarray) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import os
@@ -255,9 +256,15 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             "platform": platform.platform(),
             "machine": platform.machine(),
             "cores": os.cpu_count() or 0,
-            **{name: metadata.version(name) for name in _SOFTWARE},
+            **_versions(),
         }
     )
+
+
+@functools.cache
+def _versions() -> dict[str, str]:
+    """Of the packages that results rest on."""
+    return {name: metadata.version(name) for name in _SOFTWARE}
 
 
 def _text(values) -> np.ndarray:
