@@ -9,32 +9,20 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
+from llvmlite import ir
 from numba import _dynfunc, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.core.compiler_machinery import PassManager
-from numba.core.typed_passes import AnnotateTypes, DumpParforDiagnostics, InlineOverloads, NopythonRewrites
-from numba.core.typing.templates import AttributeTemplate
-from numba.core.untyped_passes import (
-    FindLiterallyCalls,
-    InlineClosureLikes,
-    InlineInlinables,
-    LiteralPropagationSubPipelinePass,
-    LiteralUnroll,
-    MakeFunctionToJitFunction,
-    RewriteDynamicRaises,
-    WithLifting,
-)
-from numba.extending import infer_getattr, lower_getattr_generic
+from numba.core.targetconfig import ConfigStack
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_global, signature
+from numba.extending import infer_getattr, lower_builtin, lower_getattr_generic
 
-_IDLE = {
-    AnnotateTypes, DumpParforDiagnostics, FindLiterallyCalls, InlineClosureLikes, InlineInlinables, InlineOverloads,
-    LiteralPropagationSubPipelinePass, LiteralUnroll, MakeFunctionToJitFunction, NopythonRewrites,
-    RewriteDynamicRaises, WithLifting,
-}  # fmt: skip
-"""Numba's passes for what no piece has: closures, arithmetic of whole arrays, context managers, unrolling by type."""
+from pounding_cli.kernels.passes import nothing_twice, run_passes
+
+_UNPACKING = ("_ZN7cpython", "cfunc.")
+"""How the names of functions begin that unpack what a kernel is given."""
 
 _REFUSAL = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
 """What Python finds where a piece's entry should be: it raises TypeError."""
@@ -56,6 +44,46 @@ def teach_fields(kind: type[types.Type], read: Callable[..., Any]) -> None:
     lower_getattr_generic(kind)(read)
 
 
+def _teach(function: Any, code: Callable[..., Any], kind: types.Type, *more: types.Type, gives: types.Type) -> None:
+    """Teach numba `function` of such arguments by its code, where numba has a function to compile.
+
+    code : (builder, values)
+    more : kinds of further arguments, all but the last of which are as many as `kind`
+    """
+
+    @infer_global(function)
+    class Template(AbstractTemplate):
+        key = function
+        metadata: ClassVar = {"target": "cpu"}  # asked before numba's own, which is for any target
+
+        def generic(self, args: Any, kws: Any) -> Any:
+            found = not kws and set(args) == {kind} and (len(args) > 1) == bool(more)
+            return signature(gives, *args) if found else None
+
+    def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return code(builder, args)
+
+    lower_builtin(function, kind, *more)(lower)
+
+
+def _teach_builtins() -> None:
+    """`max` and `min` of doubles or of integers, which pass over what is not a number just as numba's do, and `int`."""
+
+    def best(compare: str, sign: str) -> Callable[..., Any]:
+        def code(builder: Any, values: Any) -> Any:
+            found = values[0]
+            for each in values[1:]:
+                found = builder.select(getattr(builder, compare)(sign, each, found), each, found)
+            return found
+
+        return code
+
+    for function, sign in ((max, ">"), (min, "<")):
+        for kind, compare in ((types.float64, "fcmp_ordered"), (types.int64, "icmp_signed")):
+            _teach(function, best(compare, sign), kind, types.VarArg(kind), gives=kind)
+    _teach(int, lambda builder, values: builder.fptosi(values[0], ir.IntType(64)), types.float64, gives=types.int64)
+
+
 class _Unfinished(JITCodeLibrary):
     """Code that has not met the optimiser."""
 
@@ -63,8 +91,8 @@ class _Unfinished(JITCodeLibrary):
     """Whether the piece is copied to where it is called."""
 
     def add_llvm_module(self, ll_module: Any) -> None:
-        """Take the module as it is."""
-        self._final_module.link_in(ll_module)
+        """Take the module as it is; a piece has no other."""
+        self._final_module = ll_module
 
     def finalize(self) -> None:
         """Leave the piece as it is; whoever compiles the kernel links it with all that it calls."""
@@ -106,6 +134,10 @@ class _Unfinished(JITCodeLibrary):
 class _Kernel(JITCodeLibrary):
     """A kernel with all its pieces."""
 
+    def add_llvm_module(self, ll_module: Any) -> None:
+        """Take the module as it is: it is optimised with its pieces."""
+        self._final_module.link_in(ll_module)
+
     def finalize(self) -> None:
         """Take in every piece once, whoever calls it."""
         done: set[Any] = set()
@@ -120,7 +152,7 @@ class _Kernel(JITCodeLibrary):
         Runge-Kutta with events 10 %) and costs little. One more round over the module would make Taylor 1 % faster
         and take a tenth of the wait. What unpacks the arguments runs once a scene, and is left as it is."""
         for function in self._final_module.functions:
-            if function.name.startswith(("cpython.", "cfunc.")):
+            if function.name.startswith(_UNPACKING):
                 function.add_function_attribute("noinline")
                 function.add_function_attribute("optnone")
             elif not function.is_declaration:
@@ -134,9 +166,11 @@ class KernelCompiler(Compiler):
 
     def compile_extra(self, func: Any) -> Any:
         """Compile a function and optimise it together with its pieces."""
+        self.state.flags.no_cfunc_wrapper = True  # no kernel is called from C
         self.state.library = _Kernel(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()
-        return super().compile_extra(func)
+        with nothing_twice():
+            return super().compile_extra(func)
 
 
 class PieceCompiler(Compiler):
@@ -154,13 +188,11 @@ class PieceCompiler(Compiler):
         self._inlined, flags.forceinline = flags.forceinline, False
         super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
 
-    def define_pipelines(self) -> list[PassManager]:
-        """Numba's passes without those that would find nothing."""
-        passes = PassManager("piece")
-        for manager in super().define_pipelines():
-            passes.passes.extend(each for each in manager.passes if each[0] not in _IDLE)
-        passes.finalize()
-        return [passes]
+    def _compile_core(self) -> Any:
+        """Called by numba's `compile_extra`."""
+        with ConfigStack().enter(self.state.flags.copy()):
+            run_passes(self.state)
+        return self.state.cr
 
     def compile_extra(self, func: Any) -> Any:
         """Compile a function as far as it goes without its kernel."""
@@ -174,3 +206,6 @@ class PieceCompiler(Compiler):
         )
         context.insert_user_function(entry, found.fndesc, [found.library])
         return found._replace(entry_point=entry)
+
+
+_teach_builtins()

@@ -75,7 +75,8 @@ def energy_held(laws, b, drift, memory, count, place, stride):
     no_inline()
     stiffness = t.branch(laws, b, t.GIVES_BACK)
     if stiffness > 0.0:
-        return 0.5 * shear_on(laws, b, drift, memory, place, stride) ** 2 / stiffness
+        shear = shear_on(laws, b, drift, memory, place, stride)
+        return 0.5 * (shear * shear) / stiffness  # of a square numba makes a function to compile
     registers = short_array()
     registers[CLOSING], registers[RATE], registers[ROOT] = drift, 0.0, 0.0
     for m in range(count):

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+import re
+
 import numpy as np
 import pytest
-from numba import njit
+from numba import njit, types
+from numba.core.errors import TypingError
 
 from pounding_cli.kernels import central_difference, exponential, generalized_alpha, runge_kutta, taylor
-from pounding_cli.kernels.layout import CALLED, PART
+from pounding_cli.kernels.layout import CALLED, OPTIONS, PART
 from pounding_cli.kernels.pipelines import QUICK
 from pounding_cli.kernels.simd import no_inline, pointer
 
@@ -67,6 +72,72 @@ def test_a_piece_called_from_python_is_refused(number):
     for _ in range(2):
         with pytest.raises(TypeError):
             weight(number)
+
+
+@njit(**PART)
+def extremes(a, b, c):
+    return max(a, b), min(a, b), max(a, b, c), min(a, b, c)
+
+
+@njit(**PART)
+def place_of(values, k):
+    return int(values[k])
+
+
+@njit(**OPTIONS | {"cache": False})
+def judge(values, places):
+    v, p = pointer(values), pointer(places)
+    found = place_of(v, 0) + place_of(v, 1) + place_of(v, p[0])
+    return extremes(v[0], v[1], v[2]), extremes(p[0], p[1], p[2]), found
+
+
+@pytest.mark.parametrize("values", list(itertools.permutations([1.5, -2.5, np.nan])))
+def test_extremes_are_those_of_python(values):
+    """Fails if what is not a number is passed over otherwise, if integers are compared as doubles, or if a number is
+    rounded to its place."""
+    whole = [2**62 + 1, 2**62, -(2**62)]
+    if math.isnan(values[0] + values[1]):
+        doubles, integers, _ = judge(np.array(values), np.array(whole))
+    else:
+        doubles, integers, place = judge(np.array(values), np.array([1, *whole[:2]]))
+        whole = [1, *whole[:2]]
+        assert place == int(values[0]) + 2 * int(values[1])
+    np.testing.assert_array_equal(doubles, extremes.py_func(*values))
+    assert list(integers) == list(extremes.py_func(*whole))
+
+
+@by_our_pipeline
+def test_a_piece_is_compiled_once_for_all_numbers():
+    """Fails if each number that is written out in a call has a piece of its own to compile."""
+    judge(np.ones(3), np.ones(3, np.int64))
+    assert len(place_of.signatures) == 1
+
+
+@by_our_pipeline
+def test_what_unpacks_the_arguments_is_not_optimised():
+    """It runs once a scene, and its code is as long as the kernel's. Fails if LLVM takes a second over it."""
+    judge(np.ones(3), np.ones(3, np.int64))
+    (text,) = judge.inspect_llvm().values()
+    (line,) = (line for line in text.splitlines() if line.startswith("define") and "_ZN7cpython" in line)
+    assert re.search(rf"^attributes {line.split()[-2]} = .*optnone", text, re.MULTILINE)
+
+
+@by_our_pipeline
+def test_numba_is_left_as_it_was():
+    """Fails if an answer is remembered beyond the kernel, or where a kernel could not be compiled."""
+    from numba.core.cpu import CPUContext
+
+    before = CPUContext.load_additional_registries, types.Function.get_call_type, types.Dispatcher.get_call_type
+
+    @njit(**OPTIONS | {"cache": False})
+    def wrong(values):
+        return extremes(values, 1.0, "two")
+
+    with pytest.raises(TypingError):
+        wrong(1.0)
+    judge(np.ones(3), np.ones(3, np.int64))
+    after = CPUContext.load_additional_registries, types.Function.get_call_type, types.Dispatcher.get_call_type
+    assert after == before
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def test_private_pipelines_only_where_the_version_is_known(version, variable, qu
 @pytest.mark.parametrize("path", sorted(FOLDER.rglob("*.py")), ids=lambda path: path.name)
 def test_kernels_import_what_numba_publishes(path):
     """All but the pipelines, which have a plain path beside them. Fails on `numba.core` and the like."""
-    if path.name == "pieces.py":
+    if path.name in ("pieces.py", "passes.py"):
         pytest.skip("reaches inside, where the version is known")
     tree = ast.parse(path.read_text())
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
