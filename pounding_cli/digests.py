@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from itertools import islice
+from typing import overload
 
 import numpy as np
 
@@ -104,11 +106,79 @@ class Sorted:
         return found
 
 
-class DigestMap:
-    """Numbers by digest, in the order in which the digests came first; texts that are no SHA-256 digests may be among
-    them."""
+class DigestList(Sequence[str]):
+    """Digests as texts, made when they are looked at.
 
-    def __init__(self) -> None:
+    digests : `packed`; numbers : which of them, in order, -1 for an empty text; all unless given
+    """
+
+    def __init__(self, digests: np.ndarray, numbers: np.ndarray | None = None) -> None:
+        self.digests = digests
+        self.numbers = np.arange(len(digests)) if numbers is None else numbers
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @overload
+    def __getitem__(self, place: int) -> str: ...
+
+    @overload
+    def __getitem__(self, place: slice) -> list[str]: ...
+
+    def __getitem__(self, place: int | slice) -> str | list[str]:
+        if not isinstance(place, slice):
+            return self._texts(self.numbers[[place]])[0]
+        return self._texts(self.numbers[place])
+
+    def __iter__(self) -> Iterator[str]:
+        for begin in range(0, len(self), AT_ONCE):
+            yield from self[begin : begin + AT_ONCE]
+
+    def _texts(self, numbers: np.ndarray) -> list[str]:
+        found = texts(self.digests[numbers])
+        for place in np.flatnonzero(numbers < 0).tolist():
+            found[place] = ""
+        return found
+
+
+class DigestTable:
+    """Digests by number, and numbers by digest.
+
+    digests : `packed`, no two alike, shape (scenes, 32)
+    """
+
+    def __init__(self, digests: np.ndarray) -> None:
+        self.digests = digests
+
+    def __len__(self) -> int:
+        return len(self.digests)
+
+    @cached_property
+    def _sorted(self) -> Sorted:
+        found = Sorted()
+        found.grow(self.digests)
+        return found
+
+    def numbers(self, digests: Sequence[str]) -> np.ndarray:
+        """Numbers of digests, -1 for one that is not there, shape (digests,)."""
+        return self._sorted.find(self.digests, digests)
+
+    def texts(self, numbers: np.ndarray) -> list[str]:
+        """Digests by number, "" for -1; shape of `numbers` (digests,)."""
+        return DigestList(self.digests, numbers)[:]
+
+
+class DigestMap:
+    """Numbers by digest; texts that are no SHA-256 digests may be among them.
+
+    Parameters
+    ----------
+    table : digests that most of them are, which are not held once more
+    """
+
+    def __init__(self, table: DigestTable | None = None) -> None:
+        self._table = DigestTable(np.empty((0, DIGEST), np.uint8)) if table is None else table
+        self._told = np.full(len(self._table), -1, np.int64)  # the numbers of those of the table
         self._digests = np.empty((0, DIGEST), np.uint8)
         self._numbers = np.empty(0, np.int64)
         self._sorted = Sorted()
@@ -117,10 +187,11 @@ class DigestMap:
 
     def put(self, digests: Sequence[str], numbers: np.ndarray) -> None:
         """Give digests numbers, shape (digests,); a digest that has one gets the new one.  Numbers are not negative."""
+        digests, numbers = self._put_in_table(digests, np.asarray(numbers))
         try:
             packed(digests)
         except ValueError:
-            self._odd |= zip(digests, np.asarray(numbers).tolist(), strict=True)
+            self._odd |= zip(digests, numbers.tolist(), strict=True)
             return
         known = self._sorted.find(self._digests, digests)
         self._numbers[known[known >= 0]] = numbers[known >= 0]
@@ -130,6 +201,13 @@ class DigestMap:
         if len(self._fresh) > _MOST_FRESH:
             self._settle()
 
+    def _put_in_table(self, digests: Sequence[str], numbers: np.ndarray) -> tuple[Sequence[str], np.ndarray]:
+        """Give those of the table their numbers; returns the others."""
+        places = self._table.numbers(digests)
+        self._told[places[places >= 0]] = numbers[places >= 0]
+        others = np.flatnonzero(places < 0)
+        return [digests[place] for place in others.tolist()], numbers[others]
+
     def get(self, digest: str) -> int:
         """The number of a digest; -1 where it has none."""
         number = self._fresh.get(digest, -1)
@@ -137,6 +215,15 @@ class DigestMap:
 
     def of(self, digests: Sequence[str]) -> np.ndarray:
         """The numbers of digests, -1 where one has none, shape (digests,)."""
+        places = self._table.numbers(digests)
+        found = np.where(places >= 0, self._told[places] if len(self._told) else -1, -1)
+        others = np.flatnonzero(places < 0)
+        if others.size:
+            found[others] = self._of_others([digests[place] for place in others.tolist()])
+        return found
+
+    def _of_others(self, digests: Sequence[str]) -> np.ndarray:
+        """As `of`, of digests that the table has not."""
         known = self._sorted.find(self._digests, digests)
         found = np.where(known >= 0, self._numbers[known] if len(self._numbers) else -1, -1)
         for some in (self._fresh, self._odd):
@@ -155,10 +242,11 @@ class DigestMap:
         return isinstance(digest, str) and self.get(digest) >= 0
 
     def __len__(self) -> int:
-        return len(self._numbers) + len(self._fresh) + len(self._odd)
+        return int(np.count_nonzero(self._told >= 0)) + len(self._numbers) + len(self._fresh) + len(self._odd)
 
     def __iter__(self) -> Iterator[str]:
+        """Those of the table in its order, then the others in the order in which they came first."""
         self._settle()
-        for begin in range(0, len(self._digests), AT_ONCE):
-            yield from texts(self._digests[begin : begin + AT_ONCE])
+        yield from DigestList(self._table.digests, np.flatnonzero(self._told >= 0))
+        yield from DigestList(self._digests)
         yield from self._odd

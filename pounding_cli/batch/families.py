@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.study.scenes import DigestList, Scenes, first_of
+from pounding_cli.digests import DigestList
+from pounding_cli.study.scenes import Scenes, first_of
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan

@@ -91,7 +91,7 @@ def run_plan(
     chosen = engine(engine_name, workers or cores(), scheduler)
     check_output(output, [plan.study.path], lambda path, _: is_results(path))
     key = key_of(plan)
-    parts = PartStore(output, key)
+    parts = PartStore(output, key, plan.rows.table)
     if not replace and is_current(output, plan):
         _tidy(output, parts)
         former = former_run(output, key)

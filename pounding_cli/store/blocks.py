@@ -89,6 +89,7 @@ def blocks(plan: Plan, responses: PartStore, shape: Shape) -> Iterator[Block]:
                 ahead = whole[:-1] if name in _OVER_RECORDS else whole
                 data[name] = array.reshape(end - begin, *ahead, *array.shape[1:])
             yield Block((*at, slice(begin, end)), data)
+            del data, array  # before the next ones are made
 
 
 def _filled(plan: Plan, some: slice, responses: PartStore, shape: Shape) -> Arrays:

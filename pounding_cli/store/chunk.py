@@ -18,6 +18,14 @@ _MAGIC = b"pound part 2\n"
 _SHA = 64
 
 
+def starts_of(texts: Sequence[str], words: np.ndarray) -> np.ndarray:
+    """Where the numbers of each scene begin, and where the last end; shape (scenes + 1,).
+
+    texts : header lines; words : of each scene the number of its header line, shape (scenes,)
+    """
+    return np.concatenate([[0], np.cumsum(np.array([parse(text).size for text in texts], np.int64)[words])])
+
+
 @dataclass(frozen=True, eq=False)
 class Chunk:
     """Responses taken apart.
@@ -78,7 +86,7 @@ class Chunk:
     @cached_property
     def starts(self) -> np.ndarray:
         """Where the numbers of each scene begin, and where the last end; shape (scenes + 1,)."""
-        return np.concatenate([[0], np.cumsum(self._of_texts(lambda header: header.size)[self.words])])
+        return starts_of(self.texts, self.words)
 
     @cached_property
     def seconds(self) -> np.ndarray:

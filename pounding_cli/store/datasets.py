@@ -7,6 +7,7 @@ import numpy as np
 from h5py import h5a, h5s, h5t
 
 from pounding_cli.store import packed
+from pounding_cli.store.packed import Slabs
 
 _PACKED_ABOVE = 1 << 13
 """Arrays above this size [bytes] are compressed; smaller ones are not worth the chunk index."""
@@ -39,17 +40,17 @@ class Datasets:
         self._scales[name] = dataset
         return dataset
 
-    def write(self, name: str, dims: tuple[str, ...], array: np.ndarray, unit: str, text: str) -> h5py.Dataset:
+    def write(self, name: str, dims: tuple[str, ...], array: np.ndarray | Slabs, unit: str, text: str) -> h5py.Dataset:
         """A variable over some dimensions."""
         if array.dtype != object and array.nbytes > _PACKED_ABOVE:
             dataset = packed.write(self._file, name, array)
         elif array.size > _TEXTS:
             dataset = self._file.create_dataset(name, array.shape, _dtype(array))
-            each = max(1, _TEXTS * len(array) // array.size)
-            for begin in range(0, len(array), each):
-                dataset[begin : begin + each] = array[begin : begin + each]
+            for at in packed.slabs(array.shape, packed.slab_of(array.shape, _TEXTS)):
+                dataset[at] = array[at]
         else:
-            dataset = self._file.create_dataset(name, data=array, dtype=_dtype(array))
+            whole = array.whole() if isinstance(array, Slabs) else array
+            dataset = self._file.create_dataset(name, data=whole, dtype=_dtype(whole))
         return self._told(dataset, dims, unit, text)
 
     def empty(
@@ -57,7 +58,8 @@ class Datasets:
     ) -> h5py.Dataset:
         """A variable that comes in pieces such as `like`, for `put`."""
         if like.dtype == object:
-            dataset = self._file.create_dataset(name, shape, _dtype(like), chunks=like.shape)
+            # pieces are written whole: HDF5 need not hold them, 8 MB of each variable; h5py takes 0 bytes for no answer
+            dataset = self._file.create_dataset(name, shape, _dtype(like), chunks=like.shape, rdcc_nbytes=1)
         else:
             dataset = packed.create(self._file, name, shape, like.dtype, like.shape)
         return self._told(dataset, dims, unit, text)
@@ -103,5 +105,5 @@ def _add(dataset: h5py.Dataset, name: str, value: np.ndarray, dtype: np.dtype) -
     h5a.create(dataset.id, name.encode(), kind, space).write(value, mtype=here)
 
 
-def _dtype(array: np.ndarray):
+def _dtype(array: np.ndarray | Slabs):
     return h5py.string_dtype() if array.dtype == object else array.dtype

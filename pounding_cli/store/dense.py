@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pounding_cli.model.links import APART, LinkPlace, ends_on_columns
+from pounding_cli.store.packed import Slabs
 from pounding_cli.variables import BUILDINGS, LINKS, OF_COLUMNS, PLACE, RECORDS, Variable
 
 if TYPE_CHECKING:
     from pounding_cli.store.parts import PartStore
     from pounding_cli.study import Plan
 
-"""Place of the left building, its floor, the floor of the right building."""
-
-_POINTS = 1 << 15
-"""Points and cases whose links are looked at together."""
-
-Data = dict[str, tuple[tuple[str, ...], np.ndarray]]
+Data = dict[str, tuple[tuple[str, ...], Slabs]]
 """Variable -> (dimensions, array)."""
+
+Pieces = dict[str, list[np.ndarray]]
+"""Variable -> arrays that stand side by side behind the swept axes; of size 1 along one that leaves them alone."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +55,7 @@ class Shape:
 def shape_of(plan: Plan, responses: PartStore) -> Shape:
     """The dimensions of a plan whose scenes are all in `responses`."""
     axes = tuple(axis.names[0] for axis in plan.axes)
-    sets = plan.rows.sets.alike(np.unique(plan.rows.links))
-    links = tuple(sorted({link.place for some, _, _ in sets for link in some}))
+    links = tuple(sorted({link.place for some in plan.rows.sets.layouts for link in some}))
     sizes = {name: len(axis.values) for name, axis in zip(axes, plan.axes, strict=True)}
     sizes |= {"case": len(plan.cases), "analysis": len(plan.analyses), "record": len(plan.records)}
     storeys = responses.storeys(plan.scenes)
@@ -72,49 +70,57 @@ def empty(variable: Variable, shape: tuple[int, ...]) -> np.ndarray:
     return np.zeros(shape, np.int64) if variable.kind == "i" else np.full(shape, np.nan)
 
 
-def facts(plan: Plan, shape: Shape) -> Iterator[Data]:
+def facts(plan: Plan, shape: Shape) -> Data:
     """The variables of links, of buildings and of motions; the latter two without the axes that leave them alone."""
-    yield from _links(plan, shape)
-    yield _buildings(plan, shape)
-    yield _records(plan, shape)
+    return _links(plan, shape) | _buildings(plan, shape) | _records(plan, shape)
 
 
-def _links(plan: Plan, shape: Shape) -> Iterator[Data]:
-    """One variable after another, each filled some points at a time: with a million points each takes 40 MB."""
+def _links(plan: Plan, shape: Shape) -> Data:
+    numbers = plan.rows.links.reshape(shape.of((*shape.axes, "case")))  # the same for every analysis and record
     places = {place: number for number, place in enumerate(shape.links)}
-    numbers = plan.rows.links  # the same for every analysis and record
+
+    def made(variable: Variable, at: tuple[slice, ...]) -> np.ndarray:
+        some = numbers[at[:-1]]
+        array = empty(variable, (some.size, len(places)))
+        for links, points, gaps in plan.rows.sets.alike(some.ravel()):
+            for number, link in enumerate(links):
+                if variable.name != "gap":
+                    array[points, places[link.place]] = getattr(link, variable.name)
+                elif link.kind != APART:
+                    array[points, places[link.place]] = gaps[:, number]
+        return array.reshape(*some.shape, len(places))[..., at[-1]]
+
+    found = {}
     for variable in LINKS:
-        if variable.name in shape.left_out:
-            continue
-        array = empty(variable, shape.of((*shape.axes, *variable.dims)))
-        for begin in range(0, len(numbers) if array.size else 0, _POINTS):
-            some = array.reshape(-1, len(shape.links))[begin : begin + _POINTS]
-            for links, points, gaps in plan.rows.sets.alike(numbers[begin : begin + _POINTS]):
-                for number, link in enumerate(links):
-                    if variable.name != "gap":
-                        some[points, places[link.place]] = getattr(link, variable.name)
-                    elif link.kind != APART:
-                        some[points, places[link.place]] = gaps[:, number]
-        yield {variable.name: ((*shape.axes, *variable.dims), array)}
+        if variable.name not in shape.left_out:
+            dims = (*shape.axes, *variable.dims)
+            found[variable.name] = dims, Slabs(shape.of(dims), empty(variable, (0,)).dtype, partial(made, variable))
+    return found
 
 
 def _buildings(plan: Plan, shape: Shape) -> Data:
     kept = _named(shape, plan.study.touching("buildings"))
-    arrays = {v.name: empty(v, shape.of((*kept, *v.dims))) for v in BUILDINGS}
+    arrays: Pieces = {variable.name: [] for variable in BUILDINGS}
     for place in range(len(plan.buildings)):
         own = _named(shape, plan.study.touching("buildings", place))
+        sizes = [shape.sizes[axis] if axis in own else 1 for axis in kept]
+        mine = {v.name: empty(v, (*sizes, 1, *shape.of(v.dims[1:]))) for v in BUILDINGS if v.name != "separation"}
         for at, point in _points(shape, own):
             building = plan.study.building(point, place)
             indices = dict(zip(own, at, strict=True))
-            everywhere = tuple(indices.get(axis, slice(None)) for axis in kept)
+            there = (*(indices.get(axis, 0) for axis in kept), 0)
             for name in ("mass", "height", "stiffness", "yield_shear"):
-                arrays[name][(*everywhere, place, slice(building.storeys))] = getattr(building, name)
-            arrays["period"][(*everywhere, place)] = building.periods[0]
-            arrays["base_shear_ratio"][(*everywhere, place)] = building.base_shear_ratio
-            arrays["slab"][(*everywhere, place)] = building.slab
+                mine[name][there][: building.storeys] = getattr(building, name)
+            mine["period"][there] = building.periods[0]
+            mine["base_shear_ratio"][there] = building.base_shear_ratio
+            mine["slab"][there] = building.slab
+        for name, array in mine.items():
+            arrays[name].append(array)
+    separation = np.empty(shape.of((*kept, "building")))
     for at, point in _points(shape, kept):
-        arrays["separation"][at] = plan.study.separations(point)
-    return _without_constant_axes(kept, arrays, BUILDINGS)
+        separation[at] = plan.study.separations(point)
+    arrays["separation"].append(separation)
+    return _without_constant_axes(kept, arrays, BUILDINGS, shape)
 
 
 def _records(plan: Plan, shape: Shape) -> Data:
@@ -126,7 +132,7 @@ def _records(plan: Plan, shape: Shape) -> Data:
             for variable in RECORDS:
                 value = getattr(motions[name].use, variable.name.removeprefix("record_"))
                 arrays[variable.name][(*at, number)] = value
-    return _without_constant_axes(kept, arrays, RECORDS)
+    return _without_constant_axes(kept, {name: [array] for name, array in arrays.items()}, RECORDS, shape)
 
 
 def _named(shape: Shape, chosen: tuple[bool, ...]) -> tuple[str, ...]:
@@ -141,18 +147,33 @@ def _points(shape: Shape, kept: tuple[str, ...]) -> Iterator[tuple[tuple[int, ..
 
 
 def _without_constant_axes(
-    axes: tuple[str, ...], arrays: dict[str, np.ndarray], variables: tuple[Variable, ...]
+    axes: tuple[str, ...], arrays: Pieces, variables: tuple[Variable, ...], shape: Shape
 ) -> Data:
     """The variables without the swept axes that change none: a sweep of the gap leaves one building."""
     kept = list(axes)
-    cut = {v.name: arrays[v.name] for v in variables}
     for axis in reversed(axes):
         number = kept.index(axis)
-        first = {name: array.take([0], axis=number) for name, array in cut.items()}
-        if all(_same(np.broadcast_to(first[name], cut[name].shape), cut[name]) for name in cut):
-            cut = {name: array.take(0, axis=number) for name, array in cut.items()}
+        first = {name: [piece.take([0], axis=number) for piece in pieces] for name, pieces in arrays.items()}
+        both = ((one, piece) for name, pieces in arrays.items() for one, piece in zip(first[name], pieces, strict=True))
+        if all(_same(np.broadcast_to(one, piece.shape), piece) for one, piece in both):
+            arrays = {name: [piece.take(0, axis=number) for piece in pieces] for name, pieces in arrays.items()}
             kept.remove(axis)
-    return {v.name: ((*kept, *v.dims), cut[v.name]) for v in variables}
+    found = {}
+    for variable in variables:
+        dims, pieces = (*kept, *variable.dims), arrays[variable.name]
+        found[variable.name] = dims, Slabs(shape.of(dims), pieces[0].dtype, partial(_joined, pieces, len(kept)))
+    return found
+
+
+def _joined(pieces: list[np.ndarray], axes: int, at: tuple[slice, ...]) -> np.ndarray:
+    """A slab of an array whose pieces stand side by side behind its first axes, along which a piece may be constant."""
+    swept, rest = at[:axes], at[axes:]
+    sizes = tuple(each.stop - each.start for each in swept)
+    there = []
+    for piece in pieces:
+        constant = (slice(None) if size == 1 else each for each, size in zip(swept, piece.shape, strict=False))
+        there.append(np.broadcast_to(piece[tuple(constant)], (*sizes, *piece.shape[axes:])))
+    return np.concatenate(there, axis=axes)[(*map(slice, sizes), *rest)]
 
 
 def _same(one: np.ndarray, other: np.ndarray) -> bool:

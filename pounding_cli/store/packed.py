@@ -7,7 +7,8 @@ from __future__ import annotations
 import importlib
 import math
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import h5py
@@ -27,6 +28,36 @@ PIECE_BYTES = 1 << 20
 _ROW = 1 << 15
 """Words that are summed at a time: as doubles their sums are exact."""
 _WEIGHTS = np.stack([np.ones(_ROW), np.arange(_ROW, dtype=float)], axis=1)
+
+
+@dataclass(frozen=True)
+class Slabs:
+    """An array that is made a slab at a time, so that it takes little memory.
+
+    shape, dtype : of the whole
+    made : gives a slab; every slice has its ends
+    """
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+    made: Callable[[tuple[slice, ...]], np.ndarray]
+
+    def __getitem__(self, at: tuple[slice, ...]) -> np.ndarray:
+        return self.made(at)
+
+    @property
+    def size(self) -> int:
+        """Its values."""
+        return math.prod(self.shape)
+
+    @property
+    def nbytes(self) -> int:
+        """What it would take in memory [bytes]."""
+        return self.size * self.dtype.itemsize
+
+    def whole(self) -> np.ndarray:
+        """All of it."""
+        return self[tuple(map(slice, (0,) * len(self.shape), self.shape))]
 
 
 def create(
@@ -59,18 +90,17 @@ def put(dataset: h5py.Dataset, at: tuple[int, ...], values: np.ndarray) -> None:
     dataset.id.write_direct_chunk(at, content + fletcher32(content).to_bytes(4, "little"))
 
 
-def write(group: h5py.Group, name: str, values: np.ndarray) -> h5py.Dataset:
-    """A dataset of values that are at hand."""
-    piece = _piece(values.shape, values.dtype.itemsize)
-    dataset = create(group, name, values.shape, values.dtype, piece)
-    for at in _begins(values.shape, piece):
-        put(dataset, at, values[tuple(slice(begin, begin + size) for begin, size in zip(at, piece, strict=True))])
+def write(group: h5py.Group, name: str, values: np.ndarray | Slabs) -> h5py.Dataset:
+    """A dataset of values that are at hand, or are made a slab at a time."""
+    size = slab_of(values.shape, PIECE_BYTES // values.dtype.itemsize)
+    dataset = create(group, name, values.shape, values.dtype, size)
+    for at in slabs(values.shape, size):
+        put(dataset, tuple(each.start for each in at), values[at])
     return dataset
 
 
-def _piece(shape: tuple[int, ...], itemsize: int) -> tuple[int, ...]:
-    """A piece of at most PIECE_BYTES: whole in the last dimensions, one place in the first ones."""
-    most = PIECE_BYTES // itemsize
+def slab_of(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
+    """The shape of slabs of at most so many values: whole in the last dimensions, one place in the first ones."""
     for number, size in enumerate(shape):
         after = math.prod(shape[number + 1 :])
         if after <= most:
@@ -78,10 +108,11 @@ def _piece(shape: tuple[int, ...], itemsize: int) -> tuple[int, ...]:
     return shape
 
 
-def _begins(shape: tuple[int, ...], piece: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """Where every piece begins."""
-    for place in np.ndindex(*(-(-size // step) for size, step in zip(shape, piece, strict=True))):
-        yield tuple(number * step for number, step in zip(place, piece, strict=True))
+def slabs(shape: tuple[int, ...], size: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
+    """The slabs of this size that make up an array, those at its ends smaller."""
+    for place in np.ndindex(*(-(-whole // step) for whole, step in zip(shape, size, strict=True))):
+        begins = (number * step for number, step in zip(place, size, strict=True))
+        yield tuple(slice(at, min(at + step, end)) for at, step, end in zip(begins, size, shape, strict=True))
 
 
 def fletcher32(content: bytes) -> int:

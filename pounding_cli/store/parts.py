@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import sys
 import uuid
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -13,17 +14,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pounding_cli.digests import DigestMap, pieces, runs
+from pounding_cli.digests import DigestMap, DigestTable, pieces, runs
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Scene
 from pounding_cli.outputs import parts_of
 from pounding_cli.solve.response import Response
-from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.chunk import Chunk, starts_of
 from pounding_cli.store.codec import Header, decode, parse
 from pounding_cli.store.seal import open_regular
 
 _SPAN = 1 << 24
 """More than the scenes of one chunk."""
+
+_AT_ONCE = 1 << 14
+"""Scenes looked up together."""
 
 _FEW = 4
 """Where less than this part of a chunk is asked for, its numbers are copied."""
@@ -38,14 +42,16 @@ class PartStore(Mapping[str, Response]):
     ----------
     output : the results file the parts belong to
     key : `solution_key`; parts with another key are not read
+    table : the digests that most responses have, which are not held once more
     """
 
-    def __init__(self, output: Path, key: str) -> None:
+    def __init__(self, output: Path, key: str, table: DigestTable | None = None) -> None:
         self.folder = parts_of(output)
         self.key = key
         self._chunks: list[_Held] = []
         self._unsaved: dict[int, bytes] = {}
-        self._where = DigestMap()
+        self._table = table
+        self._where = DigestMap(table)
 
     @classmethod
     def of(cls, responses: Mapping[str, Response]) -> PartStore:
@@ -78,7 +84,7 @@ class PartStore(Mapping[str, Response]):
 
     def only(self, wanted: Mapping[str, Scene]) -> None:
         """Forget every other scene."""
-        where, self._where = self._where, DigestMap()
+        where, self._where = self._where, DigestMap(self._table)
         for some in pieces(where):
             kept = [some[place] for place in np.flatnonzero(among(wanted, some)).tolist()]
             self._where.put(kept, where.of(kept))
@@ -133,15 +139,19 @@ class PartStore(Mapping[str, Response]):
     def lines(self, digests: Iterable[str]) -> tuple[list[str], np.ndarray]:
         """The different header lines of many responses, and of each response the number of its line."""
         found: dict[str, int] = {}
-        where = self._all_places(digests)
-        words = np.empty(where.size, np.int64)
-        for held, asked, places in self._by_chunk(where):
-            numbers = np.array([found.setdefault(text, len(found)) for text in held.texts], np.int64)
-            words[asked] = numbers[held.words[places]]
-        texts = list(found)
-        used, first, words = np.unique(words, return_index=True, return_inverse=True)
-        order = np.argsort(first)  # as they come first
-        return [texts[number] for number in used[order].tolist()], np.argsort(order)[words]
+        words = []
+        for some in pieces(digests, _AT_ONCE):
+            mine = np.empty(len(some), np.int32)
+            for held, asked, places in self._by_chunk(self._all_places(some)):
+                numbers = np.array([found.setdefault(text, len(found)) for text in held.texts], np.int32)
+                mine[asked] = numbers[held.words[places]]
+            words.append(mine)
+        texts, all_words = list(found), np.concatenate([*words, np.zeros(0, np.int32)])
+        used, first = np.unique(all_words, return_index=True)
+        order = used[np.argsort(first)]  # as they come first
+        place = np.zeros(len(texts), np.int64)
+        place[order] = np.arange(len(order))
+        return [texts[number] for number in order.tolist()], place[all_words]
 
     def is_done(self, digests: Iterable[str]) -> np.ndarray:
         """Whether each of many scenes has a result, shape (digests,)."""
@@ -150,8 +160,8 @@ class PartStore(Mapping[str, Response]):
 
     def seconds(self, digests: Collection[str]) -> float:
         """Time of scenes in the solver, all together [s]."""
-        chunks = self._by_chunk(self._all_places(digests))
-        return float(sum(held.seconds[places].sum() for held, _, places in chunks))
+        found = (self._by_chunk(self._all_places(some)) for some in pieces(digests, _AT_ONCE))
+        return float(sum(held.seconds[places].sum() for chunks in found for held, _, places in chunks))
 
     def storeys(self, digests: Iterable[str]) -> int:
         """Storeys of the tallest building of some scenes."""
@@ -169,7 +179,8 @@ class PartStore(Mapping[str, Response]):
         for held, asked, places in self._by_chunk(self._all_places(digests)):
             numbers = held.numbers()
             few = len(places) < len(held.words) / _FEW  # that would hold all the numbers of the chunk
-            begins, ends = held.starts[places].tolist(), held.starts[places + 1].tolist()
+            starts = held.starts
+            begins, ends = starts[places].tolist(), starts[places + 1].tolist()
             words = held.words[places].tolist()
             for number, word, begin, end in zip(asked.tolist(), words, begins, ends, strict=True):
                 row = numbers[begin:end]
@@ -180,10 +191,10 @@ class PartStore(Mapping[str, Response]):
         """Many responses, those of one header line together; as `take`."""
         found: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         for held, asked, places in self._by_chunk(self._all_places(digests)):
-            numbers, words = held.numbers(), held.words[places]
+            numbers, words, starts = held.numbers(), held.words[places], held.starts
             for some in runs(words):
                 text = held.texts[words[some[0]]]
-                values = numbers[held.starts[places[some], None] + np.arange(parse(text).size)]
+                values = numbers[starts[places[some], None] + np.arange(parse(text).size)]
                 found.setdefault(text, []).append((asked[some], values))
         return [Alike(text, *map(np.concatenate, zip(*each, strict=True))) for text, each in found.items()]
 
@@ -269,8 +280,14 @@ class _Held:
     def __init__(self, chunk: Chunk, path: Path | None) -> None:
         self.path = path
         self.chunk = chunk if path is None else None
-        self.texts, self.words, self.starts, self.seconds = chunk.texts, chunk.words, chunk.starts, chunk.seconds
+        self.texts, self.seconds = [sys.intern(text) for text in chunk.texts], chunk.seconds
+        self.words = chunk.words.astype(np.min_scalar_type(len(chunk.texts)))
         self._sum = zlib.crc32(chunk.numbers.astype("<f8").tobytes())
+
+    @property
+    def starts(self) -> np.ndarray:
+        """As those of the chunk: made again, since with a million scenes they take 8 MB."""
+        return starts_of(self.texts, self.words)
 
     def numbers(self) -> np.ndarray:
         """The numbers of all its scenes, one after another."""

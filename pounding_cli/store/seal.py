@@ -15,7 +15,10 @@ import stat
 import struct
 import zlib
 from collections import OrderedDict
+from collections.abc import Iterator
 from pathlib import Path
+
+import numpy as np
 
 MAGIC = b"pound seal 1\n\0\0\0"
 BLOCK = 1 << 12
@@ -36,13 +39,18 @@ class Unsealed(OSError):
 def seal(handle: int) -> None:
     """Write the seal behind the content of an open file.  Raises OSError."""
     size = os.fstat(handle).st_size
-    sums = struct.pack(
-        f"<{-(-size // BLOCK)}I", *(zlib.crc32(os.pread(handle, BLOCK, at)) for at in range(0, size, BLOCK))
-    )
+    sums = np.fromiter(_sums_of(handle, size), "<u4", -(-size // BLOCK)).tobytes()
     left = memoryview(sums + _foot(size, BLOCK, sums))
     while len(left):
         done = os.pwrite(handle, left, size)
         left, size = left[done:], size + done
+
+
+def _sums_of(handle: int, size: int) -> Iterator[int]:
+    """The checksum of every block of an open file of this size [bytes]."""
+    for begin in range(0, size, _SPAN * BLOCK):
+        content = memoryview(os.pread(handle, min(_SPAN * BLOCK, size - begin), begin))
+        yield from (zlib.crc32(content[at : at + BLOCK]) for at in range(0, len(content), BLOCK))
 
 
 def is_sealed(path: Path) -> bool:
@@ -155,7 +163,7 @@ def _foot(size: int, block: int, sums: bytes) -> bytes:
     return _FOOT.pack(MAGIC, size, block, sha)
 
 
-def _seal_of(handle: int) -> tuple[int, int, tuple[int, ...], bytes]:
+def _seal_of(handle: int) -> tuple[int, int, memoryview, bytes]:
     """Size of the content, size of a block, checksums of the blocks, the foot.  Raises Unsealed."""
     whole = os.fstat(handle).st_size
     foot = os.pread(handle, _FOOT.size, max(0, whole - _FOOT.size))
@@ -168,4 +176,4 @@ def _seal_of(handle: int) -> tuple[int, int, tuple[int, ...], bytes]:
     sums = os.pread(handle, 4 * count, size)
     if foot != _foot(size, block, sums):
         raise Unsealed(errno.EIO, "its checksums are damaged")
-    return size, block, struct.unpack(f"<{count}I", sums), foot
+    return size, block, np.frombuffer(sums, "<u4").astype(np.uint32).data, foot

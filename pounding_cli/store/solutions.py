@@ -46,7 +46,7 @@ def write_solutions(file: h5py.File, scenes: Mapping[str, Scene], responses: Par
     lines, words = responses.lines(chain(scenes, others))
     group.create_dataset("line", data=lines, dtype=h5py.string_dtype())
     packed.write(group, "words", words)
-    total = int(np.array([parse(line).size for line in lines], np.int64)[words].sum())
+    total = int(np.bincount(words, minlength=len(lines)) @ np.array([parse(line).size for line in lines], np.int64))
     size = min(total, _NUMBERS)
     numbers = packed.create(group, "numbers", (total,), np.dtype(float), (size,))
     packed.put(numbers, (0,), np.zeros(size))  # now HDF5 makes the index: damage of other pieces then does not reach it

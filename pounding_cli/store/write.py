@@ -124,10 +124,9 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
     else:
         shape = shape_of(plan, responses)
         _write_coordinates(file, datasets, plan, shape)
-        for group in facts(plan, shape):
-            for name, (dims, array) in group.items():
-                if array.size:  # no case has a link
-                    datasets.write(name, dims, array, VARIABLES[name].unit, VARIABLES[name].text)
+        for name, (dims, array) in facts(plan, shape).items():
+            if array.size:  # no case has a link
+                datasets.write(name, dims, array, VARIABLES[name].unit, VARIABLES[name].text)
         check()
         _write_blocks(datasets, blocks(plan, responses, shape), VARIABLES, shape, check)
     datasets.tie()
@@ -160,22 +159,30 @@ def _write_blocks(
     """Write what the scenes did, a block of rows at a time; a block is one compressed piece of each variable."""
     made: dict[str, h5py.Dataset] = {}
     for block in found:
-        alone = tuple(1 for place in block.at if not isinstance(place, slice))
-        begin = tuple(place.start if isinstance(place, slice) else place for place in block.at)
-        for name, array in block.data.items():
-            if array.size == 0:  # no case has a link
-                continue
-            variable = variables[name]
-            dims = (*shape.axes, *variable.dims)
-            whole = shape.of(dims)
-            piece = array.reshape((*alone, *array.shape))
-            if piece.shape == whole:
-                datasets.write(name, dims, piece, variable.unit, variable.text)
-                continue
-            if name not in made:
-                made[name] = datasets.empty(name, dims, whole, piece, variable.unit, variable.text)
-            put(made[name], (*begin, *(0 for _ in whole[len(begin) :])), piece)
-            check()
+        _write_block(datasets, block, made, variables, shape)
+        del block  # before the next one is made
+        check()
+
+
+def _write_block(
+    datasets: Datasets, block: Block, made: dict[str, h5py.Dataset], variables: Mapping[str, Variable], shape: Shape
+) -> None:
+    """Write one of them; `made`: the datasets that are filled piece by piece."""
+    alone = tuple(1 for place in block.at if not isinstance(place, slice))
+    begin = tuple(place.start if isinstance(place, slice) else place for place in block.at)
+    for name, array in block.data.items():
+        if array.size == 0:  # no case has a link
+            continue
+        variable = variables[name]
+        dims = (*shape.axes, *variable.dims)
+        whole = shape.of(dims)
+        piece = array.reshape((*alone, *array.shape))
+        if piece.shape == whole:
+            datasets.write(name, dims, piece, variable.unit, variable.text)
+            continue
+        if name not in made:
+            made[name] = datasets.empty(name, dims, whole, piece, variable.unit, variable.text)
+        put(made[name], (*begin, *(0 for _ in whole[len(begin) :])), piece)
 
 
 def _write_axes(file: h5py.File, datasets: Datasets, plan: Plan) -> None:

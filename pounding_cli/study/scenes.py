@@ -7,13 +7,12 @@ import threading
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from typing import overload
 
 import numpy as np
 
-from pounding_cli.digests import AT_ONCE, DIGEST, Sorted, heads, runs, texts
+from pounding_cli.digests import DIGEST, DigestList, DigestTable, heads, runs
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
@@ -85,6 +84,11 @@ class LinkSets:
             self._alike[layout, gaps] = found
         return found
 
+    @property
+    def layouts(self) -> Sequence[tuple[LinkSeen, ...]]:
+        """The links of all sets, gaps of 0: those that differ in their gaps only once."""
+        return self._layouts
+
     def __getitem__(self, number: int) -> tuple[LinkSeen, ...]:
         layout, begin = self._layouts[self._layout[number]], self._begin[number]
         end = self._begin[number + 1] if number + 1 < len(self._begin) else len(self._gaps)
@@ -97,8 +101,8 @@ class LinkSets:
         """Sets whose links differ in their gaps only: the links with gaps of 0, the places of these sets in `numbers`,
         and their gaps [m], shape (sets, links)."""
         begins, gaps = np.asarray(self._begin), np.asarray(self._gaps)
-        begin = begins[numbers]
-        end = np.append(begins[1:], gaps.size)[numbers]
+        begin, last = begins[numbers], numbers + 1 == len(begins)
+        end = np.where(last, gaps.size, begins[np.where(last, 0, numbers + 1)])
         for which in runs(np.asarray(self._layout)[numbers]):
             links = self._layouts[self._layout[numbers[which[0]]]]
             each = np.arange(len(links)) * (end - begin > 1)[which, None]  # a set of one gap has it once
@@ -119,68 +123,6 @@ class LinkSets:
         for name in _SET_ARRAYS:
             getattr(found, f"_{name}").frombytes(arrays[name].tobytes())
         return found
-
-
-class DigestList(Sequence[str]):
-    """Digests as texts, made when they are looked at.
-
-    digests : `packed`; numbers : which of them, in order, -1 for an empty text; all unless given
-    """
-
-    def __init__(self, digests: np.ndarray, numbers: np.ndarray | None = None) -> None:
-        self.digests = digests
-        self.numbers = np.arange(len(digests)) if numbers is None else numbers
-
-    def __len__(self) -> int:
-        return len(self.numbers)
-
-    @overload
-    def __getitem__(self, place: int) -> str: ...
-
-    @overload
-    def __getitem__(self, place: slice) -> list[str]: ...
-
-    def __getitem__(self, place: int | slice) -> str | list[str]:
-        if not isinstance(place, slice):
-            return self._texts(self.numbers[[place]])[0]
-        return self._texts(self.numbers[place])
-
-    def __iter__(self) -> Iterator[str]:
-        for begin in range(0, len(self), AT_ONCE):
-            yield from self[begin : begin + AT_ONCE]
-
-    def _texts(self, numbers: np.ndarray) -> list[str]:
-        found = texts(self.digests[numbers])
-        for place in np.flatnonzero(numbers < 0).tolist():
-            found[place] = ""
-        return found
-
-
-class DigestTable:
-    """Digests by number, and numbers by digest.
-
-    digests : `packed`, no two alike, shape (scenes, 32)
-    """
-
-    def __init__(self, digests: np.ndarray) -> None:
-        self.digests = digests
-
-    def __len__(self) -> int:
-        return len(self.digests)
-
-    @cached_property
-    def _sorted(self) -> Sorted:
-        found = Sorted()
-        found.grow(self.digests)
-        return found
-
-    def numbers(self, digests: Sequence[str]) -> np.ndarray:
-        """Numbers of digests, -1 for one that is not there, shape (digests,)."""
-        return self._sorted.find(self.digests, digests)
-
-    def texts(self, numbers: np.ndarray) -> list[str]:
-        """Digests by number, "" for -1; shape of `numbers` (digests,)."""
-        return DigestList(self.digests, numbers)[:]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, cast
 import numpy as np
 from pydantic import ValidationError
 
-from pounding_cli.digests import packed
+from pounding_cli.digests import DigestTable, packed
 from pounding_cli.errors import Problem
 from pounding_cli.study.base import Model
 from pounding_cli.study.kinds import refuse_other_kinds
@@ -20,7 +20,7 @@ from pounding_cli.study.plan import Axis, Plan
 from pounding_cli.study.plausible import few
 from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
 from pounding_cli.study.problems import Problems
-from pounding_cli.study.scenes import DigestTable, Expanded, Frame, LinkSets, Rows
+from pounding_cli.study.scenes import Expanded, Frame, LinkSets, Rows
 from pounding_cli.study.source import Node
 from pounding_cli.study.yaml_file import read_source
 from pounding_cli.workflows import WORKFLOWS

@@ -7,16 +7,23 @@ import gc
 import tracemalloc
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from pounding_cli.batch import run_plan
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import solve_bundle
 from pounding_cli.batch.families import order_of
+from pounding_cli.digests import DigestTable, packed, pieces
 from pounding_cli.solve import solve
+from pounding_cli.store import PartStore
+from pounding_cli.store.chunk import Chunk
+from pounding_cli.store.codec import encode
+from pounding_cli.store.datasets import Datasets
+from pounding_cli.store.dense import facts, shape_of
 from pounding_cli.study import load_study
 from pounding_cli.workflows import expansion
-from tests.helpers.plans import known
+from tests.helpers.plans import known, small_plan
 
 from . import sweep
 
@@ -25,6 +32,12 @@ MOST = 1500.0
 
 MOST_OF_A_POINT = 150.0
 """What a plan and the order of its scenes keep of a point with one scene, at most [bytes]."""
+
+MOST_OF_A_RESPONSE = 40.0
+"""What is held of a response that is on disk, at most [bytes]."""
+
+MOST_OF_A_POINTS_LINKS = 100.0
+"""What writing takes of the five links of a point, at most [bytes]."""
 
 MOST_OF_A_WORKER = 2000.0
 """What a worker keeps of each scene once it keeps as much as it may, at most [bytes]."""
@@ -60,6 +73,49 @@ def test_little_is_held_of_every_scene(tmp_path, monkeypatch):
     (few, low), (many, high) = (held("gap", count, tmp_path) for count in (200, 800))
     assert many > 3 * few
     assert (high - low) / (many - few) < MOST
+
+
+def test_a_store_holds_little_of_every_response(tmp_path):
+    """Fails if digests that the plan has are held once more, or where the numbers of a response stand."""
+    random = np.random.default_rng(1)
+    digests = [random.bytes(32).hex() for _ in range(20_000)]
+    line, numbers = encode(known(next(iter(small_plan().scenes.values()))))
+    written = PartStore(tmp_path / "r.h5", "key")
+    for some in pieces(digests, 500):
+        written.add(Chunk(some, [line], np.zeros(len(some), np.int64), np.tile(numbers, len(some))))
+        written.flush()
+    table = DigestTable(packed(digests))
+    assert table.numbers(digests[:1]).tolist() == [0]  # the plan has it sorted
+    gc.collect()
+    tracemalloc.start()
+    store = PartStore(tmp_path / "r.h5", "key", table)
+    store.load()
+    held = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    assert store.has(digests).all()
+    assert held / len(digests) < MOST_OF_A_RESPONSE
+
+
+def test_links_are_written_a_slab_at_a_time(tmp_path, monkeypatch):
+    """A variable of the links of a million points takes 40 MB: fails if one is made whole."""
+    monkeypatch.setattr("pounding_cli.store.packed.PIECE_BYTES", 1 << 12)
+    monkeypatch.setattr("pounding_cli.store.datasets._TEXTS", 1 << 9)
+    path = tmp_path / "study.yaml"
+    path.write_text(sweep.study_of("run", 6400))
+    plan = expansion("run")(load_study(path))
+    solved = PartStore.of({digest: noisy(plan.scenes[digest]) for digest in list(plan.scenes)[:2]})
+    monkeypatch.setattr(PartStore, "storeys", lambda store, digests: 5)
+    found = facts(plan, shape_of(plan, solved))
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        datasets = Datasets(file)
+        tracemalloc.start()
+        for name in ("kind", "gap"):
+            dims, array = found[name]
+            assert array.size == 5 * 6400
+            datasets.write(name, dims, array, "", "")
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert peak < 6400 * MOST_OF_A_POINTS_LINKS
 
 
 def test_a_worker_stops_growing(tmp_path, monkeypatch):

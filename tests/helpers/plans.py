@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from pounding_cli.digests import packed
+from pounding_cli.digests import DigestTable, packed
 from pounding_cli.errors import Problem
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.building import Building
@@ -18,7 +18,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
 from pounding_cli.study import Axis, MotionUse, Plan, Row
-from pounding_cli.study.scenes import DigestTable, Expanded, Frame, LinkSets, Rows, seen
+from pounding_cli.study.scenes import Expanded, Frame, LinkSets, Rows, seen
 
 
 @dataclass(frozen=True)

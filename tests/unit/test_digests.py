@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pounding_cli import digests as digests_module
-from pounding_cli.digests import DigestMap, Sorted, packed, texts
+from pounding_cli.digests import DigestMap, DigestTable, Sorted, packed, texts
 
 
 def digests(*numbers: int) -> list[str]:
@@ -23,11 +23,13 @@ def test_texts_and_bytes():
             packed([*some, wrong])
 
 
-def test_a_map_is_a_dict(monkeypatch):
-    """Against a dict, through many small steps. Fails if a number is lost when digests are sorted in, or if the first
-    number of a digest stays."""
+@pytest.mark.parametrize("known", [0, 250, 600])
+def test_a_map_is_a_dict(monkeypatch, known):
+    """Against a dict, through many small steps, most digests known or none. Fails if a number is lost when digests are
+    sorted in, or if the first number of a digest stays."""
     monkeypatch.setattr(digests_module, "_MOST_FRESH", 50)
-    random, mine, theirs = np.random.default_rng(1), DigestMap(), {}
+    table = DigestTable(packed(digests(*range(known)))) if known else None
+    random, mine, theirs = np.random.default_rng(1), DigestMap(table), {}
     for _ in range(60):
         some = list(dict.fromkeys(digests(*random.integers(400, size=20).tolist())))
         numbers = random.integers(10**9, size=len(some))
@@ -37,7 +39,8 @@ def test_a_map_is_a_dict(monkeypatch):
         assert mine.of(asked).tolist() == [theirs.get(digest, -1) for digest in asked]
         assert mine.get(asked[0]) == theirs.get(asked[0], -1)
         assert len(mine) == len(theirs)
-    assert list(mine) == list(theirs)
+    first = [digest for digest in digests(*range(known)) if digest in theirs]
+    assert list(mine) == [*first, *(digest for digest in theirs if digest not in set(first))]
     assert asked[0] not in DigestMap()
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from pounding_cli.store import datasets, packed
 from pounding_cli.store.datasets import Datasets, put
+from pounding_cli.store.packed import Slabs
 
 
 def folded(content: bytes) -> int:
@@ -102,12 +103,38 @@ def test_dimensions_are_those_that_hdf5_would_tie(tmp_path):
         assert (file["V"].attrs["units"], file["V"].attrs["long_name"]) == ("N", "shear")
 
 
-@pytest.mark.parametrize("shape", [(50, 3, 2), (3, 40), (1, 30), (29,)])
-def test_many_texts_are_written_some_at_a_time(tmp_path, monkeypatch, shape):
-    """Fails if a row is left out."""
+@pytest.mark.parametrize("shape", [(50, 3, 2), (3, 40), (1, 30), (29,), (5,)])
+@pytest.mark.parametrize("kind", ["texts", "numbers"])
+def test_arrays_are_written_some_at_a_time(tmp_path, monkeypatch, shape, kind):
+    """At hand or made a slab at a time. Fails if a slab is left out, stands elsewhere or is too large."""
     monkeypatch.setattr(datasets, "_TEXTS", 24)
-    texts = np.array([f"text {number}" for number in range(math.prod(shape))], object).reshape(shape)
+    monkeypatch.setattr(datasets, "_PACKED_ABOVE", 8 * 24)
+    monkeypatch.setattr(packed, "PIECE_BYTES", 8 * 24)
+    values = np.arange(math.prod(shape), dtype=float).reshape(shape)
+    if kind == "texts":
+        values = np.array([f"text {number:g}" for number in values.flat], object).reshape(shape)
+    sizes = []
+
+    def made(at):
+        sizes.append(values[at].size)
+        return values[at]
+
     with h5py.File(tmp_path / "r.h5", "w") as file:
-        Datasets(file).write("kind", ("row",), texts, "", "")
+        found = Datasets(file)
+        found.write("whole", ("row",), values, "", "")
+        found.write("slabs", ("row",), Slabs(shape, values.dtype, made), "", "")
+    assert max(sizes) <= 24
     with h5py.File(tmp_path / "r.h5") as file:
-        assert (file["kind"].asstr()[()] == texts).all()
+        for name in ("whole", "slabs"):
+            assert ((file[name].asstr() if kind == "texts" else file[name])[()] == values).all()
+
+
+def test_texts_in_pieces_are_not_held(tmp_path):
+    """Fails if HDF5 holds the pieces of texts until the file is closed: 8 MB of each variable."""
+    texts = np.array(["text"] * 100, object)
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        dataset = Datasets(file).empty("status", ("row",), (1000,), texts, "", "")
+        _, most, _ = dataset.id.get_access_plist().get_chunk_cache()
+        assert most < texts.size
+        put(dataset, (100,), texts)
+        assert dataset.asstr()[99:101].tolist() == ["", "text"]
