@@ -20,6 +20,8 @@ from typing import Any
 import numba
 from numba import njit
 
+from pounding_cli.kernels.pipelines import nothing_twice
+
 SUM = ".crc32"
 """End of the file that holds a file's checksum."""
 
@@ -69,7 +71,7 @@ def loaded(call: Callable[[], Any]) -> Any:
     _verify()
     for left in reversed(range(_TRIES)):
         try:
-            with _locked():
+            with _locked(), nothing_twice():
                 found = call()
                 _seal()
                 return found

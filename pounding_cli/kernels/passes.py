@@ -7,16 +7,20 @@ was asked thousands of times. With `POUND_PLAIN_KERNELS=1` numba says where in a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
-from numba.core import ir, lowering, types
+from numba.core import ir, lowering, typeinfer, types
 from numba.core.analysis import dead_branch_prune, rewrite_semantic_constants
 from numba.core.base import BaseContext
+from numba.core.caching import Cache
 from numba.core.compiler import Compiler
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.cpu import CPUContext
+from numba.core.interpreter import Interpreter, peep_hole_delete_with_exit
 from numba.core.ir_utils import build_definitions
 from numba.core.rewrites import rewrite_registry
+from numba.core.runtime import rtsys
 from numba.core.ssa import reconstruct_ssa
 from numba.core.transforms import canonicalize_cfg
 from numba.core.typed_passes import (
@@ -27,7 +31,6 @@ from numba.core.typed_passes import (
     PreLowerStripPhis,
 )
 from numba.core.typing.context import Context
-from numba.core.untyped_passes import FixupArgs, TranslateByteCode
 
 
 def run_passes(state: Any) -> None:
@@ -35,9 +38,8 @@ def run_passes(state: Any) -> None:
 
     There are no closures, arithmetic of whole arrays, context managers or unrolling by type; and lives of variables are
     looked at once, as the code is generated, where numba looks at them after each change."""
-    for each in _TO_VARIABLES:
-        each.run_pass(state)
-    code = state.func_ir
+    state.func_ir = code = _Interpreter(state.func_id).interpret(state.bc)
+    state.nargs = code.arg_count
     code.blocks = canonicalize_cfg(code.blocks)
     rewrite_semantic_constants(code, state.args)
     dead_branch_prune(code, state.args)
@@ -50,6 +52,13 @@ def run_passes(state: Any) -> None:
     code._definitions = build_definitions(code.blocks)
     for each in _TO_CODE:
         each.run_pass(state)
+
+
+class _Interpreter(Interpreter):
+    """Numba's reader of bytecode; it does not look for what context managers leave."""
+
+    def post_process(self, peepholes: Any, func_ir: Any) -> Any:
+        return super().post_process([each for each in peepholes if each is not peep_hole_delete_with_exit], func_ir)
 
 
 def _rewrite(state: Any) -> None:
@@ -84,58 +93,127 @@ class _Lowering(NativeLowering):
     lowering_class = _Lower
 
 
-_TO_VARIABLES, _TYPES, _STRIP = (TranslateByteCode(), FixupArgs()), NopythonTypeInference(), PreLowerStripPhis()
+_TYPES, _STRIP = NopythonTypeInference(), PreLowerStripPhis()
 _TO_CODE = (IRLegalization(), _Lowering(), NoPythonBackend())
 
 
 @contextmanager
 def nothing_twice() -> Iterator[None]:
-    """While a kernel is compiled, under numba's lock: what was answered once is not looked for again."""
+    """While kernels are compiled or loaded: what was answered once is not looked for again. Numba's lock is held."""
+    before: list[tuple[Any, str, Any]] = []
+
+    def replace(owner: Any, name: str, new: Any) -> None:
+        before.append((owner, name, vars(owner).get(name, _INHERITED)))
+        setattr(owner, name, new)
+
+    with global_compiler_lock:
+        if typeinfer.new_error_context is _no_context:  # by a caller of this one
+            yield
+            return
+        try:
+            for owner, name, question in (
+                (types.Function, "get_call_type", _call),
+                (types.Dispatcher, "get_call_type", _call),
+                (Context, "resolve_getattr", lambda _, *question: question),
+                (BaseContext, "get_abi_sizeof", lambda _, kind: str(kind)),
+            ):
+                replace(owner, name, _remembered(getattr(owner, name), question))
+            replace(types.Dispatcher, "get_call_type", _of_any_number(types.Dispatcher.get_call_type))
+            replace(CPUContext, "refresh", _when_there_is_more(CPUContext.refresh))
+            replace(Context, "refresh", _when_there_is_more(Context.refresh))
+            replace(Cache, "load_overload", _load)
+            replace(ir.Inst, "_rec_list_vars", _variables)
+            replace(typeinfer, "new_error_context", _no_context)
+            yield
+        finally:
+            for owner, name, old in reversed(before):
+                if old is _INHERITED:
+                    delattr(owner, name)
+                else:
+                    setattr(owner, name, old)
+
+
+_INHERITED, _NO_CONTEXT = object(), nullcontext()
+
+
+def _no_context(*_: Any, **__: Any) -> Any:
+    """In place of the words that numba puts before an error."""
+    return _NO_CONTEXT
+
+
+def _remembered(ask: Callable[..., Any], question: Callable[..., Any]) -> Callable[..., Any]:
+    """`ask`, which is asked each question once; `question`: of its arguments, those that the answer depends on."""
     answers: dict[Any, Any] = {}
 
-    def remembered(owner: type, name: str, key: Callable[..., Any]) -> Callable[..., Any]:
-        ask = getattr(owner, name)
+    def answer(*given: Any) -> Any:
+        asked = question(*given)
+        if asked not in answers:
+            answers[asked] = ask(*given)
+        return answers[asked]
 
-        def answer(*question: Any) -> Any:
-            asked = name, key(*question)
-            if asked not in answers:
-                answers[asked] = ask(*question)
-            return answers[asked]
+    return answer
 
-        return answer
 
-    def load_additional_registries(self: Any) -> None:
-        """What was added to those that were found as the kernel's compiler began: numba imports them all again."""
-        for registry in list(self._registries):
-            self.install_registry(registry)
+def _call(function: types.Type, _: Any, args: Any, kws: Any) -> Any:
+    return function, tuple(args), tuple(sorted(kws.items()))
 
-    def call(function: types.Type, _: Any, args: Any, kws: Any) -> Any:
-        return function, tuple(args), tuple(sorted(kws.items()))
 
-    call_of_any = remembered(types.Dispatcher, "get_call_type", call)
+def _of_any_number(call_type: Callable[..., Any]) -> Callable[..., Any]:
+    """The type of a call of a piece is that for any number of a type: it is not compiled again for each one that is
+    written out."""
 
     def call_of_piece(function: Any, context: Any, args: Any, kws: Any) -> Any:
-        """A piece takes any number of a type: it is not compiled once more for each that is written out."""
         if function.dispatcher._compiler.pipeline_class is not Compiler:
             args = [types.unliteral(each) for each in args]
-        return call_of_any(function, context, args, kws)
+        return call_type(function, context, args, kws)
 
-    replaced = [
-        (types.Function, "get_call_type", remembered(types.Function, "get_call_type", call)),
-        (types.Dispatcher, "get_call_type", call_of_piece),
-        (Context, "resolve_getattr", remembered(Context, "resolve_getattr", lambda _, kind, name: (kind, name))),
-        (BaseContext, "get_abi_sizeof", remembered(BaseContext, "get_abi_sizeof", lambda _, kind: str(kind))),
-        (Context, "load_additional_registries", load_additional_registries),
-        (CPUContext, "load_additional_registries", load_additional_registries),
-    ]
-    before = [(owner, name, vars(owner).get(name)) for owner, name, _ in replaced]
-    try:
-        for owner, name, each in replaced:
-            setattr(owner, name, each)
-        yield
-    finally:
-        for owner, name, own in before:
-            if own is None:
-                delattr(owner, name)
-            else:
-                setattr(owner, name, own)
+    return call_of_piece
+
+
+def _when_there_is_more(refresh: Callable[..., None]) -> Callable[..., None]:
+    """Look at numba's registries if they have more than the last time. Numba looks again for each attribute that it
+    finds there, 250 times before the first kernel is compiled."""
+    last, busy = -1, False
+
+    def look(context: Any) -> None:
+        nonlocal last, busy
+        if busy:
+            return
+        size = sum(
+            len(each) for place in context._registries for each in vars(place).values() if isinstance(each, list)
+        )
+        if size != last:
+            last, busy = size, True
+            try:
+                refresh(context)
+            finally:
+                busy = False
+
+    return look
+
+
+def _load(cache: Cache, signature: Any, context: Any) -> Any:
+    """A kernel that is kept on disk, or None. Numba imports all that it can compile first, and scipy.linalg with it."""
+    rtsys.initialize(context)
+    with cache._guard_against_spurious_io_errors():
+        return cache._load_overload(signature, context)
+
+
+_WITHOUT = {str, int, float, bool, type(None), ir.Loc}
+
+
+def _variables(inst: ir.Inst, value: Any) -> list[ir.Var]:
+    """The variables in what an instruction holds."""
+    if isinstance(value, ir.Var):
+        return [value]
+    if isinstance(value, ir.Inst):
+        return value.list_vars()
+    found: list[ir.Var] = []
+    if isinstance(value, dict | list | tuple):
+        for each in value.values() if isinstance(value, dict) else value:
+            kind = type(each)
+            if kind is ir.Var:
+                found.append(each)
+            elif kind not in _WITHOUT:
+                found += _variables(inst, each)
+    return found

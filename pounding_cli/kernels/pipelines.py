@@ -5,6 +5,8 @@ first run."""
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import numba
@@ -24,8 +26,12 @@ KERNEL: dict[str, Any] = {}
 PIECE: dict[str, Any] = {}
 """Option of `numba.njit` for what is called from kernels only."""
 
+nothing_twice: Callable[[], AbstractContextManager[None]] = nullcontext
+"""A context in which kernels are compiled or loaded."""
+
 if QUICK:
+    from pounding_cli.kernels.passes import nothing_twice
     from pounding_cli.kernels.pieces import KernelCompiler, PieceCompiler, teach_fields
 
-    __all__ = ["KERNEL", "PIECE", "teach_fields"]
+    __all__ = ["KERNEL", "PIECE", "nothing_twice", "teach_fields"]
     KERNEL, PIECE = {"pipeline_class": KernelCompiler}, {"pipeline_class": PieceCompiler}

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -125,9 +128,13 @@ def test_what_unpacks_the_arguments_is_not_optimised():
 @by_our_pipeline
 def test_numba_is_left_as_it_was():
     """Fails if an answer is remembered beyond the kernel, or where a kernel could not be compiled."""
+    from numba.core.caching import Cache
     from numba.core.cpu import CPUContext
 
-    before = CPUContext.load_additional_registries, types.Function.get_call_type, types.Dispatcher.get_call_type
+    def found():
+        return CPUContext.refresh, types.Function.get_call_type, types.Dispatcher.get_call_type, Cache.load_overload
+
+    before = found()
 
     @njit(**OPTIONS | {"cache": False})
     def wrong(values):
@@ -136,8 +143,29 @@ def test_numba_is_left_as_it_was():
     with pytest.raises(TypingError):
         wrong(1.0)
     judge(np.ones(3), np.ones(3, np.int64))
-    after = CPUContext.load_additional_registries, types.Function.get_call_type, types.Dispatcher.get_call_type
-    assert after == before
+    assert found() == before
+    assert "refresh" not in vars(CPUContext)
+
+
+@by_our_pipeline
+def test_a_kept_kernel_is_loaded_without_what_compiles(tmp_path):
+    """Fails if a run that finds its kernels on disk imports scipy.linalg and the rest of what numba compiles: half of
+    the time of a small study."""
+    source = (
+        "from numba import njit\nfrom pounding_cli.kernels.layout import OPTIONS\n\n\n"
+        "@njit(**OPTIONS)\ndef twice(x):\n    return 2 * x[0]\n"
+    )
+    (tmp_path / "kept_by_a_test.py").write_text(source)
+    code = (
+        "import sys, numpy as np, kept_by_a_test as m; from pounding_cli.kernels import kept; "
+        "print(kept.loaded(lambda: m.twice(np.full(1, 21.0))), sum(m.twice.stats.cache_hits.values()), "
+        "'scipy.linalg' in sys.modules)"
+    )
+    path = os.pathsep.join([str(tmp_path), *sys.path])
+    variables = os.environ | {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    for told in ("42.0 0 True", "42.0 1 False"):
+        done = subprocess.run([sys.executable, "-c", code], env=variables, capture_output=True, text=True, check=True)
+        assert done.stdout.strip() == told
 
 
 @pytest.mark.parametrize(
