@@ -129,13 +129,12 @@ def _worth(value: float, form: str) -> str:
 
 def _number(values: np.ndarray, meaningless: np.ndarray, at: np.ndarray | None = None) -> str:
     """One number a point of the sweep, or its range where there are many; those that mean nothing are marked."""
-    shown = [
+    if len(values) > FEW_POINTS:
+        known = values[values == values]
+        mark = f" {MEANINGLESS}" if meaningless.any() else ""
+        return f"{known.min():.3f} to {known.max():.3f}{mark}" if known.size else "-"
+    return "\n".join(
         (f"{value:.3f}" + (f" ({storey})" if at is not None else "") if value == value else "-")
         + (f" {MEANINGLESS}" if worthless else "")
         for value, storey, worthless in zip(values, values if at is None else at, meaningless, strict=True)
-    ]
-    if len(shown) <= FEW_POINTS:
-        return "\n".join(shown)
-    known = values[values == values]
-    mark = f" {MEANINGLESS}" if meaningless.any() else ""
-    return f"{known.min():.3f} to {known.max():.3f}{mark}" if known.size else "-"
+    )

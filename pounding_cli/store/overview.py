@@ -28,8 +28,8 @@ MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
 
 Axis = list[tuple[str, Any, Unit]]
 
-PIECE = 1 << 18
-"""Numbers read at a time."""
+PIECE = 1 << 16
+"""Numbers or texts read at a time: a text takes some 150 bytes."""
 
 
 class Points(Sequence[str]):
@@ -154,19 +154,20 @@ def overview(path: Path) -> Overview:
         flags = flag_groups(_flags(file["flags"], Points(axes), (cases, analyses, records), worthless))
         meaningless = np.concatenate(worthless).reshape(*(len(keys[0][1]) for keys in axes), len(cases), len(analyses))
         marked = meaningless[lead].reshape(-1, len(cases), len(analyses)) > 0
-        lines = {}
+        storeys, lines = there.sum(axis=-1).tolist(), {}
         for a, analysis in enumerate(analyses):
             ratio, _ = MEASURES[analysis]
-            pieces = _pieces(file[f"{ratio}_mean"], lead)
-            each = [
-                [_building(piece[:, :, a, b], int(there[b].sum())) for b in range(len(buildings))] for piece in pieces
-            ]
+            shape = len(cases), len(buildings), len(marked)
+            seen: tuple[np.ndarray, ...] = np.empty(shape), np.empty(shape), np.empty(shape, np.int32)
+            end = 0
+            for piece in _pieces(file[f"{ratio}_mean"], lead):
+                begin, end = end, end + len(piece)
+                for b, count in enumerate(storeys):
+                    for whole, mine in zip(seen, _building(piece[:, :, a, b], count), strict=True):
+                        whole[:, b, begin:end] = mine.T
             error, sensitivity = (_worst_of(file[f"{ratio}_mean_{what}"], lead, a) for what in ("error", "sensitivity"))
             for c, case in enumerate(cases):
-                roof, largest, at = (
-                    tuple(np.concatenate([piece[b][which][:, c] for piece in each]) for b in range(len(buildings)))
-                    for which in range(3)
-                )
+                roof, largest, at = (tuple(whole[c]) for whole in seen)
                 worst = tuple(error[c].tolist()), tuple(sensitivity[c].tolist())
                 lines[c, a] = Line(case, analysis, roof, largest, at, *worst, marked[:, c, a])
         return Overview(
@@ -187,19 +188,24 @@ def overview(path: Path) -> Overview:
 
 
 def _trust(file: h5py.File, names: tuple[list[str], list[str], list[str]]) -> Trust:
-    errors, sensitivities = file["error_estimate"][()], file["sensitivity"][()]
-    residuals = np.abs(file["energy_residual"][()])
-    known = np.isfinite(sensitivities)
-    where = ""
-    if known.any():
-        at = np.unravel_index(np.argmax(np.where(known, sensitivities, -np.inf)), sensitivities.shape)
-        where = ", ".join(words[int(i)] for words, i in zip(names, at[-3:], strict=True))
-    return Trust(int(known.sum()), int(known.size), _worst(errors), _worst(sensitivities), where, _worst(residuals))
+    assessed, scenes, where, worst = 0, 0, "", np.full(3, -np.inf)
+    columns = (file[name] for name in ("error_estimate", "sensitivity", "energy_residual"))
+    pieces = (_pieces(column, (slice(None),) * (column.ndim - 3)) for column in columns)
+    for errors, sensitivities, residuals in zip(*pieces, strict=True):
+        known = np.isfinite(sensitivities)
+        assessed, scenes = assessed + int(known.sum()), scenes + known.size
+        largest = [_largest(values) for values in (errors, sensitivities, np.abs(residuals))]
+        if largest[1] > worst[1]:
+            at = np.unravel_index(np.argmax(np.where(known, sensitivities, -np.inf)), known.shape)
+            where = ", ".join(words[int(i)] for words, i in zip(names, at[-3:], strict=True))
+        worst = np.maximum(worst, largest)
+    error, sensitivity, residual = np.where(worst > -np.inf, worst, np.nan).tolist()
+    return Trust(assessed, scenes, error, sensitivity, where, residual)
 
 
-def _worst(values: np.ndarray) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.max()) if known.size else float("nan")
+def _largest(values: np.ndarray) -> float:
+    """The largest finite value; -inf where there is none."""
+    return float(values[np.isfinite(values)].max(initial=-np.inf))
 
 
 def _pieces(dataset: h5py.Dataset, lead: tuple[int | slice, ...]) -> Iterator[np.ndarray]:
@@ -223,7 +229,7 @@ def _flags(
     number = 0
     for piece in _pieces(dataset.asstr(), (slice(None),) * (dataset.ndim - 3)):
         flags = np.array(plain_all(piece.flat), dtype=object).reshape(piece.shape)
-        worthless.append(counts_of_flags(flags)["records_meaningless"])
+        worthless.append(counts_of_flags(flags)["records_meaningless"].astype(np.int32))
         for cells in flags:
             point = points[number] if any(cells.flat) else ""  # that of a scene without flags is not asked for
             number += 1
@@ -255,4 +261,4 @@ def _building(values: np.ndarray, storeys: int) -> tuple[np.ndarray, np.ndarray,
     filled = np.where(known, values, -np.inf)
     some = known.any(axis=-1)
     largest = np.where(some, filled.max(axis=-1), np.nan)
-    return values[..., -1].copy(), largest, np.where(some, filled.argmax(axis=-1) + 1, 0).astype(np.int32)
+    return values[..., -1], largest, np.where(some, filled.argmax(axis=-1) + 1, 0).astype(np.int32)

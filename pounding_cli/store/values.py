@@ -19,8 +19,8 @@ from pounding_cli.workflows import WORKFLOWS
 
 ANALYSES = ("elastic", "inelastic")
 
-PIECE = 1 << 18
-"""Values read at a time: a million points have five million links, and each text takes 60 bytes."""
+PIECE = 1 << 16
+"""Values read at a time: a million points have five million links, and each text takes some 150 bytes."""
 
 
 def check_study(file: h5py.File) -> None:
