@@ -42,8 +42,9 @@ class _Begun:
     def integrate(self) -> None:
         """Run them; a run that did not end is not judged."""
         self.first.integrate()
-        for judge in self.done()[1:]:
-            judge.integrate()
+        if self.judges:
+            for judge in self.done()[1:]:
+                judge.integrate()
 
     def done(self) -> list[Prepared]:
         """The runs that are run."""
@@ -77,17 +78,21 @@ class Task:
     ) -> list[Response | OneOf]:
         """The responses of scenes in their order; only the first of them, at least one, where it is `halted`.
 
-        All are laid out before the first is run, and all are run before the first is unpacked. Between two runs of the
-        solver Python finds its caches cold: the same work takes twice to three times as long there.
+        One thing is done for all of them before the next: what need not be run is found, what is to be run is laid out,
+        run, read. Between two runs of the solver, and between two kinds of work, Python finds its caches cold: the same
+        work takes twice to three times as long there.
 
         begins : told the place of every scene before something of it is run
         """
         answers, groups = [], _group_solver(self) if self.falls_apart() else None
         for place, scene in enumerate(scenes):
             begins(place)
-            answers.append(self._caught(scene, self._begun, scene, groups))
+            answers.append(self._caught(scene, self._without_a_run, scene, groups))
             if halted():
                 break
+        for place, beside in enumerate(answers):
+            if isinstance(beside, float):
+                answers[place] = self._caught(scenes[place], self._begun, scenes[place], beside)
         for place, answer in enumerate(answers):
             if isinstance(answer, _Begun):
                 begins(place)
@@ -132,17 +137,22 @@ class Task:
     def _respond_or_prove(self, scene: Scene) -> Response:
         return _group_solver(self)(scene) if self.falls_apart() else self.respond(scene, False)
 
-    def _begun(self, scene: Scene, groups: GroupSolver | None) -> Response | _Begun:
-        """The response of a scene that need not be run as a whole, or its runs laid out."""
+    def _without_a_run(self, scene: Scene, groups: GroupSolver | None) -> Response | float:
+        """The response of a scene that need not be run as a whole, or the time that groups took, as in
+        `GroupSolver.without_a_run` [s]."""
         if self.solve is not solve:
             return self._respond_or_prove(scene)
         response, beside = groups.without_a_run(scene) if groups else (None, 0.0)
-        if response is not None:
-            return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
+        if response is None:
+            return beside
+        return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
+
+    def _begun(self, scene: Scene, beside: float) -> _Begun:
+        """The runs of a scene laid out."""
         first = prepare(scene, self.accuracy, self.method, time_step=self.time_step, all_effects=self.all_effects)
-        asked = (
-            judging(scene, first.what.method.name, self.accuracy, self.all_effects) if self.is_assessed(scene) else ()
-        )
+        if not self.is_assessed(scene):
+            return _Begun(scene, first, [], beside)
+        asked = judging(scene, first.what.method.name, self.accuracy, self.all_effects)
         return _Begun(scene, first, [prepare(each, **settings) for each, settings in asked], beside)
 
     def _ended(self, begun: _Begun, found: Mapping[Prepared, OneOf]) -> Response | OneOf:

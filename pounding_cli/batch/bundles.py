@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any, Protocol
 
 from pounding_cli.solve.read import OneOf
@@ -119,11 +118,11 @@ def solve_bundle(
     for first in range(0, len(bundle), TOGETHER):
         some = bundle[first : first + TOGETHER]
         scenes = [scene_of(digest) for digest in some]
-        found |= zip(some, task.each(scenes, partial(_later, begins, first), halted), strict=False)
+
+        def later(place: int, first: int = first) -> None:
+            begins(first + place)
+
+        found |= zip(some, task.each(scenes, later, halted), strict=False)
         if halted():
             break
     return Chunk.of(found), time.perf_counter() - begin
-
-
-def _later(begins: Callable[[int], None], first: int, place: int) -> None:
-    begins(first + place)

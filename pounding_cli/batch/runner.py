@@ -49,6 +49,9 @@ if TYPE_CHECKING:
 WORTH_WORKERS = 1.0
 """Expected work [s] from which starting workers pays."""
 
+SELDOM = 20_000
+"""Objects made since the last look for garbage: 700 otherwise, which are those of ten scenes."""
+
 _COMPILE_PATIENCE = 1.5
 """Loading compiled kernels takes less than this [s]; only a first run, which compiles them, takes more."""
 
@@ -109,11 +112,14 @@ def run_plan(
 
 @contextlib.contextmanager
 def _garbage_of_the_run() -> Iterator[None]:
-    """Look for garbage in what the run makes, not in what was there before, unless the caller has set that aside."""
-    before = gc.get_freeze_count()
+    """Look for garbage seldom, and in what the run makes alone. What was there before is looked at again afterwards,
+    unless the caller had set it aside."""
+    before, every = gc.get_freeze_count(), gc.get_threshold()
+    gc.set_threshold(SELDOM, *every[1:])
     try:
         yield
     finally:
+        gc.set_threshold(*every)
         if not before:
             gc.unfreeze()
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -70,6 +69,12 @@ class Arrays:
         """Number of slots, padding included."""
         return self.slots.size
 
+    def between(self, **of_links: Any) -> Arrays:
+        """With what links change. `dataclasses.replace` takes longer than all else about links that differ in gap."""
+        found = object.__new__(Arrays)
+        found.__dict__.update(self.__dict__, **of_links)
+        return found
+
 
 def rows(names: Iterable[str], count: int) -> dict[str, np.ndarray]:
     """Rows of zeros by name, each from a cache line on; `count` is a multiple of LANES. One piece of memory for all:
@@ -86,18 +91,38 @@ def pack(scene: Scene) -> Arrays:
 
 @functools.lru_cache(maxsize=512)
 def _packed(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Arrays:
-    given = buildings, analysis, struck_between_floors(links), struck_columns(links)
+    of_links = _of_links(links)
+    given = buildings, analysis, of_links.struck, of_links.columns
     alone, _, storeys = _without_links(*given)
     flow = law_tables.flow_of(alone.laws) if alone.flows else 0
-    ends = _ends(*given, tuple([link.ends for link in links]))
-    packed, links_at_rest = law_tables.pack_links(links, *ends, flow)
+    packed, links_at_rest = law_tables.pack_links(links, *_ends(*given, of_links.ends), flow)
     tables, branch = storeys.after(packed)
     own = dict(zip(("branches", "guards", "operations"), tables, strict=True))
     slots = alone.slots._replace(branch=branch, **own)
-    return dataclasses.replace(
-        alone, slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest,
-        left_of_links=tuple([link.left for link in links]), empty_below=tuple([link.law.empty_below for link in links]),
-        written=any([link.law.general for link in links]),
+    return alone.between(
+        slots=slots, links=packed._replace(**own), links_at_rest=links_at_rest, left_of_links=of_links.left,
+        empty_below=of_links.empty_below, written=of_links.written,
+    )  # fmt: skip
+
+
+class _OfLinks(NamedTuple):
+    """What is asked of links whatever they stand between: places between floors, struck columns, ends, the buildings to
+    their left, closings up to which they hold no energy [m], and whether a force is written as operations."""
+
+    struck: tuple[Struck, ...]
+    columns: tuple[Columns, ...]
+    ends: tuple[tuple[LinkEnd, LinkEnd], ...]
+    left: tuple[int, ...]
+    empty_below: tuple[float, ...]
+    written: bool
+
+
+@functools.lru_cache(maxsize=512)
+def _of_links(links: tuple[Link, ...]) -> _OfLinks:
+    return _OfLinks(
+        struck_between_floors(links), struck_columns(links), tuple([link.ends for link in links]),
+        tuple([link.left for link in links]), tuple([link.law.empty_below for link in links]),
+        any([link.law.general for link in links]),
     )  # fmt: skip
 
 
@@ -144,7 +169,7 @@ def _without_links(
         memory[: len(begin), i] = begin
     points = points_of(places, slots.mass)._replace(shears=shears_of(places, columns))
     arrays = Arrays(
-        slots, points, springs_of(buildings, places), *law_tables.pack_links((), [], []),
+        slots, points, springs_of(buildings, places), *law_tables.pack_links((), (), ()),
         tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), tuple(laws),
         columns, memory.ravel(), left_of_links=(), empty_below=(), yield_drift=yield_drift,
         yields=any(law is not None for law in laws),
@@ -197,13 +222,25 @@ class Begun(NamedTuple):
     memory: np.ndarray
 
 
-def at_rest(arrays: Arrays) -> Begun:
-    """Before the motion: at rest, touching links exactly at v = 0, no peaks, no energies."""
+def memory_at_rest(arrays: Arrays) -> np.ndarray:
+    """The memory of a run (`Begun`) before the motion: at rest, touching links exactly at v = 0, no peaks, no
+    energies."""
     blank = _blank(arrays.padded, arrays.links.size)
     memory = blank.copy()
-    state, peaks, ledger = blank.tuples(memory)
-    state.storey_branch[:], state.storey_memory[:] = arrays.slots.branch, arrays.memory_at_rest
-    state.link_branch[:], state.pinned_link[:], state.pinned_closing[:] = arrays.links_at_rest
+    whole = memory.view(np.int64)
+    at = blank.places
+    whole[at["storey_branch"]], memory[at["storey_memory"]] = arrays.slots.branch, arrays.memory_at_rest
+    whole[at["link_branch"]], whole[at["pinned_link"]], memory[at["pinned_closing"]] = arrays.links_at_rest
+    return memory
+
+
+def at_rest(arrays: Arrays) -> Begun:
+    """What a run from rest fills, before its first step."""
+    return _begun(arrays.padded, arrays.links.size, memory_at_rest(arrays))
+
+
+def _begun(padded: int, links: int, memory: np.ndarray) -> Begun:
+    state, peaks, ledger = _blank(padded, links).tuples(memory)
     return Begun(state, peaks, ledger, memory)
 
 
@@ -217,10 +254,7 @@ def begun_in_turn(arrays: Arrays, memory: np.ndarray) -> Begun:
 
 @functools.lru_cache(maxsize=64)
 def _in_turn(padded: int, links: int, thread: int) -> Begun:
-    blank = _blank(padded, links)
-    memory = blank.copy()
-    state, peaks, ledger = blank.tuples(memory)
-    return Begun(state, peaks, ledger, memory)
+    return _begun(padded, links, _blank(padded, links).copy())
 
 
 NO_SAMPLES = np.zeros((0, 0))

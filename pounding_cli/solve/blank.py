@@ -28,19 +28,22 @@ class Blank:
     filled : the tuples
 
     spans : where in a copy each tuple stands, padding included
+    places : where in a copy each vector stands, by its name in the first tuple that has it
     """
 
     def __init__(self, *filled: Any) -> None:
         self.spans: list[slice] = []
+        self.places: dict[str, slice] = {}
         self._parts: list[tuple[Callable[[Iterable[Any]], Any], list[tuple[bool, Any]]]] = []
         vectors: list[tuple[slice, np.ndarray]] = []
         end = 0
         for each in filled:
             begin, values = end, []
-            for value in each:
+            for name, value in zip(each._fields, each, strict=True):
                 if isinstance(value, np.ndarray) and value.ndim == 1:
                     span = slice(end, end + value.size)
                     vectors.append((span, value))
+                    self.places.setdefault(name, span)
                     end += -(-value.size // LANES) * LANES
                     values.append((value.dtype == np.int64, span))
                 else:

@@ -97,11 +97,12 @@ def balance(
         "hysteresis": hysteresis,
         "links": on_links - in_links + start[2],  # fault: links-energy
     }
-    given, *went = entries.values()
-    missing, scale = given - sum(went), np.abs(given)
-    for other in (*map(np.abs, went), _held_at_peaks(runs[0], peaks)):
-        scale = np.where(other > scale, other, scale)
-    return entries | {"residual": np.divide(missing, scale, out=np.zeros(len(scale)), where=scale > 0)}
+    each = np.array(list(entries.values()))
+    missing = each[0] - sum(each[1:])
+    scale = np.fmax(np.fmax.reduce(np.abs(each)), _held_at_peaks(runs[0], peaks))
+    residual = np.zeros(len(scale))
+    np.divide(missing, scale, out=residual, where=(scale > 0) & ~np.isnan(each[0]))
+    return entries | {"residual": residual}
 
 
 def _held_at_peaks(arrays: Arrays, peaks: Peaks) -> np.ndarray:

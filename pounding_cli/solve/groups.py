@@ -99,6 +99,8 @@ class GroupSolver:
     def by_proof(self, scene: Scene) -> Response | None:
         """The response of a row that is not simulated, from its groups; None if all of it may meet."""
         groups = list(_first_groups(scene.buildings, scene.links))
+        if len(groups) == 2 and self._known_to_meet(scene, *groups):
+            return None
         while len(groups) > 1:
             keys = [_key(scene, group) for group in groups]
             parts = [self._watched(scene, group, key) for group, key in zip(groups, keys, strict=True)]
@@ -164,6 +166,14 @@ class GroupSolver:
             while self._bytes > MEMORY and len(self._kept) > 1:
                 self._bytes -= _size(self._kept.popitem(last=False)[1])
         return response
+
+    def _known_to_meet(self, scene: Scene, left: range, right: range) -> bool:
+        """Whether a scene before has shown that the gap of one of the links between two groups closes."""
+        known = self._closings.get((_key(scene, left), _key(scene, right)), {})
+        return any(
+            [known.get(floors, -math.inf) >= free_below
+             for floors, free_below in _between_floors(scene.buildings, scene.links, left, right)]
+        )  # fmt: skip
 
     def _seen_to_meet(
         self, scene: Scene, left: range, right: range, a: Response, b: Response, key: tuple[Key, Key]

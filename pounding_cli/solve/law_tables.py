@@ -50,16 +50,24 @@ class Tables:
 
 def memories_of(laws: Sequence[StoreyLaw | None]) -> int:
     """How many memories these laws use."""
-    given = [law for law in laws if law is not None]
-    branches = [branch for law in {*given} for branch in law.branches()]
-    kept_by = {number + 1 for branch in branches for guard in branch.guards for number, _ in guard.sets}
-    flows = (1 for branch in branches if branch.flow is not None)
-    return max((*kept_by, *flows, *(len(law.memories_at_rest) for law in given)), default=0)
+    return max((_memories_of(law) for law in {*laws} if law is not None), default=0)
+
+
+@functools.lru_cache(maxsize=512)
+def _memories_of(law: StoreyLaw) -> int:
+    branches = _branches_of(law)
+    kept_by = (number + 1 for branch in branches for guard in branch.guards for number, _ in guard.sets)
+    return max(len(law.memories_at_rest), *(branch.flow is not None for branch in branches), *kept_by)
+
+
+@functools.lru_cache(maxsize=512)
+def _branches_of(law: StoreyLaw) -> tuple[StoreyBranch, ...]:
+    return law.branches()
 
 
 def flow_of(laws: Sequence[StoreyLaw | None]) -> int:
     """The most registers that the rate of a memory takes, given ones included; 0 where none flows."""
-    flows = {branch.flow for law in {*laws} if law is not None for branch in law.branches()}
+    flows = {branch.flow for law in {*laws} if law is not None for branch in _branches_of(law)}
     return max((GIVEN + len(operations(flow)) for flow in flows if flow is not None), default=0)
 
 
@@ -112,32 +120,27 @@ class Storeys:
         return flat, np.where(self.first >= 0, count + self.first, t.NO_BRANCH)
 
 
-def pack_links(
-    given: Sequence[Link], slots: Sequence[tuple[int, int]], masses: Sequence[tuple[float, float]], flow: int = 0
-) -> tuple[Links, AtRest]:
-    """The links of a scene, between which slots they stand and the masses there [kg], and their state before the
-    motion. Links of one law between the same masses share their rows. `flow`: registers of the storeys (`flow_of`)."""
-    laws = tuple((link.law, *between) for link, between in zip(given, masses, strict=True))
-    return _packed(laws, tuple(slots), flow)
-
-
-Between = tuple[LinkLaw, float, float]
-"""A law and the masses of the floors that it stands between [kg]."""
-
 AtRest = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Branch, what is known exactly, and the closing it then has [m], of every link before the motion."""
 
 
 @functools.lru_cache(maxsize=512)
-def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...], flow: int) -> tuple[Links, AtRest]:
-    """Links of these laws between these slots."""
+def pack_links(
+    given: tuple[Link, ...],
+    slots: tuple[tuple[int, int], ...],
+    masses: tuple[tuple[float, float], ...],
+    flow: int = 0,
+) -> tuple[Links, AtRest]:
+    """The links of a scene, between which slots they stand and the masses there [kg], and their state before the
+    motion. Links of one law between the same masses share their rows. `flow`: registers of the storeys (`flow_of`)."""
+    laws = [(link.law, *between) for link, between in zip(given, masses, strict=True)]
     padded = -(-len(laws) // LANES) * LANES
     left, right, first, last = np.zeros((4, padded), np.int64)
     offset = np.zeros(padded)
     tables = Tables()
     written = flow > 0 or any(law.general for law, *_ in laws)
     for e, key in enumerate(laws):
-        left[e], right[e] = ends[e]
+        left[e], right[e] = slots[e]
         first[e], last[e] = tables.add(key, functools.partial(_link_rows, *key, written))
         offset[e] = min(key[0].offset, FAR)
     branches, guards, steps = tables.rows()
@@ -152,7 +155,7 @@ def _packed(laws: tuple[Between, ...], ends: tuple[tuple[int, int], ...], flow: 
 @functools.lru_cache(maxsize=512)
 def _storey_rows(law: StoreyLaw) -> Rows:
     """As `_link_rows`, of a storey."""
-    branches = law.branches()
+    branches = _branches_of(law)
     rows, guards, steps = _rows(branches, [_storey_row(branch, law.stiffness) for branch in branches])
     made = steps.tolist()
     for row, branch in zip(rows, branches, strict=True):

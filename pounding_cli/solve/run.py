@@ -30,6 +30,7 @@ from pounding_cli.solve.arrays import (
     begun_in_turn,
     drift_of,
     ended,
+    memory_at_rest,
     pack,
     peaks_in,
     watched,
@@ -258,7 +259,7 @@ def _what_runs(
         code = taylor.WITHOUT_LEDGER
     effects = effects_of(scene)
     return WhatRuns(
-        scene.buildings, arrays, chosen, code, code.largest_step(arrays), at_rest(arrays).memory, effects.kept,
+        scene.buildings, arrays, chosen, code, code.largest_step(arrays), memory_at_rest(arrays), effects.kept,
         effects.dropped + condensing, any([link.law.beyond_gap for link in links]),
     )  # fmt: skip
 

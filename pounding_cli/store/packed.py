@@ -27,7 +27,7 @@ PIECE_BYTES = 1 << 20
 
 _ROW = 1 << 15
 """Words that are summed at a time: as doubles their sums are exact."""
-_WEIGHTS = np.stack([np.ones(_ROW), np.arange(_ROW, dtype=float)], axis=1)
+_PLACES = np.arange(_ROW, dtype=float)
 
 
 @dataclass(frozen=True)
@@ -116,12 +116,14 @@ def slabs(shape: tuple[int, ...], size: tuple[int, ...]) -> Iterator[tuple[slice
 
 
 def fletcher32(content: bytes) -> int:
-    """Fletcher's checksum as HDF5 forms it: of big-endian words of 16 bits, modulo 65535, 0 where all are 0."""
-    count = -(-len(content) // 2)
-    rows = -(-count // _ROW)
-    words = np.frombuffer(content.ljust(2 * rows * _ROW, b"\0"), ">u2").astype(float)
-    sums = (words.reshape(rows, _ROW) @ _WEIGHTS).tolist()
-    first = sum(int(row) for row, _ in sums)
-    second = sum((count - number * _ROW) * int(row) - int(placed) for number, (row, placed) in enumerate(sums))
-    low, high = ((total - 1) % 65535 + 1 if total else 0 for total in (first, second))
+    """Fletcher's checksum as HDF5 forms it: of big-endian words of 16 bits, modulo 65535, 0 where all are 0. To swap
+    the bytes of a word is to multiply it by 256, modulo 65535: the sums are those of little-endian words."""
+    words = np.frombuffer(content + b"\0" if len(content) % 2 else content, "<u2")
+    first = second = 0
+    for begin in range(0, words.size, _ROW):
+        some = words[begin : begin + _ROW].astype(float)
+        total = int(some.sum())
+        first += total
+        second += (words.size - begin) * total - int(some @ _PLACES[: some.size])
+    low, high = ((256 * total - 1) % 65535 + 1 if total else 0 for total in (first, second))
     return high << 16 | low

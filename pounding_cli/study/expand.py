@@ -33,6 +33,9 @@ MOST_PROBLEMS = 20
 MOST_AROUND = 256
 """Buildings with motions that are kept at a time: motions are long."""
 
+MOST_ALIKE = 256
+"""Sets of links that are known again at other points."""
+
 
 Links = Callable[[Point, str], tuple[Link, ...] | None]
 """links(point, case) -> what stands between the buildings of the group, which depends on these, `impact` and the case
@@ -223,6 +226,7 @@ class _Builder:
         self._around: dict[Point, _Around] = {}
         self._endings: dict[Point, list[bytes]] = {}
         self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
+        self._alike: dict[tuple[Link, ...], tuple[Link, ...]] = {}
 
     def around(self, point: Point) -> _Around:
         """What is around the links at a point."""
@@ -262,6 +266,10 @@ class _Builder:
         if found is None:
             found = self._links_of(point, case)
             assert found is not None
+            if found in self._alike:  # what is known of them is found again sooner
+                found = self._alike[found]
+            else:
+                _keep(self._alike, found, found, MOST_ALIKE)
             _keep(self._links, key, found, self._resolver.most_kept)
         return found
 

@@ -82,7 +82,8 @@ def measure(periods: int = 20, turns: int = 3, trees: tuple[Path, ...] = (ROOT,)
             for estimate, workers, tree in asked:
                 study, output = f"{folder}/{estimate}.yaml", f"{folder}/{estimate}-{workers}-{turn}.h5"
                 words = [sys.executable, "-c", RUN, str(warm), study, output, str(workers)]
-                environment = {**os.environ, "PYTHONPATH": str(tree)}
+                # as `pound run` sets it: other threads wait for work on a core, which counts
+                environment = {**os.environ, "PYTHONPATH": str(tree), "OPENBLAS_NUM_THREADS": "1"}
                 done = subprocess.run(words, cwd=tree, env=environment, check=True, capture_output=True, text=True)
                 found[estimate, workers, tree].append(json.loads(done.stdout.splitlines()[-1]))
                 for file in Path(folder).glob("*.h5"):
