@@ -25,8 +25,9 @@ except ImportError:  # no wheel for this machine: another stream of the same kin
 PIECE_BYTES = 1 << 20
 """Most bytes of a piece."""
 
-_ROW = 1 << 15
-"""Words that are summed at a time: as doubles their sums are exact."""
+_ROW = 1 << 13
+"""Words that are summed at a time: few enough that BLAS does it in one thread (others that wait for more take a core),
+and that sums of doubles are exact."""
 _PLACES = np.arange(_ROW, dtype=float)
 
 
