@@ -59,7 +59,7 @@ def run(
     Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables; so do scenes in
     which a storey collapses ("collapsed"), which are no failures.
     """
-    from pounding_cli.batch import run_plan
+    from pounding_cli.batch import finished, run_plan
     from pounding_cli.study.kinds import load_for
     from pounding_cli.workflows import expansion
 
@@ -69,10 +69,11 @@ def run(
     else:
         loaded = load_for(Path(study), workflow) if isinstance(study, str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
-    plan = plan_of(loaded, workflow, path)
-    run_plan(
-        plan, path, progress=progress, workers=workers, engine_name=engine, scheduler=scheduler, replace=replace,
-    )  # fmt: skip
+    if replace or not finished(loaded, workflow, path):
+        run_plan(
+            plan_of(loaded, workflow, path), path, progress=progress, workers=workers, engine_name=engine,
+            scheduler=scheduler, replace=replace,
+        )  # fmt: skip
     return open_results(path)
 
 

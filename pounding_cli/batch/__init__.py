@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 from pounding_cli.batch.outcome import Failure, Outcome
 
 if TYPE_CHECKING:
-    from pounding_cli.batch.runner import run_plan
+    from pounding_cli.batch.runner import finished, run_plan
 
-__all__ = ["Failure", "Outcome", "run_plan"]
+__all__ = ["Failure", "Outcome", "finished", "run_plan"]
 
 
 def __getattr__(name: str) -> Any:
-    if name == "run_plan":
-        from pounding_cli.batch.runner import run_plan
+    if name in ("finished", "run_plan"):
+        from pounding_cli.batch import runner
 
-        return run_plan
+        return getattr(runner, name)
     raise AttributeError(f"module 'pounding_cli.batch' has no attribute {name!r}")

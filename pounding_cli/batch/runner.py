@@ -33,6 +33,7 @@ from pounding_cli.store import (
     check_results,
     former_run,
     is_current,
+    is_finished,
     locked,
     write_results,
 )
@@ -44,7 +45,7 @@ from pounding_cli.store.locks import lock_of
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
-    from pounding_cli.study import Plan
+    from pounding_cli.study import Plan, Study
 
 WORTH_WORKERS = 1.0
 """Expected work [s] from which starting workers pays."""
@@ -94,12 +95,9 @@ def run_plan(
     chosen = engine(engine_name, workers or cores(), scheduler)
     check_output(output, [plan.study.path], lambda path, _: is_results(path))
     key = key_of(plan)
-    parts = PartStore(output, key, plan.rows.table)
     if not replace and is_current(output, plan):
-        _tidy(output, parts)
-        former = former_run(output, key)
-        reused = len(plan.scenes) if former is None else former.scenes  # later rounds asked for more than the first
-        return Outcome(output, 0, 0, reused, (), "none", 0, 0.0, time.perf_counter() - begin)
+        return _current(output, begin)
+    parts = PartStore(output, key, plan.rows.table)
     check_results(output, plan.study, "" if plan.workflow == "run" else plan.workflow, replace)
     try:
         with locked(output):
@@ -122,6 +120,21 @@ def _garbage_of_the_run() -> Iterator[None]:
         gc.set_threshold(*every)
         if not before:
             gc.unfreeze()
+
+
+def finished(study: Study, workflow: str, output: Path, all_effects: bool = False) -> Outcome | None:
+    """What `run_plan` says of a long study whose results are there already, without expanding it; None where it has
+    to be expanded."""
+    begin = time.perf_counter()
+    return _current(output, begin) if workflow == "run" and is_finished(output, study, all_effects) else None
+
+
+def _current(output: Path, begin: float) -> Outcome:
+    """The outcome of a run with nothing to do."""
+    _tidy(output, PartStore(output, ""))
+    former = former_run(output, "")
+    scenes = 0 if former is None else former.scenes  # of all rounds
+    return Outcome(output, 0, 0, scenes, (), "none", 0, 0.0, time.perf_counter() - begin)
 
 
 def _tidy(output: Path, parts: PartStore) -> None:

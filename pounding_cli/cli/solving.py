@@ -107,17 +107,25 @@ def solve_study(
         elif not how.quiet:
             click.echo(f"warning: {warning}", err=True)
     path = output or default_output(study, workflow)
-    plan = dataclasses.replace(plan_of(loaded, workflow, path), **changes)
-    numba_without_blas()  # only now: a study that is refused needs no numba
-    from pounding_cli.batch import run_plan
+    outcome = None
+    if path.exists() and not how.replace:
+        numba_without_blas()
+        from pounding_cli.batch import finished
 
-    gc.freeze()
-    gc.enable()
-    outcome = run_plan(
-        plan, path, progress=log or chosen(how.quiet), workers=how.workers, engine_name=how.engine_name,
-        scheduler=how.scheduler, replace=how.replace,
-    )  # fmt: skip
-    del loaded, plan  # what is printed is read from the file, and of many scenes both need their memory
+        outcome = finished(loaded, workflow, path, **changes)
+    if outcome is None:
+        plan = dataclasses.replace(plan_of(loaded, workflow, path), **changes)
+        numba_without_blas()  # only now: a study that is refused needs no numba
+        from pounding_cli.batch import run_plan
+
+        gc.freeze()
+        gc.enable()
+        outcome = run_plan(
+            plan, path, progress=log or chosen(how.quiet), workers=how.workers, engine_name=how.engine_name,
+            scheduler=how.scheduler, replace=how.replace,
+        )  # fmt: skip
+        del plan
+    del loaded  # what is printed is read from the file, and of many scenes both need their memory
     if log:
         _log(log, outcome)
     elif not how.quiet:

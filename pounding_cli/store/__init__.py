@@ -10,7 +10,7 @@ from pounding_cli.store.overview import Overview, overview
 from pounding_cli.store.parts import PartStore
 from pounding_cli.store.results import Results, open_results
 from pounding_cli.store.solutions import stored_chunks
-from pounding_cli.store.write import Run, is_current, write_results
+from pounding_cli.store.write import Run, is_current, is_finished, write_results
 
 __all__ = [
     "FORMAT",
@@ -25,6 +25,7 @@ __all__ = [
     "flagged_scenes",
     "former_run",
     "is_current",
+    "is_finished",
     "locked",
     "open_results",
     "overview",

@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,7 @@ from pounding_cli.study.scenes import Expanded, Scenes
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.plan import Axis
 
 MANY = 20_000
 """Points from which a plan is kept: to expand fewer takes two seconds at most."""
@@ -44,7 +46,7 @@ def expanded_plan(study: Study, folder: Path) -> Plan:
 def keep_expanded(plan: Plan, folder: Path) -> None:
     """Keep in a folder what a plan of many points of `pound run` rests on.  Raises `OSError`."""
     path = folder / EXPANDED
-    if plan.workflow != "run" or math.prod(len(axis.values) for axis in plan.axes) < MANY:
+    if plan.workflow != "run" or not is_long(plan.axes):
         return
     key = np.frombuffer(_key(plan.study).encode(), np.uint8)
     try:
@@ -62,6 +64,17 @@ def keep_expanded(plan: Plan, folder: Path) -> None:
     except OSError:
         hidden.unlink(missing_ok=True)
         raise
+
+
+def is_long(axes: Sequence[Axis]) -> bool:
+    """Whether a sweep has so many points that expanding it takes long."""
+    return math.prod(len(axis.values) for axis in axes) >= MANY
+
+
+def study_key(study: Study, all_effects: bool) -> str:
+    """A digest of all that the results of `pound run` follow from, made without expanding the study."""
+    said = _key(study), study.title, study.text, str(all_effects)
+    return hashlib.sha256("\0".join(said).encode()).hexdigest()
 
 
 def _key(study: Study) -> str:

@@ -38,7 +38,7 @@ from pounding_cli.variables import COORDINATES, RECORDS, VARIABLES, WRITTEN, Var
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
-    from pounding_cli.study import Plan
+    from pounding_cli.study import Plan, Study
 
 _SOFTWARE = ("numpy", "scipy", "numba", "h5py")
 
@@ -86,6 +86,22 @@ def is_current(path: Path, plan: Plan) -> bool:
     try:
         with opened(path) as file:
             same = file.attrs["content"] == content_digest(plan) and int(file.attrs["scenes_failed"]) == 0
+        return same and not damage_of(path)
+    except (InputError, KeyError, OSError):
+        return False
+
+
+def is_finished(path: Path, study: Study, all_effects: bool) -> bool:
+    """Whether the file holds just what `pound run` makes of a long study, as far as that can be told without expanding
+    it: every scene done and no byte damaged."""
+    from pounding_cli.store.expanded import is_long, study_key  # here: whoever only reads results expands nothing
+
+    if not is_long(study.axes):
+        return False
+    try:
+        with opened(path) as file:
+            facts = file.attrs
+            same = facts["study_key"] == study_key(study, all_effects) and int(facts["scenes_failed"]) == 0
         return same and not damage_of(path)
     except (InputError, KeyError, OSError):
         return False
@@ -232,6 +248,9 @@ def _write_coordinates(file: h5py.File, datasets: Datasets, plan: Plan, shape: S
 
 
 def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Run) -> None:
+    from pounding_cli.store.expanded import is_long, study_key  # here: see `is_finished`
+
+    kept = plan.workflow == "run" and is_long(plan.axes)
     file.attrs.update(
         {
             "format": FORMAT,
@@ -240,6 +259,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
             "title": plan.study.title,
             "swept": json.dumps([list(axis.names) for axis in plan.axes]),
             "content": content_digest(plan),
+            **({"study_key": study_key(plan.study, plan.all_effects)} if kept else {}),
             "solution_key": key_of(plan),
             **({"accuracy": plan.accuracy, "method": plan.method} if plan.method else {}),
             **({} if plan.time_step is None else {"time_step": plan.time_step}),

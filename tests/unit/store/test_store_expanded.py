@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from pounding_cli.batch import finished, run_plan
+from pounding_cli.errors import InputError
 from pounding_cli.outputs import EXPANDED
-from pounding_cli.store import expanded
+from pounding_cli.solve import solve as real_solve
+from pounding_cli.store import expanded, open_results
 from pounding_cli.store.expanded import expanded_plan, keep_expanded
+from pounding_cli.store.files import opened
+from pounding_cli.store.seal import BLOCK
 from pounding_cli.study import load_study
 
 STUDY = """\
@@ -102,6 +109,83 @@ def test_what_is_damaged_is_expanded(kept, told, damage, monkeypatch):
     again = expanded_plan(load_study(study), folder)
     assert told[-1] is False
     assert again.rows == plan.rows
+
+
+def can_be_opened(output):
+    """Whether a file can be opened."""
+    try:
+        with opened(output):
+            return True
+    except InputError:
+        return False
+
+
+@pytest.fixture
+def done(kept):
+    """A study, and the results file that holds all its scenes."""
+    study, plan, folder = kept
+    output = folder.parent / "out.h5"
+    run_plan(plan, output, engine_name="serial")
+    return study, output
+
+
+def test_a_file_that_holds_all_is_known_without_expanding(done, told):
+    study, output = done
+    told.clear()
+    outcome = finished(load_study(study), "run", output)
+    assert (outcome.done, outcome.reused, outcome.engine) == (0, open_results(output).attrs["scenes"], "none")
+    assert told == []
+    assert finished(load_study(study), "run", output, all_effects=True) is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("0.4, 0.5", "0.4, 0.6"), ("0.36 s", "0.37 s"), ("duration: 2 s", "duration: 3 s"), ("group:", "# more\ngroup:")],
+)
+def test_a_file_of_another_study_is_not_current(done, old, new):
+    """Fails if a stale file is called current; a comment is part of what the file says too."""
+    study, output = done
+    study.write_text(STUDY.replace(old, new))
+    assert finished(load_study(study), "run", output) is None
+
+
+def test_a_file_of_other_motions_is_not_current(kept, tmp_path):
+    """The same study, the same name of the motion, another content."""
+    study, _, _ = kept
+    motion, output = tmp_path / "mine.csv", tmp_path / "mine.h5"
+    study.write_text(STUDY.replace("elcentro", "{file: mine.csv, unit: m/s2, dt: 0.02 s}"))
+    motion.write_text("\n".join(f"{np.sin(n):.6f}" for n in range(200)))
+    run_plan(expanded.expand(load_study(study)), output, engine_name="serial")
+    assert finished(load_study(study), "run", output)
+    motion.write_text("\n".join(f"{np.cos(n):.6f}" for n in range(200)))
+    assert finished(load_study(study), "run", output) is None
+
+
+@pytest.mark.parametrize("what", ["solver", "damage", "failed", "gone"])
+def test_a_file_that_is_not_whole_is_not_current(done, what, monkeypatch):
+    """Of another solver, with a flipped bit, with a scene that failed, or not there."""
+    study, output = done
+    if what == "solver":
+        monkeypatch.setattr(expanded, "solver_version", lambda solve="": "another")
+    elif what == "damage":
+        whole = output.read_bytes()
+        for place in range(BLOCK // 2, len(whole), BLOCK):  # until a block that nobody reads to open the file
+            output.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+            if can_be_opened(output):
+                break
+    elif what == "failed":
+        plan = expanded.expand(load_study(study))
+        bad = next(iter(plan.scenes))
+
+        def solve(scene, **settings):
+            found = real_solve(scene, **settings)
+            return dataclasses.replace(found, status="diverged") if scene.digest == bad else found
+
+        run_plan(plan, output.with_name("bad.h5"), solve=solve, engine_name="serial")
+        output = output.with_name("bad.h5")
+    else:
+        output.unlink()
+    assert finished(load_study(study), "run", output) is None
 
 
 def test_it_is_written_once(kept):
