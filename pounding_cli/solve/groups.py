@@ -272,6 +272,8 @@ def _inside(scene: Scene, group: range) -> tuple[Link, ...]:
     """The links of the group by itself."""
     if len(group) == 1:
         return ()
+    if len(group) == len(scene.buildings):
+        return scene.links
     return tuple(
         dataclasses.replace(link, left=link.left - group.start) for link in scene.links if link.left in group[:-1]
     )

@@ -124,7 +124,6 @@ class Prepared:
         scene, what, takes_step = self.scene, self.what, self.what.method.takes_step
         if takes_step and step_taken(scene, self.setting) > what.limit:
             return
-        _compile(what.code, scene, what.arrays, scene.motion.dt if takes_step else self.setting)
         state, peaks, ledger, memory = begun_in_turn(what.arrays, self.memory)
         if self.watch:
             peaks = watched(peaks, segments_of(scene))
@@ -257,6 +256,7 @@ def _what_runs(
         condensing += ("the rest of the row, while a few touch or yield: what does not touch takes steps of its own",)
     if code is taylor.TAYLOR and not ledger:
         code = taylor.WITHOUT_LEDGER
+    _compile(code, scene, arrays, dt if chosen.takes_step else accuracy)
     effects = effects_of(scene)
     return WhatRuns(
         scene.buildings, arrays, chosen, code, code.largest_step(arrays), memory_at_rest(arrays), effects.kept,
@@ -271,15 +271,14 @@ def _still(dt: float) -> Motion:
 
 
 def _compile(code: Integrator, scene: Scene, arrays: Arrays, setting: float) -> None:
-    """Compile or load the kernel for such a scene on two samples of silence, so that `seconds` counts solving alone."""
+    """Compile or load the kernel for such a scene, which has two samples of silence: `seconds` counts solving alone."""
     sort = code.integrate, arrays.yields, taylor.takes_programs(arrays)
     if sort in _compiled:
         return
-    silent = dataclasses.replace(scene, motion=_still(scene.motion.dt), tail=0.0)
     bounds = MAX_STEPS, MAX_EVENTS
 
     def once() -> None:
-        code.integrate(silent, arrays, *at_rest(arrays)[:3], setting, bounds)
+        code.integrate(scene, arrays, *at_rest(arrays)[:3], setting, bounds)
 
     collecting = gc.isenabled()
     gc.disable()  # a compiler makes a million objects that all stay: looking through them takes a sixth of its time
