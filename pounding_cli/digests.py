@@ -215,6 +215,8 @@ class DigestMap:
 
     def of(self, digests: Sequence[str]) -> np.ndarray:
         """The numbers of digests, -1 where one has none, shape (digests,)."""
+        if isinstance(digests, DigestList) and digests.digests is self._table.digests:  # need not be looked up
+            return np.where(digests.numbers >= 0, self._told[digests.numbers], -1)
         places = self._table.numbers(digests)
         found = np.where(places >= 0, self._told[places] if len(self._told) else -1, -1)
         others = np.flatnonzero(places < 0)

@@ -15,6 +15,7 @@ from pounding_cli.model.placed import among
 from pounding_cli.numbers import counted
 from pounding_cli.store import PartStore, former_run, stored_chunks
 from pounding_cli.store.files import damage_of
+from pounding_cli.study.scenes import Scenes
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
     """
     for damaged in parts.load():
         say(f"{damaged} is damaged: its scenes are solved again")
-    from_parts = int(parts.has(plan.scenes).sum())
+    asked = plan.scenes.digests if isinstance(plan.scenes, Scenes) else plan.scenes
+    from_parts = int(parts.has(asked).sum())
     if from_parts:
         what = counted(from_parts, "scene of an unfinished run is", "scenes of an unfinished run are")
         say(f"{what} kept in {parts.folder}")

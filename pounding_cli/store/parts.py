@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pounding_cli.digests import DigestMap, DigestTable, pieces, runs
+from pounding_cli.digests import DigestList, DigestMap, DigestTable, pieces, runs
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Scene
 from pounding_cli.outputs import parts_of
@@ -105,6 +105,8 @@ class PartStore(Mapping[str, Response]):
 
     def has(self, digests: Iterable[str]) -> np.ndarray:
         """Whether each scene is there, shape (digests,)."""
+        if isinstance(digests, DigestList) and self._table is not None and digests.digests is self._table.digests:
+            return self._where.of(digests) >= 0
         return np.concatenate([self._where.of(some) >= 0 for some in pieces(digests)] or [np.zeros(0, bool)])
 
     def saved(self, wanted: Iterable[str]) -> int:

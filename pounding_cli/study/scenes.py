@@ -245,6 +245,11 @@ class Scenes(Placed):
         """Whether each scene is there, shape (digests,)."""
         return self.table.numbers(digests) >= 0
 
+    @property
+    def digests(self) -> DigestList:
+        """Those of all scenes."""
+        return DigestList(self.table.digests)
+
     def places(self, digests: Sequence[str]) -> list[int]:
         """Where scenes stand, as `place` says.  Raises `KeyError`."""
         numbers = self.table.numbers(digests)
@@ -253,7 +258,7 @@ class Scenes(Placed):
         return self.first[numbers].tolist()
 
     def __iter__(self) -> Iterator[str]:
-        return iter(DigestList(self.table.digests))
+        return iter(self.digests)
 
     def __len__(self) -> int:
         return len(self.table)

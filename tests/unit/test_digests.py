@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pounding_cli import digests as digests_module
-from pounding_cli.digests import DigestMap, DigestTable, Sorted, packed, texts
+from pounding_cli.digests import DigestList, DigestMap, DigestTable, Sorted, packed, texts
 
 
 def digests(*numbers: int) -> list[str]:
@@ -39,6 +39,10 @@ def test_a_map_is_a_dict(monkeypatch, known):
         assert mine.of(asked).tolist() == [theirs.get(digest, -1) for digest in asked]
         assert mine.get(asked[0]) == theirs.get(asked[0], -1)
         assert len(mine) == len(theirs)
+    if table is not None:
+        numbers = np.append(random.integers(known, size=50), -1)
+        asked = DigestList(table.digests, numbers)
+        assert mine.of(asked).tolist() == [theirs.get(digest, -1) for digest in asked]
     first = [digest for digest in digests(*range(known)) if digest in theirs]
     assert list(mine) == [*first, *(digest for digest in theirs if digest not in set(first))]
     assert asked[0] not in DigestMap()
