@@ -1,6 +1,6 @@
 """Which compile pipelines the kernels go through: numba's own, or where its version is known to work with them the
-quicker ones of `pieces`, which reach into the compiler's inside. Both give the same kernels; ours halve the wait of a
-first run."""
+quicker ones of `pieces`, which reach into the compiler's inside. Both give the same kernels; ours take a fifth of the
+time."""
 
 from __future__ import annotations
 

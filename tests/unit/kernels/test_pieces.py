@@ -127,9 +127,12 @@ def test_what_unpacks_the_arguments_is_not_optimised():
 
 @by_our_pipeline
 def test_numba_is_left_as_it_was():
-    """Fails if an answer is remembered beyond the kernel, or where a kernel could not be compiled."""
+    """Fails if an answer is remembered beyond the kernel, or where a kernel could not be compiled; or if the thread
+    that works beside the compiler is given work when it has ended, which a forked worker would wait for for ever."""
     from numba.core.caching import Cache
     from numba.core.cpu import CPUContext
+
+    from pounding_cli.kernels import pieces
 
     def found():
         return CPUContext.refresh, types.Function.get_call_type, types.Dispatcher.get_call_type, Cache.load_overload
@@ -145,6 +148,7 @@ def test_numba_is_left_as_it_was():
     judge(np.ones(3), np.ones(3, np.int64))
     assert found() == before
     assert "refresh" not in vars(CPUContext)
+    assert not pieces._BESIDE
 
 
 @by_our_pipeline
