@@ -138,26 +138,30 @@ def run(count: int, command: str = "run", engine: str = "processes") -> dict:
 
 
 def resume(count: int, seconds: float = 60.0) -> dict:
-    """Kill `pound run` so long [s] after its first part, and begin it again: the parts it had, and the time until the
-    first new one [s], by the clock and of all cores."""
+    """Kill `pound run` so long [s] after its first part, and begin it again: the parts it had, the time until the first
+    new one [s], by the clock and of all cores, and the memory of all processes until it was killed [bytes]."""
     with tempfile.TemporaryDirectory() as folder:
         study, results = Path(folder) / "sweep.yaml", Path(folder) / "sweep.h5"
         study.write_text(study_of("run", count))
         found: dict = {}
+        memory = 0
         for wait in (seconds, 0.0):
             had, begin = _parts(results), time.perf_counter()
             command = [*pound(), "run", str(study), "-o", str(results)]
             process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            watcher = Watcher(process.pid)
+            watcher.start()
             while _parts(results) == had:
                 if process.poll() is not None:
                     raise RuntimeError(f"pound run ended with {process.returncode} before it was killed")
                 time.sleep(0.05)
             found = {"parts": had, "until_first": time.perf_counter() - begin, "on_cores": family_seconds(process.pid)}
             time.sleep(wait)
+            memory = max(memory, watcher.largest)
             process.kill()
             process.wait()
             time.sleep(2.0)  # its workers end as they see that it is gone
-    return found
+    return found | {"memory": memory}
 
 
 def _parts(results: Path) -> int:
