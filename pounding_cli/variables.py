@@ -128,6 +128,14 @@ SCENES = (
         "error_estimate", PLACE, "1", "numerical error of the peaks, relative: about so much at most", label="error"
     ),
     Variable("sensitivity", PLACE, "1", "change of the peaks under a small change of the motion, relative"),
+    Variable(
+        "estimated",
+        PLACE,
+        "",
+        "how both were found: bounded by the tangent of the run, or measured by a finer run",
+        "s",
+        always=False,
+    ),
     Variable("effects", PLACE, "", "effects simulated, one a line", "s"),
     Variable("dropped", PLACE, "", "effects left out with the reason, one a line", "s"),
     Variable("flags", PLACE, "", "what a reader of the numbers should know, one a line", "s"),

@@ -19,8 +19,8 @@ from pounding_cli.solve.run import Prepared, prepare, solve
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
-"""solve(scene, accuracy=..., method=..., all_effects=..., watch=..., ledger=...) -> Response; with time_step=... where
-the study has one."""
+"""solve(scene, accuracy=..., method=..., all_effects=..., watch=..., ledger=..., tangent=...) -> Response; with
+time_step=... where the study has one."""
 
 _Answer = TypeVar("_Answer", Response, OneOf)
 
@@ -149,8 +149,12 @@ class Task:
 
     def _begun(self, scene: Scene, beside: float) -> _Begun:
         """The runs of a scene laid out."""
-        first = prepare(scene, self.accuracy, self.method, time_step=self.time_step, all_effects=self.all_effects)
-        if not self.is_assessed(scene):
+        is_assessed = self.is_assessed(scene)
+        first = prepare(
+            scene, self.accuracy, self.method, time_step=self.time_step, all_effects=self.all_effects,
+            tangent=is_assessed,
+        )  # fmt: skip
+        if not is_assessed or first.carries_tangent:
             return _Begun(scene, first, [], beside)
         asked = judging(scene, first.what.method.name, self.accuracy, self.all_effects)
         return _Begun(scene, first, [prepare(each, **settings) for each, settings in asked], beside)
@@ -158,17 +162,19 @@ class Task:
     def _ended(self, begun: _Begun, found: Mapping[Prepared, OneOf]) -> Response | OneOf:
         """The response of runs that are done, as far as they are `found` already."""
         one, *others = [found.get(run) or read([run])[0] for run in begun.done()]
-        if not (begun.judges or begun.beside):
+        if not (begun.judges or begun.beside or one.is_open):
             return one
         response = one.response()
-        if others and response.has_result:
+        if (others or one.is_open) and response.has_result:
             judges = [other.response() for other in others]
             response = assess(begun.scene, response, self.accuracy, self.solve, self.all_effects, judges)
         return dataclasses.replace(response, seconds=response.seconds + begun.beside) if begun.beside else response
 
     def respond(self, scene: Scene, watch: bool) -> Response:
         """The response of the scene as a whole, assessed where the study asks for that."""
-        told = {} if self.time_step is None else {"time_step": self.time_step}
+        told: dict[str, Any] = {} if self.time_step is None else {"time_step": self.time_step}
+        if self.is_assessed(scene):
+            told["tangent"] = True
         response = self.solve(
             scene, accuracy=self.accuracy, method=self.method, all_effects=self.all_effects, watch=watch, **told
         )

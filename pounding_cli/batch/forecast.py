@@ -16,7 +16,7 @@ from pounding_cli.methods import AUTO
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.cost import ASSESSED, BESIDE, NEW_LINKS, cost, method_of
+from pounding_cli.solve.cost import BESIDE, NEW_LINKS, cost, method_of, runs_assessed
 from pounding_cli.solve.groups import GroupSolver, sure_parts
 from pounding_cli.solve.response import Response
 from pounding_cli.study.thinned import times
@@ -78,10 +78,11 @@ def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
     found.looked_at = len(digests) / max(1, found.all)
     every = _every(plan)
     parts: set[str] = set()
-    runs = {"none": 1.0, "sample": 1 + (ASSESSED - 1) / 8, "all": ASSESSED}[plan.estimate]
+    share = {"none": 0.0, "sample": 1 / 8, "all": 1.0}[plan.estimate]
 
     def count(what: str, scene: Scene, number: float) -> None:
         method = _method(plan, scene)
+        runs = 1 + share * (runs_assessed(scene, method, plan.all_effects) - 1) if share else 1.0
         found.scenes[what, method] += number
         found.seconds[what, method] += number * (runs * cost(scene, method, plan.time_step) + BESIDE)
         if what == GROUP:  # scenes of a point share their links

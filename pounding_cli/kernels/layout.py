@@ -110,9 +110,10 @@ filled in by the Taylor kernel alone."""
 Peaks = namedtuple(
     "Peaks",
     "watched drift shear acceleration displacement_max displacement_min "
-    "closing force impulse contact_time samples impacts",
+    "closing force impulse contact_time tangent samples impacts",
 )
-"""Largest values so far, per slot and link (SI). Where displacements are `watched` (1, else 0), samples are
+"""Largest values so far, per slot and link (SI); of the tangent as `tangent.give_tangent` has it, zeros where none is
+carried. Where displacements are `watched` (1, else 0), samples are
 those at the end of every segment of the ground motion, shape (segments, slots) [m]."""
 
 
@@ -201,5 +202,5 @@ def peak_pointers(a):
     return Peaks(
         a.watched, pointer(a.drift), pointer(a.shear), pointer(a.acceleration), pointer(a.displacement_max),
         pointer(a.displacement_min), pointer(a.closing), pointer(a.force), pointer(a.impulse),
-        pointer(a.contact_time), pointer(a.samples), pointer(a.impacts),
+        pointer(a.contact_time), pointer(a.tangent), pointer(a.samples), pointer(a.impacts),
     )  # fmt: skip

@@ -12,6 +12,7 @@ from pounding_cli.kernels.layout import PART
 from pounding_cli.kernels.ledger import RULE_SIZE
 from pounding_cli.kernels.program_frame import room_for_programs
 from pounding_cli.kernels.simd import further
+from pounding_cli.kernels.tangent import room_for_tangent
 from pounding_cli.kernels.terms import room_for_terms
 
 MAX_ORDER = 30
@@ -29,6 +30,7 @@ SETTINGS = Frame(
             "use_islands",
             "watched",
             "booked",
+            "carried",
             "max_order",
             "max_steps",
             "max_events",
@@ -40,7 +42,7 @@ SETTINGS = Frame(
 )
 """Arguments of `taylor.build` of these names; inelastic, has_terms, use_islands: whether storeys can yield,
 there are points or springs (`terms`), islands and collapse (`watched`) are looked for, energies of plain steps are
-`booked` (1 or 0)."""
+`booked`, a tangent is `carried` (1 or 0)."""
 
 settings_frame = filler(SETTINGS)
 
@@ -49,18 +51,35 @@ FRAMES = 64
 
 
 def memory_needed(
-    padded: int, links: int, links_per_side: int, buildings: int, registers: int, springs: int, flowing: bool
+    padded: int,
+    links: int,
+    links_per_side: int,
+    buildings: int,
+    registers: int,
+    springs: int,
+    flowing: bool,
+    carried: bool = False,
 ) -> tuple[int, int]:
     """Doubles and integers of scratch that `integrate` needs; the first of the integers are the tally. `registers`: of
-    a force, or a flow, written as operations; 0 where there is none. `flowing`: storeys have a memory that flows."""
+    a force, or a flow, written as operations; 0 where there is none. `flowing`: storeys have a memory that flows.
+    `carried`: a tangent is."""
     doubles, integers = record_sizes(padded, links, ROWS)
     rows = ROWS + 1 + 5
     small = 2 * ROWS + CLOCK_SIZE + RULE_SIZE + 64
     saved, link_integers = record_sizes(padded, links, 0)
-    tables = 2 * max(links_per_side, 1) * padded + NOTE_COUNT * buildings + 5 * FRAMES
+    tables = 2 * max(links_per_side, 1) * padded + NOTE_COUNT * buildings + 6 * FRAMES
     written, resting = room_for_programs(padded, links, registers, ROWS, flowing) if registers else (0, 0)
+    beside = room_for_tangent(padded, links, ROWS) if carried else 0
     return (
-        doubles + rows * padded + links + small + saved + 2 * padded + written + room_for_terms.py_func(springs, ROWS),
+        doubles
+        + rows * padded
+        + links
+        + small
+        + saved
+        + 2 * padded
+        + written
+        + room_for_terms.py_func(springs, ROWS)
+        + beside,
         TALLY_SIZE + integers + link_integers + tables + resting,
     )
 

@@ -17,13 +17,26 @@ import functools
 import numpy as np
 from numba import njit
 
+from pounding_cli.kernels.cells import (
+    BRANCH,
+    SCALE,
+    V1,
+    at,
+    give_links,
+    give_slots,
+    of,
+    of_link,
+    of_link_integer,
+    take_links,
+    take_slots,
+)
 from pounding_cli.kernels.cells import EVENTS_AT_INSTANT as LINK_EVENTS
-from pounding_cli.kernels.cells import SCALE, V1, at, give_links, give_slots, of, of_link, take_links, take_slots
 from pounding_cli.kernels.clock import (
     COLLAPSE_TIME,
     COLLAPSED,
     ELAPSED,
     END,
+    EVENT_LINK,
     EVENTS,
     EVENTS_AT_INSTANT,
     GROUND_SLOPE,
@@ -82,6 +95,15 @@ from pounding_cli.kernels.recurrence import renew_scale
 from pounding_cli.kernels.scratch import FRAMES, ROWS, lay_out_scratch, settings_frame
 from pounding_cli.kernels.simd import further, load, no_inline, pointer, splat, store
 from pounding_cli.kernels.source import source_digest
+from pounding_cli.kernels.tangent import (
+    begin_segment,
+    begin_tangent,
+    carry,
+    cross_link_event,
+    cross_storey_events,
+    give_tangent,
+    tangent_frame,
+)
 from pounding_cli.kernels.terms import room_for_terms, start_points, terms_frame
 from pounding_cli.kernels.transitions import initialise_branches, link_event, storey_events, unpin
 
@@ -114,12 +136,12 @@ def _count_step(run, finished, happened, settings):
 
 
 @njit(**PART)
-def _march(other_step, track_shears, run, terms, programs, settings, pinned_at_event):
+def _march(other_step, track_shears, run, tangent, terms, programs, settings, pinned_at_event):
     """Take an island through the segment by series; returns (outcome, or -1; whether something is exactly zero).
 
     `other_step`: what takes the steps that plain ones cannot. `track_shears`: what a plain step adds to the shears of
     struck columns. `pinned_at_event`: something may be exactly zero:
-    touching floors at the start, or what an event just met."""
+    touching floors at the start, or what an event just met. `tangent`: that of the run, where one is carried."""
     clock = run.clock
     clock[ELAPSED] = 0.0
     clock[LONGEST_STEP] = clock[SEGMENT_LENGTH]
@@ -130,6 +152,8 @@ def _march(other_step, track_shears, run, terms, programs, settings, pinned_at_e
             status, storeys, link, finished = plain_step(run, terms, settings, pinned_at_event)
             if status < 0:
                 track_shears(run, terms)
+                if settings.carried > 0:
+                    carry(run, tangent, terms, settings.max_order, settings.has_terms > 0)
         if status >= 0:
             break
         renew_scale(run)
@@ -137,9 +161,14 @@ def _march(other_step, track_shears, run, terms, programs, settings, pinned_at_e
             unpin(run)
             pinned_at_event = np.bool_(False)
         if link:
+            ended = run.link_integers[of_link_integer(run.tally[EVENT_LINK], BRANCH)]
             link_event(run)
+            if settings.carried > 0:
+                cross_link_event(run, tangent, terms, ended)
         elif storeys:
             storey_events(run)
+            if settings.carried > 0:
+                cross_storey_events(run, tangent)
         if link or storeys:
             pinned_at_event = True
             clock[LONGEST_STEP] = clock[SEGMENT_LENGTH]
@@ -156,22 +185,22 @@ def _march(other_step, track_shears, run, terms, programs, settings, pinned_at_e
 
 
 @njit(**CALLED)
-def _solve_island(run, terms, programs, settings, pinned_at_event):
+def _solve_island(run, tangent, terms, programs, settings, pinned_at_event):
     """`_march` by plain steps alone. A function that is passed to one that is called, not copied, could not be kept
     on disk, so there are two of these."""
     no_inline()
-    return _march(no_program_step, no_shears, run, terms, programs, settings, pinned_at_event)
+    return _march(no_program_step, no_shears, run, tangent, terms, programs, settings, pinned_at_event)
 
 
 @njit(**CALLED)
-def _solve_island_with_programs(run, terms, programs, settings, pinned_at_event):
+def _solve_island_with_programs(run, tangent, terms, programs, settings, pinned_at_event):
     """`_march` with program steps and the shears of struck columns."""
     no_inline()
-    return _march(program_step, track, run, terms, programs, settings, pinned_at_event)
+    return _march(program_step, track, run, tangent, terms, programs, settings, pinned_at_event)
 
 
 @njit(**PART)
-def _solve_islands(solve_island, run, row, terms, programs, settings):
+def _solve_islands(solve_island, run, tangent, row, terms, programs, settings):
     """Solve every island that is not solved yet; returns an outcome, or -1."""
     notes = row.notes
     left = np.int64(0)  # with a plain 0 numba would compile what is given the number twice
@@ -188,7 +217,7 @@ def _solve_islands(solve_island, run, row, terms, programs, settings):
                 store(run.ends, 2 * run.padded + b, splat(-1e300))
                 store(run.ends, 3 * run.padded + b, splat(1e300))
             before = run.tally[EVENTS]
-            status, pinned_at_event = solve_island(run, terms, programs, settings, pinned_at_event)
+            status, pinned_at_event = solve_island(run, tangent, terms, programs, settings, pinned_at_event)
             if status >= 0:
                 return status
             notes[left * NOTE_COUNT + ISLAND_EVENTS] = run.tally[EVENTS] - before
@@ -203,14 +232,15 @@ def _solve_islands(solve_island, run, row, terms, programs, settings):
 def _integrate(
     solve_island, slot_arrays, point_arrays, spring_arrays, link_arrays, row_arrays, state_arrays, peak_arrays,
     ledger_arrays, history_arrays, nodes, weights, memory, integers, starts, slopes, length, inelastic, use_islands,
-    watched, booked, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
+    watched, booked, growth, tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
 ):  # fmt: skip
     """Run over all segments of the ground motion, a_g = starts[j] + slopes[j] t within segment j of `length` [s].
 
     `memory` and `integers` are scratch (`memory_needed`), zeroed, `memory` at a cache line. `nodes` and `weights` are
     Gauss-Legendre rules on [0, 1] (`ledger.MAX_POINTS`). `inelastic`: storeys can yield. `use_islands`: islands are
     looked for; without it the row is one. `watched`: whether a storey collapses, which takes a row that is one.
-    `booked`: plain steps book their energies.
+    `booked`: plain steps book their energies. `growth`: a tangent is carried, of a change of the motion that grows by
+    so much a segment [-]; 0: none is.
     `least_scale`: the least acceleration that errors are measured by [m/s2].
     With a history every segment has a length of its own and is begun anew. Fills state, peaks, ledger and history in
     place; returns (status, steps, events, orders computed, time reached [s]).
@@ -224,8 +254,8 @@ def _integrate(
     terms = terms_frame(frames, point_pointers(point_arrays), springs, rest)
     settings = settings_frame(further(frames, FRAMES), (
         1 if inelastic else 0, 1 if terms.points + terms.springs > 0 else 0, 1 if use_islands else 0,
-        1 if watched else 0, 1 if booked else 0, max_order, max_steps, max_events, max_events_at_instant, tolerance,
-        pointer(nodes), pointer(weights),
+        1 if watched else 0, 1 if booked else 0, 1 if growth > 0.0 else 0, max_order, max_steps, max_events,
+        max_events_at_instant, tolerance, pointer(nodes), pointer(weights),
     ))  # fmt: skip
     programs = programs_frame(
         further(frames, 2 * FRAMES), run, links.registers, ROWS, further(rest, room_for_terms(springs.size, ROWS)),
@@ -237,6 +267,12 @@ def _integrate(
     start_points(run, terms)
     _start(run, row)
     start_in_touch(run)
+    tangent = run
+    if growth > 0.0:
+        tangent = tangent_frame(
+            run, further(frames, 3 * FRAMES), further(rest, room_for_terms(springs.size, ROWS)), ROWS
+        )
+        begin_tangent(run, tangent)
     run.clock[SEGMENT_LENGTH] = length
     run.clock[LEAST_SCALE] = least_scale
     status = -1
@@ -250,10 +286,12 @@ def _integrate(
                 _start(run, row)
         run.clock[SEGMENT_GROUND] = accelerations[segment]
         run.clock[GROUND_SLOPE] = rates[segment]
+        if growth > 0.0:
+            begin_segment(tangent, accelerations[segment], rates[segment], length, growth, segment)
         guess_islands(run, row, use_islands)
         unsettled = True
         while unsettled:
-            status = _solve_islands(solve_island, run, row, terms, programs, settings)
+            status = _solve_islands(solve_island, run, tangent, row, terms, programs, settings)
             unsettled = status < 0 and join_touching(run, row)
         if status >= 0:
             break
@@ -266,6 +304,8 @@ def _integrate(
         segment += 1
     give_slots(run, row, slots, state, peaks, ledger)
     give_links(run, row, state, peaks, ledger)
+    if growth > 0.0:
+        give_tangent(tangent, row, slots.size, links.size, peaks.tangent)
     time = begun if history.segments > 0 else segment * length
     if segment < starts.size:
         time += run.clock[COLLAPSE_TIME] if status == COLLAPSE else max(run.clock[ELAPSED], 0.0)
@@ -300,14 +340,14 @@ def build(programs: bool):
         @njit(**PLAIN)
         def integrate_programs(
             slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers,
-            starts, slopes, length, inelastic, use_islands, watched, booked, tolerance, least_scale, max_order,
+            starts, slopes, length, inelastic, use_islands, watched, booked, growth, tolerance, least_scale, max_order,
             max_steps, max_events, max_events_at_instant,
         ):  # fmt: skip
             _ = source  # a captured value joins numba's cache key: a change in any kernel file compiles anew
             return _integrate(
                 _solve_island_with_programs, slots, points, springs, links, row, state, peaks, ledger, history, nodes,
-                weights, memory, integers, starts, slopes, length, inelastic, use_islands, watched, booked, tolerance,
-                least_scale, max_order, max_steps, max_events, max_events_at_instant,
+                weights, memory, integers, starts, slopes, length, inelastic, use_islands, watched, booked, growth,
+                tolerance, least_scale, max_order, max_steps, max_events, max_events_at_instant,
             )  # fmt: skip
 
         return integrate_programs
@@ -315,13 +355,13 @@ def build(programs: bool):
     @njit(**PLAIN)
     def integrate(
         slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
-        slopes, length, inelastic, use_islands, watched, booked, tolerance, least_scale, max_order, max_steps,
+        slopes, length, inelastic, use_islands, watched, booked, growth, tolerance, least_scale, max_order, max_steps,
         max_events, max_events_at_instant,
     ):  # fmt: skip
         _ = source
         return _integrate(
             _solve_island, slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory,
-            integers, starts, slopes, length, inelastic, use_islands, watched, booked, tolerance, least_scale,
+            integers, starts, slopes, length, inelastic, use_islands, watched, booked, growth, tolerance, least_scale,
             max_order, max_steps, max_events, max_events_at_instant,
         )  # fmt: skip
 

@@ -306,8 +306,8 @@ def _blank(padded: int, links: int) -> Blank:
     )  # fmt: skip
     peaks = Peaks(
         watched=0, drift=slot, shear=slot, acceleration=slot, displacement_max=slot, displacement_min=slot,
-        closing=link - 1e300, force=link, impulse=link, contact_time=link, samples=np.zeros((0, padded)),
-        impacts=which,
+        closing=link - 1e300, force=link, impulse=link, contact_time=link,
+        tangent=np.zeros(4 * (padded + links)), samples=np.zeros((0, padded)), impacts=which,
     )  # fmt: skip
     return Blank(state, peaks, Ledger(**dict.fromkeys(Ledger._fields[:5], slot), links=link))
 

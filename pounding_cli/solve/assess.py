@@ -18,8 +18,9 @@ from pounding_cli.methods import METHODS
 from pounding_cli.model.condense import condensed
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve.response import Response
+from pounding_cli.solve.response import BOUNDED, DONE, MEASURED, Response
 from pounding_cli.solve.run import solve
+from pounding_cli.solve.tangent import FINEST_BOUNDED, HARMLESS, ILL_CONDITIONED, MOST_SENSITIVE
 
 NUDGE = 1e-6
 """Relative change of the motion's amplitude, growing from nothing at its start to this at its end. The same factor
@@ -29,15 +30,6 @@ however chaotic."""
 LITTLE = 1e-2
 """The nudge of the run that tells error and sensitivity at once, over the accuracy asked: what it moves by itself is
 far below that accuracy, and far above the finer run's error."""
-
-HARMLESS = 0.1
-"""Part of the accuracy asked, and of the sensitivity that is flagged, up to which that one run is enough."""
-
-FINEST_AT_ONCE = 1e-9
-"""Accuracy asked below which they are not: the nudge would come near rounding."""
-
-ILL_CONDITIONED = 100.0
-"""Sensitivity above which a scene is flagged: six digits of the record then give four of the response."""
 
 TIGHTER = 1e-3
 """Accuracy of the second run over that of the first."""
@@ -153,7 +145,7 @@ def judging(scene: Scene, method: str, accuracy: float, all_effects: bool = Fals
 
 def _at_once(method: str, accuracy: float) -> bool:
     """Whether one run may tell both error and sensitivity."""
-    return not METHODS[method].takes_step and accuracy >= FINEST_AT_ONCE
+    return not METHODS[method].takes_step and accuracy >= FINEST_BOUNDED
 
 
 def _finer_run(scene: Scene, method: str, accuracy: float, all_effects: bool) -> Asked:
@@ -182,8 +174,11 @@ def assess(
 ) -> Response:
     """The response with its estimated error [-], its sensitivity [-] and flags that say so where either is too large.
 
-    One run tells both, at an accuracy a thousand times finer and with a motion that grows by a hundredth of the
-    accuracy on its way: the difference is what the error is at most, and over the nudge what the sensitivity is at
+    A response that has carried its tangent tells both itself (`tangent.bounds`). Where the bound is above the accuracy,
+    a finer run measures the error; where the sensitivity is above a tenth of what is flagged, a nudged run measures it.
+
+    Of others one run tells both, at an accuracy a thousand times finer and with a motion that grows by a hundredth of
+    the accuracy on its way: the difference is what the error is at most, and over the nudge what the sensitivity is at
     most. Where one is above a tenth of what would be flagged, or the accuracy is finer than 1e-9, each is told by a run
     of its own:
 
@@ -205,13 +200,19 @@ def assess(
         return response
     if not _at_once(response.method, accuracy):
         return _told_apart(scene, response, accuracy, run, all_effects, judges)
+    if response.estimated == BOUNDED:
+        return response
+    if response.moved and response.status == DONE:
+        sensitivity, *_ = response.moved
+        known = sensitivity if sensitivity <= MOST_SENSITIVE else None  # fault: known-sensitivity
+        return _told_apart(scene, response, accuracy, run, all_effects, known=known)
     ((nudged, settings),) = judging(scene, response.method, accuracy, all_effects)
     judge = judges[0] if judges else run(nudged, **settings)
     error, sensitivity = difference(response, judge), change(response, judge) / min(LITTLE * accuracy, NUDGE)
     # fault: harmless-at-once
     if not (error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED):
         return _told_apart(scene, response, accuracy, run, all_effects)
-    return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity)
+    return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity, estimated=MEASURED)
 
 
 def _told_apart(
@@ -221,18 +222,20 @@ def _told_apart(
     run: Callable[..., Response],
     all_effects: bool,
     judges: Sequence[Response] = (),
+    known: float | None = None,
 ) -> Response:
-    """`assess` by a finer run for the error and a nudged one for the sensitivity."""
+    """`assess` by a finer run for the error and, unless it is `known`, a nudged one for the sensitivity."""
     fixed_steps = METHODS[response.method].takes_step
     asked = _finer_run(scene, response.method, accuracy, all_effects)
     if response.samples:
         run = partial(run, watch=True)
-    both = asked, _with_nudge(asked, NUDGE)
-    second, nudged = judges or (run(each, **settings) for each, settings in both)
+    wanted = [asked] if known is not None else [asked, _with_nudge(asked, NUDGE)]
+    second, *nudged = judges or [run(each, **settings) for each, settings in wanted]
     scene, settings = asked[0], dict(asked[1])
     tight = settings.pop("accuracy")
     run = partial(run, **settings)
-    error, sensitivity = difference(response, second), change(second, nudged) / NUDGE  # fault: estimated-error
+    error = difference(response, second)  # fault: estimated-error
+    sensitivity = known if known is not None else change(second, *nudged) / NUDGE
     seconds = response.seconds
     while not fixed_steps and error > accuracy and second.has_result:
         second = dataclasses.replace(second, dropped=response.dropped)
@@ -267,5 +270,6 @@ def _told_apart(
         seconds=seconds,
         error_estimate=float(error),
         sensitivity=sensitivity,
+        estimated=MEASURED,
         flags=flags,
     )

@@ -8,6 +8,7 @@ from pounding_cli.solve.arrays import pack
 from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.ground import segments_of
 from pounding_cli.solve.method import steps_a_sample
+from pounding_cli.solve.taylor import carries_tangent
 
 SERIES = 66e-9
 """Time of a Taylor run a floor and record sample [s], on one core of an AMD EPYC at an accuracy of 1e-6; median over
@@ -35,10 +36,19 @@ NEW_LINKS = 0.4e-3
 ASSESSED = 2.4
 """Runs of a scene whose error and sensitivity are asked for: one more, and two more where that one cannot tell both."""
 
+CARRIED = 1.45
+"""The same where a run carries its tangent, which tells both, and a finer one follows where its bound is too large."""
+
 
 def method_of(scene: Scene) -> str:
     """Key in METHODS of what `method: auto` takes for a scene."""
     return cheapest_method(scene, pack(scene))
+
+
+def runs_assessed(scene: Scene, method: str, all_effects: bool) -> float:
+    """Times the cost of one run that a scene takes whose error and sensitivity are asked for."""
+    carried = method == "taylor" and not all_effects and carries_tangent(pack(scene))
+    return CARRIED if carried else ASSESSED
 
 
 def cost(scene: Scene, method: str, time_step: float | None = None) -> float:

@@ -361,6 +361,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
         effects=effects,
         dropped=(*effects_of(scene).dropped, *(sentence for sentence in sentences if sentence)),
         error_estimate=float(np.max(errors)),
+        estimated=max(each.estimated for each in parts),
         sensitivity=float(np.max([part.sensitivity for part in parts])),
         final=tuple(end for part in parts for end in part.final),
         columns=_columns(scene, groups, parts, closings),

@@ -15,8 +15,17 @@ from pounding_cli.solve.arrays import drift_of, ended
 from pounding_cli.solve.energy import balance
 from pounding_cli.solve.flags import collapse_flag, flags_of
 from pounding_cli.solve.method import NO_ROOT, UNSTABLE
-from pounding_cli.solve.response import COLLAPSED, DONE, BuildingResponse, ColumnResponse, LinkResponse, Response
+from pounding_cli.solve.response import (
+    BOUNDED,
+    COLLAPSED,
+    DONE,
+    BuildingResponse,
+    ColumnResponse,
+    LinkResponse,
+    Response,
+)
 from pounding_cli.solve.response import OUTCOMES as ENDS
+from pounding_cli.solve.tangent import Moved, bounds, moved
 from pounding_cli.solve.unpack import Unpacked, unpack
 
 if TYPE_CHECKING:
@@ -69,6 +78,7 @@ class Responses:
     energy : the ledgers by entry [J], shape (runs,) each; empty where none was kept
     peaks : of buildings, links and struck columns
     final : floor displacements [m] and velocities [m/s] at the end, a pair a building, shape (runs, n) each
+    moved : by their motions, where they carried their tangents
     """
 
     runs: Sequence[Prepared]
@@ -76,6 +86,21 @@ class Responses:
     energy: dict[str, np.ndarray]
     peaks: Unpacked
     final: Sequence[tuple[np.ndarray, np.ndarray]]
+    moved: Moved | None
+
+    @cached_property
+    def bounds(self) -> np.ndarray:
+        """Bounds of their errors by their tangents [-], nan where there is none that is enough, shape (runs,)."""
+        if self.moved is None:
+            return np.full(len(self.runs), nan)
+        found = bounds(self.moved, np.array([run.accuracy for run in self.runs]))
+        found[[end[0] != DONE for end in self.ends]] = nan
+        return found
+
+    @cached_property
+    def estimated(self) -> list[str]:
+        """As of `Response`."""
+        return ["" if none else BOUNDED for none in np.isnan(self.bounds).tolist()]
 
     @cached_property
     def collapses(self) -> list[tuple[float, int, int]]:
@@ -98,16 +123,17 @@ class Responses:
 
     @cached_property
     def scalars(self) -> dict[str, Sequence[Any]]:
-        """The numbers of `Response` that are one a run, by name; nan for those that `assess` finds."""
+        """The numbers of `Response` that are one a run, by name; nan for what `assess` finds."""
         _, steps, events, orders, seconds = zip(*[run.found for run in self.runs], strict=True)
         time, building, storey = zip(*self.collapses, strict=True)
-        fixed, none = [run.what.method.takes_step for run in self.runs], [nan] * len(self.runs)
+        fixed = [run.what.method.takes_step for run in self.runs]
+        sensitivity = np.where(np.isnan(self.bounds), nan, self.moved.storeys if self.moved else nan)
         return {
             "accuracy": [nan if is_fixed else run.accuracy for run, is_fixed in zip(self.runs, fixed, strict=True)],
             "time_step": [run.setting if is_fixed else nan for run, is_fixed in zip(self.runs, fixed, strict=True)],
             "steps": steps, "events": events, "orders": orders, "seconds": seconds,
             "collapse_time": time, "collapse_building": building, "collapse_storey": storey,
-            "error_estimate": none, "sensitivity": none,
+            "error_estimate": self.bounds.tolist(), "sensitivity": sensitivity.tolist(),
         }  # fmt: skip
 
     def response(self, row: int) -> Response:
@@ -122,7 +148,8 @@ class Responses:
             flags=self.flags[row], effects=what.effects, dropped=what.dropped,
             final=tuple([(u[row], v[row]) for u, v in self.final]),
             samples=tuple([run.samples[:, span].copy() for span in what.arrays.floors]) if run.watch else (),
-            columns=columns[row] if columns else ColumnResponse(),
+            columns=columns[row] if columns else ColumnResponse(), estimated=self.estimated[row],
+            moved=tuple([float(each[row]) for each in self.moved]) if self.moved else None,
         )  # fmt: skip
 
     def _links(self, row: int) -> LinkResponse:
@@ -139,6 +166,11 @@ class OneOf(NamedTuple):
     def status(self) -> str:
         """As of `Response`."""
         return self.responses.ends[self.row][0]
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its tangent did not tell enough of its error."""
+        return self.responses.moved is not None and not self.responses.estimated[self.row]
 
     def response(self) -> Response:
         """All of it."""
@@ -176,7 +208,8 @@ def _responses(runs: Sequence[Prepared]) -> Responses:
                 numbers[row].fill(np.nan)
             runs[row].samples.fill(np.nan)
     final = [(state.u[:, span], state.v[:, span]) for span in arrays.floors]
-    return Responses(runs, ends, book, unpack(scenes, arrays, drift, peaks), final)
+    told = moved(arrays, peaks) if runs[0].carries_tangent else None
+    return Responses(runs, ends, book, unpack(scenes, arrays, drift, peaks), final, told)
 
 
 def _end(run: Prepared, is_finite: bool, missing: float) -> End:

@@ -15,6 +15,10 @@ DONE, COLLAPSED = "done", "collapsed"
 OUTCOMES = (DONE, COLLAPSED)
 
 
+BOUNDED, MEASURED = "bounded", "measured"
+"""How an error is estimated: by the tangent of the run itself, or against a finer run."""
+
+
 @dataclass(frozen=True, eq=False)
 class BuildingResponse:
     """Largest values over time of one building; shape (n,), from the ground up.
@@ -89,6 +93,8 @@ class Response:
     effects, dropped : effects simulated; effects left out, each with its reason
     orders : Taylor orders computed in all (0 for other methods)
     error_estimate, sensitivity : see `assess` [-]; nan where not assessed
+    estimated : how they were found, BOUNDED or MEASURED; "" where not assessed
+    moved : as in `tangent.Moved` of this run [-]; None where no tangent was carried
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
     time_step : of a method that takes one [s]; nan for the others
     samples : floor displacements at the end of every segment of the motion [m], one array (segments, n) a building,
@@ -114,6 +120,8 @@ class Response:
     orders: int = 0
     error_estimate: float = float("nan")
     sensitivity: float = float("nan")
+    estimated: str = ""
+    moved: tuple[float, ...] | None = None
     time_step: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     samples: tuple[np.ndarray, ...] = ()

@@ -64,6 +64,7 @@ def solve(
     all_effects: bool = False,
     watch: bool = False,
     ledger: bool = True,
+    tangent: bool = False,
 ) -> Response:
     """The response of a scene.
 
@@ -80,6 +81,7 @@ def solve(
     watch : keep the displacements at the end of every segment too (`Response.samples`)
     ledger : keep the energy ledger; without it a run takes a sixth less time, and nothing tells whether it lost energy,
         which is for runs that others are judged by (`assess`). Methods that keep it at no cost do so all the same
+    tangent : carry the tangent of the motion along where it is known (`Response.moved`), a fifth more time
 
     Raises
     ------
@@ -88,7 +90,7 @@ def solve(
     """
     prepared = prepare(
         scene, accuracy, method, initial, bounds, time_step=time_step, all_effects=all_effects, watch=watch,
-        ledger=ledger,
+        ledger=ledger, tangent=tangent,
     )  # fmt: skip
     prepared.integrate()
     return prepared.response()
@@ -141,6 +143,11 @@ class Prepared:
         return self.found[0] in (layout.DONE, layout.COLLAPSED)
 
     @property
+    def carries_tangent(self) -> bool:
+        """Whether it tells how far its motion moves it."""
+        return self.what.code is taylor.WITH_TANGENT
+
+    @property
     def keeps_ledger(self) -> bool:
         """Whether its ledger says anything."""
         return self.what.method.keeps_ledger and self.what.code.keeps_ledger
@@ -161,7 +168,7 @@ class Prepared:
     def layout(self) -> tuple[object, ...]:
         """The same for runs whose numbers can be read together: of the same buildings, with as many links."""
         arrays = self.what.arrays
-        return id(arrays.slots.mass), arrays.links.size, arrays.links.number, arrays.columns, self.keeps_ledger
+        return id(arrays.slots.mass), arrays.links.size, arrays.links.number, arrays.columns, id(self.what.code)
 
 
 def prepare(
@@ -175,12 +182,13 @@ def prepare(
     all_effects: bool = False,
     watch: bool = False,
     ledger: bool = True,
+    tangent: bool = False,
 ) -> Prepared:
     """A scene laid out for its run; parameters and errors as of `solve`."""
     chosen, setting = chosen_method(method, accuracy, time_step)
     buildings, links, analysis = tuple(scene.buildings), tuple(scene.links), scene.analysis
     what = _what_runs(
-        buildings, links, analysis, scene.motion.dt, chosen, accuracy, method == AUTO, all_effects, ledger
+        buildings, links, analysis, scene.motion.dt, chosen, accuracy, method == AUTO, all_effects, ledger, tangent
     )
     if what.buildings != buildings:
         scene = dataclasses.replace(scene, buildings=what.buildings)
@@ -228,11 +236,12 @@ def _what_runs(
     free: bool,
     all_effects: bool,
     ledger: bool,
+    tangent: bool,
 ) -> WhatRuns:
     """What runs of scenes with motions of this time step [s].
 
     free : whether a cheaper method may take the place of the chosen one
-    ledger : as in `solve`
+    ledger, tangent : as in `solve`
 
     Raises
     ------
@@ -256,6 +265,8 @@ def _what_runs(
         condensing += ("the rest of the row, while a few touch or yield: what does not touch takes steps of its own",)
     if code is taylor.TAYLOR and not ledger:
         code = taylor.WITHOUT_LEDGER
+    elif code is taylor.TAYLOR and tangent and taylor.carries_tangent(arrays):
+        code = taylor.WITH_TANGENT
     _compile(code, scene, arrays, dt if chosen.takes_step else accuracy)
     effects = effects_of(scene)
     return WhatRuns(

@@ -17,6 +17,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.arrays import LANES, Arrays, aligned, drift_of
 from pounding_cli.solve.ground import segments
 from pounding_cli.solve.method import Integrator
+from pounding_cli.solve.tangent import is_known
 
 SAFETY = 0.5
 """Local tolerance (relative, of acceleration) over the accuracy asked. Ordinary scenes come out hundreds of times
@@ -150,6 +151,11 @@ def _padded(count):
     return -(-count // LANES) * LANES
 
 
+def carries_tangent(arrays: Arrays) -> bool:
+    """Whether a run that is asked for its tangent carries it: it is known, and the row is one island."""
+    return is_known(arrays) and not solved_in_islands(arrays)
+
+
 def takes_programs(arrays: Arrays) -> bool:
     """Whether the scene needs the larger of the two kernels (`kernels.taylor.build`)."""
     return arrays.written or arrays.flows or bool(arrays.columns)
@@ -171,14 +177,14 @@ class _Laid(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)  # the same for every motion
-def _laid_out(arrays: Arrays, all_effects: bool) -> _Laid:
+def _laid_out(arrays: Arrays, all_effects: bool, carried: bool) -> _Laid:
     from pounding_cli.kernels import scratch, taylor
 
     row, points, springs = places_of(arrays)
     registers = arrays.links.registers if arrays.flows or arrays.written else 0
     doubles, integers = scratch.memory_needed(
         row.first_slot[-1], row.first_link[-1], row.links_per_side, row.number, registers, springs.size,
-        arrays.flows,
+        arrays.flows, carried,
     )  # fmt: skip
     # A collapse ends the run of all buildings at one time, so they are solved together.
     use_islands = not all_effects and not arrays.collapses and _allows_islands(row)  # fault: stands-apart
@@ -196,13 +202,16 @@ def prepare(
     bounds: tuple[int, int],
     all_effects: bool = False,
     booked: bool = True,
+    carried: bool = False,
 ) -> Callable[..., tuple[int, int, int, int, float]]:
     """The kernel for a scene that starts from `state`: a function of (state, peaks, ledger, starts, slopes, dt), the
     last three as in `ground.segments`, and a history to enter (`kernels.history`); see `kernels.taylor.build`. It does
-    what the scene needs, or looks for everything there is; energies are `booked`, or left out."""
-    laid, tolerance = _laid_out(arrays, all_effects), local_tolerance(accuracy)
+    what the scene needs, or looks for everything there is; energies are `booked`, or left out; the tangent of the
+    motion is `carried` along, which `peaks` then tell."""
+    laid, tolerance = _laid_out(arrays, all_effects, carried), local_tolerance(accuracy)
     settings: tuple[Any, ...] = (
-        laid.inelastic, laid.use_islands, arrays.collapses, booked, tolerance,
+        laid.inelastic, laid.use_islands, arrays.collapses, booked,
+        1.0 / (scene.motion.acceleration.size - 1) if carried else 0.0, tolerance,
         least_acceleration_scale(scene, arrays, state), max_order(tolerance), *bounds, laid.events_at_instant,
     )  # fmt: skip
 
@@ -240,6 +249,9 @@ TAYLOR = Integrator(integrate)
 
 ALL_EFFECTS = Integrator(functools.partial(integrate, all_effects=True))
 """Looks for every effect, whether or not the scene calls for it."""
+
+WITH_TANGENT = Integrator(functools.partial(integrate, carried=True))
+"""Carries the tangent along, a fifth more time (`solve.tangent`)."""
 
 WITHOUT_LEDGER = Integrator(functools.partial(integrate, booked=False), keeps_ledger=False)
 """Leaves the energies out, a sixth of the time: for runs that others are judged by."""

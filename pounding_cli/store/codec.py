@@ -97,8 +97,10 @@ def encode_together(responses: Responses) -> tuple[list[str], np.ndarray]:
     struck = columns[0].link.size if columns else 0
     size = tuple(energy), storeys, links[0].shape[1], struck
     lines = [
-        _line((*end, run.what.method.name), (flags, run.what.effects, run.what.dropped), *size)
-        for run, end, flags in zip(responses.runs, responses.ends, responses.flags, strict=True)
+        _line((*end, run.what.method.name, estimated), (flags, run.what.effects, run.what.dropped), *size)
+        for run, end, flags, estimated in zip(
+            responses.runs, responses.ends, responses.flags, responses.estimated, strict=True
+        )
     ]
     parts = [np.array([scalars[name] for name in _SCALARS], float).T]
     parts += [values[:, None] for values in energy.values()]

@@ -41,7 +41,8 @@ _LINK = ("kind", "gap", *_OF_LINKS)
 _FACTS_OF_LINKS = tuple(variable.name for variable in LINKS)
 _SCENE = tuple(v.name for v in SCENES if v.name not in ("orders", "scene"))
 _ACCURACY = (
-    "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity", "energy_residual",
+    "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity", "estimated",
+    "energy_residual",
     "steps", "events", "orders", "seconds",
 )  # fmt: skip
 _RECORD = ("source", "digest", "scale", "window", "pga", "arias")
@@ -121,8 +122,8 @@ class RowTables:
         return flagged_scenes(self.scene())
 
     def accuracy(self) -> pd.DataFrame:
-        """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], energy left open [-],
-        steps, events, Taylor orders, seconds in the solver.
+        """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], how both were found,
+        energy left open [-], steps, events, Taylor orders, seconds in the solver.
         """
         with self._opened("accuracy") as file:
             shape = self._shape(file["status"])
@@ -132,9 +133,10 @@ class RowTables:
         return frame[frame["status"] != ""].reset_index(drop=True)
 
     def _asked(self, file: h5py.File, name: str) -> np.ndarray:
-        """A variable of SCENES, as `FORMERLY` where the file is of before, NaN where it has none."""
+        """A variable of SCENES, as `FORMERLY` where the file is of before, NaN or no text where it has none."""
         if not VARIABLES[name].always and name not in file:
-            return np.full(file["status"].shape, np.nan)
+            shape = file["status"].shape
+            return np.full(shape, "", object) if VARIABLES[name].kind == "s" else np.full(shape, np.nan)
         if name in file or name not in FORMERLY:
             return self._values(file[name])
         asked = "accuracy" if self.resolved.get("time_step") is None else "time_step"

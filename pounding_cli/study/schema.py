@@ -133,7 +133,7 @@ class _StudyModel(Model):
         None, description="time step of a fixed-step method [s]"
     )
     estimate: Literal["none", "sample", "all"] = optional(
-        "all", description="scenes solved a second time, to estimate their numerical error and sensitivity"
+        "all", description="scenes whose numerical error and sensitivity are estimated"
     )
     tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = optional(
         0.0, description="free vibration after the motion [s]"

@@ -1,8 +1,8 @@
 """Estimated errors against true ones over random scenes: `python -m tests.hard.estimates --scenes 2000`.
 
 The true error is the largest difference of any number from a run of the whole scene at 1e-12. An estimate may be at
-most ten times below it where it matters: above a tenth of the accuracy asked. Exit code 1 if one is further below, or
-if a scene misses the accuracy by its own estimate without a flag."""
+most ten times below it where it matters: above a tenth of the accuracy asked. A bound may never be below it. Exit code
+1 if one is, or if a scene misses the accuracy by its own estimate without a flag."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from dataclasses import dataclass, field
 
 from pounding_cli.batch.attempt import Task
 from pounding_cli.solve import solve
-from pounding_cli.solve.assess import ILL_CONDITIONED, difference
+from pounding_cli.solve.assess import difference
+from pounding_cli.solve.response import BOUNDED
+from pounding_cli.solve.tangent import ILL_CONDITIONED
 
 from .random_scenes import random_scene
 
@@ -29,6 +31,8 @@ class Tally:
     mattered : scenes whose true error is above a tenth of the accuracy
     missed, flagged : those that miss the accuracy by their own estimate, or have none; those of them that say so
     below : (true error over estimate, words) of those that mattered
+    bounded : scenes whose error is bounded by their tangent
+    low : words of those of them whose true error is above the bound
     """
 
     scenes: int = 0
@@ -37,11 +41,13 @@ class Tally:
     missed: int = 0
     flagged: int = 0
     below: list[tuple[float, str]] = field(default_factory=list)
+    bounded: int = 0
+    low: list[str] = field(default_factory=list)
 
     @property
     def broken(self) -> list[str]:
         """Scenes whose estimate is too low."""
-        return [words for ratio, words in self.below if ratio > BELOW]
+        return [words for ratio, words in self.below if ratio > BELOW] + self.low
 
     def summary(self) -> str:
         """The counts in a paragraph, the worst estimates a line each."""
@@ -50,7 +56,8 @@ class Tally:
             (
                 f"{self.scenes} scenes, {self.done} done; true errors above a tenth of the accuracy: {self.mattered}; "
                 f"above it by their own estimate: {self.missed}, flagged {self.flagged}; "
-                f"estimates more than {BELOW:g} times too low: {len(self.broken)}",
+                f"estimates more than {BELOW:g} times too low: {len(self.broken)}; bounded by their tangent: "
+                f"{self.bounded}, with a true error above the bound: {len(self.low)}",
                 *(words for _, words in worst),
             )
         )
@@ -73,14 +80,19 @@ def look_at(numbers: Iterable[int]) -> Tally:
         if not estimate <= accuracy:
             tally.missed += 1
             tally.flagged += any("less accurate than asked" in f or "no error estimate" in f for f in found.flags)
-        if error > 0.1 * accuracy:
-            tally.mattered += 1
+        bounded = found.estimated == BOUNDED
+        tally.bounded += bounded
+        if error > 0.1 * accuracy or (bounded and error > estimate):
             sort = "ill-conditioned" if found.sensitivity > ILL_CONDITIONED else "well-conditioned"
             words = (
                 f"scene {number}: asked {accuracy:.0e}, estimate {estimate:.1e}, true error {error:.1e}, {sort}, "
                 f"sensitivity {found.sensitivity:.1e}"
             )
-            tally.below.append((error / max(estimate, 1e-300), words))
+            if bounded and error > estimate:
+                tally.low.append(words)
+            if error > 0.1 * accuracy:
+                tally.mattered += 1
+                tally.below.append((error / max(estimate, 1e-300), words))
     return tally
 
 

@@ -24,6 +24,7 @@ P_DELTA = f"{VERIFICATION}/test_p_delta.py"
 COLLAPSES, COLLAPSED_RUNS = f"{VERIFICATION}/test_collapse.py", "tests/cli/test_collapsed_runs.py"
 LINEAR = f"{VERIFICATION}/test_linear_vibration.py"
 COLUMNS = f"{VERIFICATION}/test_columns.py::test_columns_that_strike_columns"
+TANGENT = f"{VERIFICATION}/test_tangent.py::test_change_of_the_peaks"
 SHEARS = f"{VERIFICATION}/test_column_shears.py"
 SLABS = f"{UNIT}/study/test_study_columns.py::test_slabs_whose_heights"
 FOUNDED = f"{VERIFICATION}/test_foundation.py::test_shaken_building_against_exact_stepping"
@@ -597,6 +598,36 @@ METHODS = [
         "estimated error of the finer run instead of the response's",
         ("difference(response,", "difference(second,"),
         f"{UNIT}/solve/test_assess.py::test_the_error_is_that_of_the_response_and_not_of_the_finer_run",
+    ),
+    Mutant(
+        "tangent-jumps",
+        "velocities of the tangent do not jump where a force does",
+        ("+= run.slots", "+= 0.0 * run.slots"),
+        f"{TANGENT}[elastic, touching]",
+    ),
+    Mutant(
+        "tangent-remembers",
+        "the tangent of a storey forgets the drift at which it turned back",
+        ("(former - stiffness)", "0.0 * (former - stiffness)"),
+        f"{TANGENT}[weak, gap]",
+    ),
+    Mutant(
+        "tangent-of-infill",
+        "an infill does not stiffen in the tangent",
+        ("3.0 * cubic", "0.0 * cubic"),
+        f"{TANGENT}[infill, elastic]",
+    ),
+    Mutant(
+        "tangent-of-durations",
+        "a contact that hardly begins moves a bound no more than others",
+        ("max(abs(shift), least)", "0.0"),
+        f"{VERIFICATION}/test_tangent.py::test_no_number_changes_more",
+    ),
+    Mutant(
+        "bound-is-low",
+        "what contacts hand on of an error does not count",
+        ("(CUT + OF", "1e-3 * (CUT + OF"),
+        f"{VERIFICATION}/test_tangent.py::test_bounds_are_above_the_true_error",
     ),
     Mutant(
         "harmless-at-once",

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from pounding_cli.solve import assess, solve
-from pounding_cli.solve.assess import ILL_CONDITIONED, change
+from pounding_cli.solve.assess import change
+from pounding_cli.solve.tangent import ILL_CONDITIONED
 from pounding_cli.study import expand, load_study
 
 STUDIES = ("configs/fig6.yaml", "configs/fig7.yaml")

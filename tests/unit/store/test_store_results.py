@@ -117,6 +117,15 @@ def test_files_of_before_have_either_as_a_tolerance(plain, step, found):
     assert (first.accuracy, first.time_step) == pytest.approx(found, nan_ok=True)
 
 
+def test_files_of_before_do_not_say_how_errors_were_found(plain):
+    """Fails if a file without the variable is refused, or shows a number where a text belongs."""
+    with edited(plain) as file:
+        del file["estimated"]
+    results = open_results(plain)
+    for table in (results.scene(), results.accuracy()):
+        assert set(table["estimated"]) == {""}
+
+
 def test_summary_agrees_with_pandas_over_the_storey_table(swept):
     results = open_results(swept)
     keys = ["impact.damping_ratio", "records.scale", "case", "analysis", "building", "storey"]
