@@ -630,6 +630,12 @@ METHODS = [
         f"{VERIFICATION}/test_tangent.py::test_bounds_are_above_the_true_error",
     ),
     Mutant(
+        "known-sensitivity",
+        "a sensitivity that the tangent tells is measured once more",
+        ("sensitivity if sensitivity <= MOST_SENSITIVE else None", "None"),
+        f"{UNIT}/solve/test_assess.py::test_where_the_bound_is_too_large_one_run_measures_the_error",
+    ),
+    Mutant(
         "harmless-at-once",
         "a scene that may miss the accuracy is told by one run",
         ("error <= HARMLESS * accuracy and ", ""),

@@ -12,6 +12,7 @@ from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solve import Response, assess, solve
 from pounding_cli.solve.assess import change, difference, nudged_motion
+from pounding_cli.solve.response import BOUNDED, MEASURED
 from tests.helpers.five_storeys import motion, pair, pounding
 
 ACCURACY = 1e-6
@@ -69,6 +70,45 @@ def test_one_run_tells_error_and_sensitivity_of_a_harmless_scene(accuracy):
     apart = change(solve(scene, 1e-12), solve(stronger, 1e-12)) / 1e-6
     assert found.sensitivity == pytest.approx(apart, rel=0.2)
     assert found.flags == first.flags
+
+
+def told(moved: tuple[float, float, float]) -> tuple[Response, list[Response]]:
+    """The response of a scene whose tangent is as given, assessed; the runs that it took."""
+    scene = linked()
+    asked: list[Response] = []
+
+    def run(wanted: Scene, **settings):
+        asked.append(solve(wanted, **settings))
+        return asked[-1]
+
+    first = dataclasses.replace(solve(scene, ACCURACY, method="taylor"), moved=moved)
+    return assess(scene, first, ACCURACY, run), asked
+
+
+def test_where_the_bound_is_too_large_one_run_measures_the_error():
+    """Fails if the sensitivity that the tangent tells is measured too, or is not kept."""
+    found, asked = told((2.0, 3.0, 5000.0))
+    assert len(asked) == 1
+    assert (found.sensitivity, found.estimated) == (2.0, MEASURED)
+    assert found.error_estimate < 1e-8
+
+
+def test_where_a_scene_is_sensitive_another_run_measures_that():
+    """Fails if it is judged by its tangent: a large one is that of a change without end."""
+    found, asked = told((20.0, 30.0, 50.0))
+    assert len(asked) == 2
+    assert found.sensitivity == pytest.approx(1.0, rel=0.9)
+    assert found.estimated == MEASURED
+
+
+def test_a_response_that_tells_its_error_needs_no_run():
+    """Fails if it is solved again, or if the bound of an accuracy finer than 1e-9 counts."""
+    scene = linked()
+    first = solve(scene, ACCURACY, method="taylor", tangent=True)
+    assert first.estimated == BOUNDED
+    assert assess(scene, first, ACCURACY, lambda *_, **__: pytest.fail("solved again")) is first
+    fine = solve(scene, 1e-10, method="taylor", tangent=True)
+    assert (fine.estimated, fine.moved) == ("", pytest.approx(first.moved, rel=0.05))
 
 
 def test_a_sensitive_scene_is_told_apart_though_its_error_is_small():
