@@ -57,7 +57,7 @@ def memories_of(laws: Sequence[StoreyLaw | None]) -> int:
 def _memories_of(law: StoreyLaw) -> int:
     branches = _branches_of(law)
     kept_by = (number + 1 for branch in branches for guard in branch.guards for number, _ in guard.sets)
-    return max(len(law.memories_at_rest), *(branch.flow is not None for branch in branches), *kept_by)
+    return max(len(law.memories_at_rest), *(int(branch.flow is not None) for branch in branches), *kept_by)
 
 
 @functools.lru_cache(maxsize=512)
