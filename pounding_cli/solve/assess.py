@@ -205,6 +205,11 @@ def assess(
     if response.moved and response.status == DONE:
         sensitivity, *_ = response.moved
         known = sensitivity if sensitivity <= MOST_SENSITIVE else None  # fault: known-sensitivity
+        if known is not None:
+            finer_scene, settings = _finer_run(scene, response.method, accuracy, all_effects)
+            error = difference(response, run(finer_scene, **settings, ledger=False))
+            if error <= accuracy and known * GRAZING <= DECIDES * accuracy:
+                return dataclasses.replace(response, error_estimate=error, sensitivity=known, estimated=MEASURED)
         return _told_apart(scene, response, accuracy, run, all_effects, known=known)
     ((nudged, settings),) = judging(scene, response.method, accuracy, all_effects)
     judge = judges[0] if judges else run(nudged, **settings)

@@ -15,9 +15,9 @@ from pounding_cli.solve.arrays import Arrays
 CUT = 0.1
 """What the terms that series leave out come to at most, over the accuracy asked, where nothing hands them on."""
 
-OF_FLOORS, OF_ALL = 0.03, 1e-3
-"""What the largest relative changes of floors, and of any number, over that of the motion add to that: at least 3.5
-times what 1,845 scenes needed (docs/accuracy.md)."""
+OF_FLOORS, OF_ALL = 0.05, 5e-4
+"""What the largest relative changes of floors, and of any number, over that of the motion add to that: 2.5 times
+what 1,845 scenes needed at least (docs/accuracy.md)."""
 
 HARMLESS = 0.1
 """Part of the accuracy asked, and of the sensitivity that is flagged, up to which one run is enough (`assess`)."""
