@@ -58,7 +58,7 @@ from pounding_cli.kernels.simd import (
 )
 from pounding_cli.kernels.terms import follow_points
 
-TOLERANCE = 1e-3
+TOLERANCE = 1e-2
 """What its series may leave out, relative to its recent acceleration [-]: a sensitivity needs no more."""
 
 LEAST_SLOPE = 1e-200
