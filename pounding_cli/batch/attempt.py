@@ -16,6 +16,7 @@ from pounding_cli.solve.groups import GroupSolver
 from pounding_cli.solve.read import OneOf, read
 from pounding_cli.solve.response import Response
 from pounding_cli.solve.run import Prepared, prepare, solve
+from pounding_cli.solve.tangent import FINEST_BOUNDED
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
@@ -152,7 +153,7 @@ class Task:
         is_assessed = self.is_assessed(scene)
         first = prepare(
             scene, self.accuracy, self.method, time_step=self.time_step, all_effects=self.all_effects,
-            tangent=is_assessed,
+            tangent=is_assessed and self.accuracy >= FINEST_BOUNDED,
         )  # fmt: skip
         if not is_assessed or first.carries_tangent:
             return _Begun(scene, first, [], beside)
@@ -173,7 +174,7 @@ class Task:
     def respond(self, scene: Scene, watch: bool) -> Response:
         """The response of the scene as a whole, assessed where the study asks for that."""
         told: dict[str, Any] = {} if self.time_step is None else {"time_step": self.time_step}
-        if self.is_assessed(scene):
+        if self.is_assessed(scene) and self.accuracy >= FINEST_BOUNDED:
             told["tangent"] = True
         response = self.solve(
             scene, accuracy=self.accuracy, method=self.method, all_effects=self.all_effects, watch=watch, **told

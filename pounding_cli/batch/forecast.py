@@ -82,7 +82,7 @@ def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
 
     def count(what: str, scene: Scene, number: float) -> None:
         method = _method(plan, scene)
-        runs = 1 + share * (runs_assessed(scene, method, plan.all_effects) - 1) if share else 1.0
+        runs = 1 + share * (runs_assessed(scene, method, plan.accuracy, plan.all_effects) - 1) if share else 1.0
         found.scenes[what, method] += number
         found.seconds[what, method] += number * (runs * cost(scene, method, plan.time_step) + BESIDE)
         if what == GROUP:  # scenes of a point share their links

@@ -31,6 +31,9 @@ LITTLE = 1e-2
 """The nudge of the run that tells error and sensitivity at once, over the accuracy asked: what it moves by itself is
 far below that accuracy, and far above the finer run's error."""
 
+FINEST_AT_ONCE = 1e-9
+"""Accuracy asked below which one run does not tell both: the nudge would come near rounding."""
+
 TIGHTER = 1e-3
 """Accuracy of the second run over that of the first."""
 
@@ -145,7 +148,7 @@ def judging(scene: Scene, method: str, accuracy: float, all_effects: bool = Fals
 
 def _at_once(method: str, accuracy: float) -> bool:
     """Whether one run may tell both error and sensitivity."""
-    return not METHODS[method].takes_step and accuracy >= FINEST_BOUNDED
+    return not METHODS[method].takes_step and accuracy >= FINEST_AT_ONCE
 
 
 def _finer_run(scene: Scene, method: str, accuracy: float, all_effects: bool) -> Asked:
@@ -202,7 +205,7 @@ def assess(
         return _told_apart(scene, response, accuracy, run, all_effects, judges)
     if response.estimated == BOUNDED:
         return response
-    if response.moved and response.status == DONE:
+    if response.moved and response.status == DONE and accuracy >= FINEST_BOUNDED:
         sensitivity, *_ = response.moved
         known = sensitivity if sensitivity <= MOST_SENSITIVE else None  # fault: known-sensitivity
         if known is not None:

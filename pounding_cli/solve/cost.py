@@ -8,6 +8,7 @@ from pounding_cli.solve.arrays import pack
 from pounding_cli.solve.choice import cheapest_method
 from pounding_cli.solve.ground import segments_of
 from pounding_cli.solve.method import steps_a_sample
+from pounding_cli.solve.tangent import FINEST_BOUNDED
 from pounding_cli.solve.taylor import carries_tangent
 
 SERIES = 66e-9
@@ -45,9 +46,10 @@ def method_of(scene: Scene) -> str:
     return cheapest_method(scene, pack(scene))
 
 
-def runs_assessed(scene: Scene, method: str, all_effects: bool) -> float:
+def runs_assessed(scene: Scene, method: str, accuracy: float, all_effects: bool) -> float:
     """Times the cost of one run that a scene takes whose error and sensitivity are asked for."""
-    carried = method == "taylor" and not all_effects and carries_tangent(pack(scene))
+    bounded = method == "taylor" and accuracy >= FINEST_BOUNDED and not all_effects
+    carried = bounded and carries_tangent(pack(scene))
     return CARRIED if carried else ASSESSED
 
 

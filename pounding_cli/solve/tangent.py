@@ -12,12 +12,12 @@ from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.layout import Peaks
 from pounding_cli.solve.arrays import Arrays
 
-CUT = 0.1
+CUT = 0.3
 """What the terms that series leave out come to at most, over the accuracy asked, where nothing hands them on."""
 
 OF_FLOORS, OF_ALL = 0.05, 5e-4
-"""What the largest relative changes of floors, and of any number, over that of the motion add to that: 2.5 times
-what 1,845 scenes needed at least (docs/accuracy.md)."""
+"""What the largest relative changes of floors, and of any number, over that of the motion add to that
+(docs/accuracy.md)."""
 
 HARMLESS = 0.1
 """Part of the accuracy asked, and of the sensitivity that is flagged, up to which one run is enough (`assess`)."""
@@ -28,8 +28,8 @@ ILL_CONDITIONED = 100.0
 MOST_SENSITIVE = HARMLESS * ILL_CONDITIONED
 """Sensitivity above which it is measured."""
 
-FINEST_BOUNDED = 1e-9
-"""Accuracy asked below which errors are measured by runs of their own: rounding comes near."""
+FINEST_BOUNDED = 1e-7
+"""Accuracy asked below which errors are measured: where floors begin to press from rest, some do not fall with it."""
 
 
 class Moved(NamedTuple):
