@@ -192,7 +192,8 @@ class Task:
         return not self.all_effects and self.time_step is None
 
     def is_assessed(self, scene: Scene) -> bool:
-        """Whether this scene is solved once more; a sample is one scene in eight, the same ones in every run."""
+        """Whether error and sensitivity of this scene are asked for; a sample is one scene in eight, the same ones in
+        every run."""
         if self.estimate == "alone":
             return not scene.links
         return self.estimate == "all" or (self.estimate == "sample" and scene.digest[0] in "01")

@@ -50,6 +50,7 @@ from pounding_cli.kernels.simd import (
     fused,
     greater,
     load,
+    lowest,
     magnitude,
     maximum,
     no_inline,
@@ -239,9 +240,13 @@ def _slopes(run, b, v, rate):
 def _follow_curved(run, tangent):
     """Give links on curved branches the mean slopes of this step: they change little in one."""
     no_inline()
-    for e in range(run.link_start, run.link_stop):
-        b = run.link_integers[of_link_integer(e, c.BRANCH)]
-        if t.branch(run, b, t.CUBIC) != 0.0 or t.branch(run, b, t.ROOT) != 0.0:
+    for first_of_eight in range(run.link_start, run.link_stop, 8):
+        steep = load(run.links, at_link(first_of_eight, c.LAW_ROOT))
+        curved = greater(steep + magnitude(load(run.links, at_link(first_of_eight, c.LAW_CUBIC))), splat(0.0))
+        while curved != 0:
+            e = first_of_eight + lowest(curved)
+            curved &= curved - 1
+            b = run.link_integers[of_link_integer(e, c.BRANCH)]
             left, right = _sides(run, e)
             gap = run.links[of_link(e, c.LINK_OFFSET)]
             first = run.W[left - run.padded] - run.W[right - run.padded] - gap
@@ -261,8 +266,10 @@ def carry(run, tangent, terms, max_order, has_terms):
     own[GROUND] = own[SEGMENT_GROUND] + own[GROUND_SLOPE] * clock[ELAPSED]
     own[GROUND_CHANGE] = own[GROUND_SLOPE] * clock[H]
     linked = tangent.link_stop > tangent.link_start
-    any_closed = _start_closings(tangent) if linked else 0
-    _follow_curved(run, tangent)
+    any_closed = 0
+    if linked:
+        any_closed = _start_closings(tangent)
+        _follow_curved(run, tangent)
     none, _ = no_orders()
     order, _ = expand(tangent, terms, any_closed, none, none, np.bool_(False), TOLERANCE, max_order, has_terms)
     _end_floors(run, tangent, order, clock[END])

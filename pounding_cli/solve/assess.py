@@ -203,7 +203,7 @@ def assess(
         return response
     if not _at_once(response.method, accuracy):
         return _told_apart(scene, response, accuracy, run, all_effects, judges)
-    if response.estimated == BOUNDED:
+    if response.estimated == BOUNDED and response.error_estimate <= accuracy:  # fault: bound-meets-accuracy
         return response
     if response.moved and response.status == DONE and accuracy >= FINEST_BOUNDED:
         sensitivity, *_ = response.moved

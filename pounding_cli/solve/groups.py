@@ -28,7 +28,15 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solve.assess import difference
 from pounding_cli.solve.closing import free_accuracy, kept_apart
 from pounding_cli.solve.places import struck_columns
-from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse, Response, composed_method
+from pounding_cli.solve.response import (
+    BOUNDED,
+    MEASURED,
+    BuildingResponse,
+    ColumnResponse,
+    LinkResponse,
+    Response,
+    composed_method,
+)
 from pounding_cli.solve.unpack import columns_of
 
 ERRORS = 10.0
@@ -361,7 +369,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
         effects=effects,
         dropped=(*effects_of(scene).dropped, *(sentence for sentence in sentences if sentence)),
         error_estimate=float(np.max(errors)),
-        estimated=max(each.estimated for each in parts),
+        estimated=next(how for how in ("", BOUNDED, MEASURED) if how in {part.estimated for part in parts}),
         sensitivity=float(np.max([part.sensitivity for part in parts])),
         final=tuple(end for part in parts for end in part.final),
         columns=_columns(scene, groups, parts, closings),

@@ -91,7 +91,7 @@ class Line:
 class Trust:
     """How far the numbers go: worst over the scenes that were assessed.
 
-    assessed, scenes : how many scenes were solved once more, and how many there are
+    assessed, scenes : how many scenes were assessed, and how many there are
     error : largest estimated numerical error [-]
     sensitivity : largest sensitivity [-], `where`: the scene it belongs to
     residual : largest energy residual [-]

@@ -98,13 +98,13 @@ class Plan:
     motions : one per record; where the sweep changes them, those of its first point
     accuracy : relative error wanted [-]
     time_step : of a method that takes one [s]
-    estimate : which scenes are solved once more for error and sensitivity: none, sample or all
+    estimate : which scenes are assessed, for error and sensitivity: none, sample or all
     all_effects : whether to simulate what cannot matter too
     kept : rows whose scenes are kept over time, every `every` seconds
     workflow : what is asked of the scenes, a key of WORKFLOWS
     harder : whether a scene that fails is solved once more, more finely
     rough : whether the scenes of this round only lead to those of later rounds: of `estimate: all` only buildings
-        alone, which later rounds share, are then solved once more
+        alone, which later rounds share, are then assessed
     state : what a workflow in rounds keeps from one to the next
     ahead : scenes that rounds to come ask for at most, about, as far as the workflow knows
     first : the plan of the first round, where it decides what all rounds ask for; None in that round itself, and where

@@ -636,6 +636,12 @@ METHODS = [
         f"{UNIT}/solve/test_assess.py::test_where_the_bound_is_too_large_one_run_measures_the_error",
     ),
     Mutant(
+        "bound-meets-accuracy",
+        "the bound of a coarse run counts where a finer accuracy is asked",
+        (" and response.error_estimate <= accuracy", ""),
+        f"{UNIT}/solve/test_assess.py::test_a_bound_above_the_accuracy_that_is_asked_is_not_taken",
+    ),
+    Mutant(
         "harmless-at-once",
         "a scene that may miss the accuracy is told by one run",
         ("error <= HARMLESS * accuracy and ", ""),

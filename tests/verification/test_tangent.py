@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from pounding_cli.batch.attempt import Task
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.dashpot import damping_ratio
 from pounding_cli.laws.hertz import Hertz
@@ -20,7 +21,7 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.solve import Response, assess, solve
 from pounding_cli.solve.arrays import pack, peaks_in
 from pounding_cli.solve.assess import difference, nudged_motion
-from pounding_cli.solve.response import BOUNDED
+from pounding_cli.solve.response import BOUNDED, MEASURED
 from pounding_cli.solve.run import prepare
 from pounding_cli.solve.tangent import is_known
 from tests.helpers.scenes import ELASTIC, INELASTIC, leaning, links, oscillator, shake, shear_building, standing
@@ -239,3 +240,17 @@ def test_nudged_motion_is_the_one_it_follows():
     change = nudged_motion(motion, 1e-3).acceleration - motion.acceleration
     growth = np.linspace(0.0, 1e-3, motion.acceleration.size)
     assert change == pytest.approx(growth * motion.acceleration, abs=1e-15)
+
+
+def test_a_row_of_buildings_apart_is_as_sure_as_its_least_sure_part():
+    """One building yields and is bounded, the other is stepped exactly and measured. Fails if the row counts as
+    measured."""
+    firm = dataclasses.replace(STIFF, yield_shear=np.full(5, np.inf))
+    scene = Scene((WEAK[1], firm), links("pounding", 5.0, FLOORS), shake(2.0), INELASTIC)
+    task = Task(solve, 1e-6, "auto", estimate="all")
+    assert [task(Scene((each,), (), shake(2.0), INELASTIC)).estimated for each in (WEAK[1], firm)] == [
+        BOUNDED,
+        MEASURED,
+    ]
+    row = task(scene)
+    assert (row.steps, row.estimated) == (0, BOUNDED)

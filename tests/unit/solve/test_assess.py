@@ -72,6 +72,16 @@ def test_one_run_tells_error_and_sensitivity_of_a_harmless_scene(accuracy):
     assert found.flags == first.flags
 
 
+def test_a_bound_above_the_accuracy_that_is_asked_is_not_taken():
+    """Fails if the bound of a coarse run counts where a finer accuracy is asked of it."""
+    scene = linked()
+    coarse = solve(scene, 1e-3, method="taylor", tangent=True)
+    assert coarse.error_estimate > ACCURACY
+    found = assess(scene, coarse, ACCURACY)
+    assert found.estimated == MEASURED
+    assert found.error_estimate <= ACCURACY
+
+
 def told(moved: tuple[float, float, float]) -> tuple[Response, list[Response]]:
     """The response of a scene whose tangent is as given, assessed; the runs that it took."""
     scene = linked()
