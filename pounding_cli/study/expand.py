@@ -24,7 +24,7 @@ from pounding_cli.study.plan import Axis, Plan
 from pounding_cli.study.resolve import AROUND, Resolver, links_depend_on, places
 from pounding_cli.study.scenes import Expanded, Frame, LinkSets, Rows, Scenes, in_order, seen
 from pounding_cli.study.schema import StudyModel
-from pounding_cli.study.sections import Point
+from pounding_cli.study.sections import Answers, Point
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
@@ -225,7 +225,7 @@ class _Builder:
         self._cases, self._analyses, self._records = cases, analyses, records
         self._around: dict[Point, _Around] = {}
         self._endings: dict[Point, list[bytes]] = {}
-        self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
+        self._links = Answers([len(axis) for axis in resolver.axes])
         self._alike: dict[tuple[Link, ...], tuple[Link, ...]] = {}
 
     def around(self, point: Point) -> _Around:
@@ -261,8 +261,8 @@ class _Builder:
 
     def links(self, point: Point, case: str) -> tuple[Link, ...]:
         """The links of a case at a point."""
-        key = case, self._resolver.key(point, links_depend_on(case))
-        found = self._links.get(key)
+        place = self._resolver.key(point, links_depend_on(case))
+        found = self._links.get(case, place)
         if found is None:
             found = self._links_of(point, case)
             assert found is not None
@@ -270,7 +270,7 @@ class _Builder:
                 found = self._alike[found]
             else:
                 _keep(self._alike, found, found, MOST_ALIKE)
-            _keep(self._links, key, found, self._resolver.most_kept)
+            self._links.keep(case, place, found)
         return found
 
     def __call__(self, point: Point, case: int, analysis: int, record: int) -> Scene:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -34,7 +34,40 @@ ANSWERS = 5
 """Answers that a point of an axis has for itself, at least."""
 
 
-def _most_kept(lengths: list[int]) -> int:
+class Answers:
+    """Answers by what was asked and at which point (`Sections.key`), the latest ones.
+
+    Those that depend on every axis are asked for at one point alone: of a sweep with more points than answers are kept,
+    few of them are.
+
+    lengths : of the axes, the slowest first
+    """
+
+    def __init__(self, lengths: Sequence[int]) -> None:
+        self._shared: OrderedDict[tuple[Any, Point], Any] = OrderedDict()
+        self._of_points: OrderedDict[tuple[Any, Point], Any] = OrderedDict()
+        self._most = _most_kept(lengths)
+        all_kept = len(lengths) < 2 or math.prod(lengths) <= MOST_KEPT
+        self._most_of_points = self._most if all_kept else min(MOST_KEPT, FEW_KEPT)
+
+    def get(self, name: Any, place: Point) -> Any:
+        """The answer; None where it is not kept."""
+        kept = self._shared if -1 in place else self._of_points
+        found = kept.get((name, place))
+        if found is not None:
+            kept.move_to_end((name, place))
+        return found
+
+    def keep(self, name: Any, place: Point, answer: Any) -> None:
+        """Keep an answer."""
+        shared = -1 in place
+        kept = self._shared if shared else self._of_points
+        kept[name, place] = answer
+        if len(kept) > (self._most if shared else self._most_of_points):
+            kept.popitem(last=False)
+
+
+def _most_kept(lengths: Sequence[int]) -> int:
     """Answers worth keeping of axes of these lengths, the slowest first: those of every value of every axis, which are
     checked by themselves first, or else those that one value of the slowest axis asks for."""
     if ANSWERS * sum(lengths) <= MOST_KEPT:
@@ -59,12 +92,11 @@ class Sections:
         self.reader = reader
         self.base: Point = (-1,) * len(axes)
         self.touched = [touched_by(axis, root) for axis in axes]
-        self._found: OrderedDict[tuple[Any, ...], tuple[Any, tuple[Problem, ...]]] = OrderedDict()
+        self._found = Answers([len(axis) for axis in axes])
         self._kept: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
         buildings = root.get("buildings")
         self._defined = list(buildings.value) if buildings is not None and buildings.is_mapping else []
         self.met: dict[Problem, Point] = {}
-        self.most_kept = _most_kept([len(axis) for axis in axes])
 
     def touching(self, *subjects: Subject) -> tuple[bool, ...]:
         """For every axis, whether it touches one of `subjects`."""
@@ -84,19 +116,15 @@ class Sections:
         return tuple([place if keep else -1 for place, keep in zip(point, kept, strict=True)])
 
     def once(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Problems], Any]) -> Any:
-        key = (name, self.key(point, subjects))
-        found = self._found.get(key)
+        place = self.key(point, subjects)
+        found: tuple[Any, tuple[Problem, ...]] | None = self._found.get(name, place)
         if found is None:
             collected = Problems(self.file)
             found = (work(collected), tuple(collected.found))
-            self._found[key] = found
-            if len(self._found) > self.most_kept:
-                self._found.popitem(last=False)
-        else:
-            self._found.move_to_end(key)
+            self._found.keep(name, place, found)
         answer, problems = found
         if problems:
-            self.met |= dict.fromkeys(problems, key[1])
+            self.met |= dict.fromkeys(problems, place)
         return answer
 
     def entries(self, point: Point, section: str) -> tuple[str, ...]:

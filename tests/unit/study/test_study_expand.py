@@ -8,6 +8,7 @@ import pytest
 from pounding_cli.errors import InputError
 from pounding_cli.study import expand, load_study
 from pounding_cli.study.scenes import LinkSets
+from pounding_cli.study.sections import FEW_KEPT, Answers
 
 GAP = "gap: {link: pounding, gap: 5 cm}"
 END = "analyses: [elastic]\n"
@@ -163,3 +164,18 @@ def test_motions_and_separations_at_a_point_of_the_sweep(study):
     assert np.isnan(near[1])  # nothing stands to the right of the last
     assert near[0] == pytest.approx(found.resolved()["separation"][0])
     assert far[0] > near[0]  # the softer building sways more
+
+
+def test_of_a_long_sweep_few_answers_of_single_points_are_kept():
+    """Those of whole points never come back; those that an axis leaves alone come back at each of its values."""
+    short, long = Answers([20, 300]), Answers([200, 300])
+    for answers in (short, long):
+        for first in range(200):
+            answers.keep("group", (first, -1), first)
+        for second in range(5000):
+            answers.keep("links", (second // 300, second % 300), second)
+    shared = [answers.get("group", (first, -1)) for answers in (short, long) for first in range(200)]
+    assert shared == [*range(200)] * 2
+    kept = [sum(answers.get("links", (n // 300, n % 300)) == n for n in range(5000)) for answers in (short, long)]
+    assert kept == [5000, FEW_KEPT]
+    assert long.get("links", (4999 // 300, 4999 % 300)) == 4999
