@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from itertools import islice
+from itertools import chain, islice
 from typing import overload
 
 import numpy as np
@@ -25,7 +25,7 @@ AT_ONCE = 1000
 def packed(digests: Sequence[str]) -> np.ndarray:
     """SHA-256 digests as bytes, shape (digests, 32).  Raises `ValueError` where one is no such digest."""
     content = bytes.fromhex("".join(digests))
-    if any(len(digest) != 64 for digest in digests) or len(content) != DIGEST * len(digests):
+    if set(map(len, digests)) - {64} or len(content) != DIGEST * len(digests):
         raise ValueError("no SHA-256 digest")
     return np.frombuffer(content, np.uint8).reshape(-1, DIGEST)
 
@@ -36,8 +36,13 @@ def texts(digests: np.ndarray) -> list[str]:
     return [whole[begin : begin + 64] for begin in range(0, len(whole), 64)]
 
 
-def pieces(digests: Iterable[str], size: int = AT_ONCE) -> Iterator[list[str]]:
-    """So many digests at a time."""
+def pieces(digests: Iterable[str], size: int = AT_ONCE) -> Iterator[Sequence[str]]:
+    """So many digests at a time; those of a table (`DigestList`, or what has one as `digests`) as such lists."""
+    listed = digests if isinstance(digests, DigestList) else getattr(digests, "digests", None)
+    if isinstance(listed, DigestList):
+        for begin in range(0, len(listed), size):
+            yield DigestList(listed.digests, listed.numbers[begin : begin + size])
+        return
     left = iter(digests)
     while some := list(islice(left, size)):
         yield some
@@ -161,6 +166,8 @@ class DigestTable:
 
     def numbers(self, digests: Sequence[str]) -> np.ndarray:
         """Numbers of digests, -1 for one that is not there, shape (digests,)."""
+        if isinstance(digests, DigestList) and digests.digests is self.digests:  # need not be looked up
+            return digests.numbers
         return self._sorted.find(self.digests, digests)
 
     def texts(self, numbers: np.ndarray) -> list[str]:
@@ -215,13 +222,12 @@ class DigestMap:
 
     def of(self, digests: Sequence[str]) -> np.ndarray:
         """The numbers of digests, -1 where one has none, shape (digests,)."""
-        if isinstance(digests, DigestList) and digests.digests is self._table.digests:  # need not be looked up
-            return np.where(digests.numbers >= 0, self._told[digests.numbers], -1)
         places = self._table.numbers(digests)
         found = np.where(places >= 0, self._told[places] if len(self._told) else -1, -1)
         others = np.flatnonzero(places < 0)
         if others.size:
-            found[others] = self._of_others([digests[place] for place in others.tolist()])
+            texts = digests[:]
+            found[others] = self._of_others([texts[place] for place in others.tolist()])
         return found
 
     def _of_others(self, digests: Sequence[str]) -> np.ndarray:
@@ -247,8 +253,11 @@ class DigestMap:
         return int(np.count_nonzero(self._told >= 0)) + len(self._numbers) + len(self._fresh) + len(self._odd)
 
     def __iter__(self) -> Iterator[str]:
-        """Those of the table in its order, then the others in the order in which they came first."""
+        return chain.from_iterable(self.pieces())
+
+    def pieces(self) -> Iterator[Sequence[str]]:
+        """Those of the table in its order, then the others in the order in which they came first; some at a time."""
         self._settle()
-        yield from DigestList(self._table.digests, np.flatnonzero(self._told >= 0))
-        yield from DigestList(self._digests)
-        yield from self._odd
+        yield from pieces(DigestList(self._table.digests, np.flatnonzero(self._told >= 0)))
+        yield from pieces(DigestList(self._digests))
+        yield from pieces(self._odd)

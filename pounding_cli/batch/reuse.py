@@ -10,12 +10,10 @@ import numpy as np
 
 from pounding_cli.batch.families import order_of
 from pounding_cli.batch.histories import refuse_loss
-from pounding_cli.digests import pieces
 from pounding_cli.model.placed import among
 from pounding_cli.numbers import counted
 from pounding_cli.store import PartStore, former_run, stored_chunks
 from pounding_cli.store.files import damage_of
-from pounding_cli.study.scenes import Scenes
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
@@ -37,8 +35,7 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
     """
     for damaged in parts.load():
         say(f"{damaged} is damaged: its scenes are solved again")
-    asked = plan.scenes.digests if isinstance(plan.scenes, Scenes) else plan.scenes
-    from_parts = int(parts.has(asked).sum())
+    from_parts = int(parts.has(plan.scenes).sum())
     if from_parts:
         what = counted(from_parts, "scene of an unfinished run is", "scenes of an unfinished run are")
         say(f"{what} kept in {parts.folder}")
@@ -68,7 +65,7 @@ def reuse(plan: Plan, output: Path, parts: PartStore, say: Callable[[str], None]
             "and the file stays until the new one is complete"
         )
     elif not in_rounds and (taken < len(plan.scenes) or taken < former.scenes):
-        gone = sum(int((~among(plan.scenes, some)).sum()) for some in pieces(parts))
+        gone = sum(int((~among(plan.scenes, some)).sum()) for some in parts.pieces())
         stay = "stays in the file" if gone == 1 else "stay in the file"
         left = f"; {counted(gone, 'scene')} no longer in the study {stay}" if gone else ""
         again = f"; {counted(former.failed, 'that failed is', 'that failed are')} tried again" if former.failed else ""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.digests import runs
+from pounding_cli.digests import DigestList, runs
 from pounding_cli.model.placed import among
 from pounding_cli.solve.response import COLLAPSED, DONE
 from pounding_cli.store.codec import parse
@@ -148,13 +148,13 @@ def _taken(plan: Plan, some: slice, responses: PartStore) -> tuple[list[Alike], 
     scenes = plan.rows.scenes[some]
     used, number = np.unique(scenes, return_inverse=True)
     number = number.reshape(scenes.shape)
-    digests = plan.rows.table.texts(used)
-    asked = np.flatnonzero(among(plan.scenes, digests))  # a workflow need not ask for all
-    found = responses.alike([digests[place] for place in asked.tolist()])
+    table = plan.rows.table
+    asked = np.flatnonzero((used >= 0) & among(plan.scenes, DigestList(table.digests, used)))  # maybe not all
+    found = responses.alike(DigestList(table.digests, used[asked]))
     group, inside = np.full(len(used), -1), np.zeros(len(used), np.int64)
     for place, each in enumerate(found):
         group[asked[each.which]], inside[asked[each.which]] = place, np.arange(len(each.which))
-    names = np.array(digests, dtype=object)
+    names = np.array(table.texts(used), dtype=object)
     names[group < 0] = ""
     return found, group[number], inside[number], names[number[:, 0]]
 

@@ -82,13 +82,19 @@ def put(dataset: h5py.Dataset, at: tuple[int, ...], values: np.ndarray) -> None:
     at : where it begins, a multiple of the piece along every dimension
     values : as many dimensions as the dataset
     """
-    if values.shape != dataset.chunks:
-        whole = np.zeros(dataset.chunks, values.dtype)
-        whole[tuple(slice(size) for size in values.shape)] = values
-        values = whole
+    values = filled(values, dataset.chunks)
     planes = np.ascontiguousarray(np.ascontiguousarray(values).view(np.uint8).reshape(values.size, -1).T)
     content = deflate.compress(planes, _LEVEL)
     dataset.id.write_direct_chunk(at, content + fletcher32(content).to_bytes(4, "little"))
+
+
+def filled(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Values as a whole piece: zeros behind those at the end of a dataset."""
+    if values.shape == shape:
+        return values
+    whole = np.zeros(shape, values.dtype)
+    whole[tuple(slice(size) for size in values.shape)] = values
+    return whole
 
 
 def write(group: h5py.Group, name: str, values: np.ndarray | Slabs) -> h5py.Dataset:

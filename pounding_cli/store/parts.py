@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pounding_cli.digests import DigestList, DigestMap, DigestTable, pieces, runs
+from pounding_cli.digests import DigestMap, DigestTable, pieces, runs
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Scene
 from pounding_cli.outputs import parts_of
@@ -85,8 +85,9 @@ class PartStore(Mapping[str, Response]):
     def only(self, wanted: Mapping[str, Scene]) -> None:
         """Forget every other scene."""
         where, self._where = self._where, DigestMap(self._table)
-        for some in pieces(where):
-            kept = [some[place] for place in np.flatnonzero(among(wanted, some)).tolist()]
+        for some in where.pieces():
+            texts = some[:]
+            kept = [texts[place] for place in np.flatnonzero(among(wanted, some)).tolist()]
             self._where.put(kept, where.of(kept))
 
     def flush(self) -> None:
@@ -105,8 +106,6 @@ class PartStore(Mapping[str, Response]):
 
     def has(self, digests: Iterable[str]) -> np.ndarray:
         """Whether each scene is there, shape (digests,)."""
-        if isinstance(digests, DigestList) and self._table is not None and digests.digests is self._table.digests:
-            return self._where.of(digests) >= 0
         return np.concatenate([self._where.of(some) >= 0 for some in pieces(digests)] or [np.zeros(0, bool)])
 
     def saved(self, wanted: Iterable[str]) -> int:
@@ -126,6 +125,10 @@ class PartStore(Mapping[str, Response]):
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._where)
+
+    def pieces(self) -> Iterator[Sequence[str]]:
+        """The digests, some at a time."""
+        return self._where.pieces()
 
     def __contains__(self, digest: object) -> bool:
         return digest in self._where
@@ -187,6 +190,21 @@ class PartStore(Mapping[str, Response]):
             for number, word, begin, end in zip(asked.tolist(), words, begins, ends, strict=True):
                 row = numbers[begin:end]
                 found[number] = held.texts[word], row.copy() if few else row
+        return found
+
+    def numbers(self, digests: Iterable[str], sizes: np.ndarray) -> np.ndarray:
+        """The numbers of many responses, one after another, shape (sum of `sizes`,); as `take`.
+
+        sizes : how many each has, shape (digests,)
+        """
+        ends = np.cumsum(sizes)
+        found = np.empty(int(ends[-1]) if ends.size else 0)
+        for held, asked, places in self._by_chunk(self._all_places(digests)):
+            numbers, starts = held.numbers(), held.starts
+            parted = np.flatnonzero((np.diff(asked) != 1) | (np.diff(places) != 1)) + 1
+            for first, last in zip([0, *parted.tolist()], [*(parted - 1).tolist(), len(asked) - 1], strict=True):
+                begin, end = ends[asked[first]] - sizes[asked[first]], ends[asked[last]]
+                found[begin:end] = numbers[starts[places[first]] : starts[places[last] + 1]]
         return found
 
     def alike(self, digests: Iterable[str]) -> list[Alike]:

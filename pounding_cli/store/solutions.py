@@ -35,30 +35,43 @@ def write_solutions(file: h5py.File, scenes: Mapping[str, Scene], responses: Par
 
     First come the scenes of the study; then what else `responses` has: scenes the study had before.
     """
-    others = [some[place] for some in pieces(responses) for place in np.flatnonzero(~among(scenes, some)).tolist()]
+    others: list[str] = []
+    for some in responses.pieces():
+        left = np.flatnonzero(~among(scenes, some))
+        if left.size:
+            others += np.array(some[:], object)[left].tolist()
     count = len(scenes) + len(others)
+
+    def digests() -> Iterable[str]:
+        return chain(scenes, others) if others else scenes
+
     group = file.create_group("solutions")
     group.attrs["long_name"] = "responses by scene digest, linked scenes and buildings alone; kept for reuse"
     size = min(count, _DIGESTS)
     stored = packed.create(group, "digest", (count,), np.dtype("S64"), (size,))
-    for number, some in enumerate(pieces(chain(scenes, others), size)):
-        packed.put(stored, (number * size,), np.array(some, "S64"))
-    lines, words = responses.lines(chain(scenes, others))
+    for number, some in enumerate(pieces(digests(), size)):
+        packed.put(stored, (number * size,), np.array(some[:], "S64"))
+    lines, words = responses.lines(digests())
     group.create_dataset("line", data=lines, dtype=h5py.string_dtype())
     packed.write(group, "words", words)
-    total = int(np.bincount(words, minlength=len(lines)) @ np.array([parse(line).size for line in lines], np.int64))
+    sizes = np.array([parse(line).size for line in lines], np.int64)
+    total = int(np.bincount(words, minlength=len(lines)) @ sizes)
     size = min(total, _NUMBERS)
     numbers = packed.create(group, "numbers", (total,), np.dtype(float), (size,))
     packed.put(numbers, (0,), np.zeros(size))  # now HDF5 makes the index: damage of other pieces then does not reach it
-    for number, piece in enumerate(_pieces(chain(scenes, others), responses, size)):
+    for number, piece in enumerate(_pieces(digests(), responses, sizes, words, size)):
         packed.put(numbers, (number * size,), piece)
 
 
-def _pieces(digests: Iterable[str], responses: PartStore, size: int) -> Iterator[np.ndarray]:
-    """The numbers of scene after scene, `size` at a time."""
-    left = np.zeros(0)
+def _pieces(
+    digests: Iterable[str], responses: PartStore, sizes: np.ndarray, words: np.ndarray, size: int
+) -> Iterator[np.ndarray]:
+    """The numbers of scene after scene, `size` at a time; `sizes`: how many there are with a header line of a number,
+    `words`: the header line of each scene."""
+    left, done = np.zeros(0), 0
     for some in pieces(digests, _SCENES):
-        left = np.concatenate([left, *(row for _, row in responses.take(some))])
+        each, done = sizes[words[done : done + len(some)]], done + len(some)
+        left = np.concatenate([left, responses.numbers(some, each)])
         whole = left.size // size * size
         yield from left[:whole].reshape(-1, size)
         left = left[whole:]

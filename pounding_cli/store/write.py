@@ -17,13 +17,12 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from pounding_cli.digests import AT_ONCE
 from pounding_cli.errors import InputError
 from pounding_cli.model.links import link_label
 from pounding_cli.solve.response import Response
 from pounding_cli.store import answers
 from pounding_cli.store.blocks import Block, blocks
-from pounding_cli.store.datasets import Datasets, put
+from pounding_cli.store.datasets import Datasets
 from pounding_cli.store.dense import Shape, facts, shape_of
 from pounding_cli.store.files import damage_of, opened
 from pounding_cli.store.former import written_place
@@ -122,10 +121,8 @@ def content_digest(plan: Plan) -> str:
         sha.update(part.encode() + b"\0")
     if plan.workflow != "run":
         sha.update(plan.workflow.encode() + b"\0")
-    rows = plan.rows
-    for begin in range(0, len(rows), AT_ONCE):
-        columns = (rows.table.texts(numbers) for numbers in rows.scenes[begin : begin + AT_ONCE].T)
-        sha.update("".join([" ".join(row) + "\0" for row in zip(*columns, strict=True)]).encode())
+    sha.update(plan.rows.table.digests.ravel().data)
+    sha.update(plan.rows.scenes.ravel().data)
     return sha.hexdigest()
 
 
@@ -197,8 +194,8 @@ def _write_block(
             datasets.write(name, dims, piece, variable.unit, variable.text)
             continue
         if name not in made:
-            made[name] = datasets.empty(name, dims, whole, piece, variable.unit, variable.text)
-        put(made[name], (*begin, *(0 for _ in whole[len(begin) :])), piece)
+            made[name] = datasets.empty(name, dims, whole, piece.dtype, piece.shape, variable.unit, variable.text)
+        datasets.put(made[name], (*begin, *(0 for _ in whole[len(begin) :])), piece)
 
 
 def _write_axes(file: h5py.File, datasets: Datasets, plan: Plan) -> None:

@@ -99,7 +99,6 @@ def test_a_store_holds_little_of_every_response(tmp_path):
 def test_links_are_written_a_slab_at_a_time(tmp_path, monkeypatch):
     """A variable of the links of a million points takes 40 MB: fails if one is made whole."""
     monkeypatch.setattr("pounding_cli.store.packed.PIECE_BYTES", 1 << 12)
-    monkeypatch.setattr("pounding_cli.store.datasets._TEXTS", 1 << 9)
     path = tmp_path / "study.yaml"
     path.write_text(sweep.study_of("run", 6400))
     plan = expansion("run")(load_study(path))

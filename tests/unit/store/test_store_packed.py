@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 import pytest
 
-from pounding_cli.store import datasets, packed
-from pounding_cli.store.datasets import Datasets, put
+from pounding_cli.store import datasets, packed, shared
+from pounding_cli.store.datasets import Datasets
 from pounding_cli.store.packed import Slabs
 
 
@@ -87,8 +87,8 @@ def test_dimensions_are_those_that_hdf5_would_tie(tmp_path):
         datasets.scale("case", texts, "", "name of the case")
         datasets.scale("storey", np.arange(1, 4), "1", "storey")
         datasets.write("V", ("case", "storey"), np.ones((2, 3)), "N", "shear")
-        named = datasets.empty("status", ("case",), (2,), texts[:1], "", "outcome")
-        put(named, (1,), texts[1:])
+        named = datasets.empty("status", ("case",), (2,), texts.dtype, (1,), "", "outcome")
+        datasets.put(named, (1,), texts[1:])
         datasets.tie()
         dataset = file.create_dataset("mu", data=np.ones((2, 3)))
         for place, dim in enumerate(("case", "storey")):
@@ -107,9 +107,9 @@ def test_dimensions_are_those_that_hdf5_would_tie(tmp_path):
 @pytest.mark.parametrize("kind", ["texts", "numbers"])
 def test_arrays_are_written_some_at_a_time(tmp_path, monkeypatch, shape, kind):
     """At hand or made a slab at a time. Fails if a slab is left out, stands elsewhere or is too large."""
-    monkeypatch.setattr(datasets, "_TEXTS", 24)
-    monkeypatch.setattr(datasets, "_PACKED_ABOVE", 8 * 24)
-    monkeypatch.setattr(packed, "PIECE_BYTES", 8 * 24)
+    size = 16 if kind == "texts" else 8
+    monkeypatch.setattr(datasets, "_PIECES_ABOVE", size * 24)
+    monkeypatch.setattr(packed, "PIECE_BYTES", size * 24)
     values = np.arange(math.prod(shape), dtype=float).reshape(shape)
     if kind == "texts":
         values = np.array([f"text {number:g}" for number in values.flat], object).reshape(shape)
@@ -133,8 +133,42 @@ def test_texts_in_pieces_are_not_held(tmp_path):
     """Fails if HDF5 holds the pieces of texts until the file is closed: 8 MB of each variable."""
     texts = np.array(["text"] * 100, object)
     with h5py.File(tmp_path / "r.h5", "w") as file:
-        dataset = Datasets(file).empty("status", ("row",), (1000,), texts, "", "")
+        datasets = Datasets(file)
+        dataset = datasets.empty("status", ("row",), (1000,), texts.dtype, texts.shape, "", "")
         _, most, _ = dataset.id.get_access_plist().get_chunk_cache()
         assert most < texts.size
-        put(dataset, (100,), texts)
+        datasets.put(dataset, (100,), texts)
         assert dataset.asstr()[99:101].tolist() == ["", "text"]
+
+
+def test_texts_that_values_share_are_written_once(tmp_path):
+    """Over pieces and variables, also where all of a piece differ, the last piece is smaller, and more texts come than
+    are known again. Fails if a value refers to another text, or if texts are written again."""
+    words = ["done", "", "déjà vu\n" * 40, *(f"other {number}" for number in range(300))]
+    rows = np.array([words[number % 3 if number < 2050 else number % 303] for number in range(4000)], object)
+    apart = np.array([f"{number:064x}" for number in range(4000)], object)
+    with h5py.File(tmp_path / "r.h5", "w", libver=("v110", "latest")) as file:
+        found = Datasets(file)
+        for name, values in (("status", rows), ("again", rows[::-1]), ("scene", apart)):
+            dataset = found.empty(name, ("row",), values.shape, values.dtype, (2050,), "", "")
+            for begin in range(0, 4000, 2050):
+                found.put(dataset, (begin,), values[begin : begin + 2050])
+    with h5py.File(tmp_path / "r.h5") as file:
+        assert file["status"].asstr()[()].tolist() == rows.tolist()
+        assert file["again"].asstr()[()].tolist() == rows[::-1].tolist()
+        assert file["scene"].asstr()[()].tolist() == apart.tolist()
+        written = file["texts/text"].asstr()[()]
+        assert sorted(filter(None, written)) == sorted(filter(None, words))
+
+
+def test_few_texts_are_known_at_a_time(tmp_path, monkeypatch):
+    """Fails if memory grows with the number of texts, or if what was forgotten is taken for another text."""
+    monkeypatch.setattr(shared, "_MOST_KNOWN", 10)
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        found = Datasets(file)
+        dataset = found.empty("flags", ("row",), (4000,), np.dtype(object), (100,), "", "")
+        rows = np.array([f"flag {number // 10}" for number in range(4000)], object)
+        for begin in range(0, 4000, 100):
+            found.put(dataset, (begin,), rows[begin : begin + 100])
+            assert len(found._shared._known) <= 20
+        assert dataset.asstr()[()].tolist() == rows.tolist()

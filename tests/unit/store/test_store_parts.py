@@ -137,6 +137,26 @@ def test_responses_of_one_header_line_come_together_and_in_the_order_asked_for(t
     assert store.is_done(asked).tolist() == [encode_is_done(responses[name]) for name in asked]
 
 
+@pytest.mark.parametrize("order", ["as kept", "in turns", "backwards", "mixed", "one"])
+def test_numbers_come_one_response_after_another_in_the_order_asked_for(tmp_path, plan, responses, order):
+    """Rows and buildings alone have numbers of other sizes. Fails if those that stand in a row in a chunk, or are asked
+    for in a row, are taken for both."""
+    digests = list(responses)
+    store = PartStore(tmp_path / "r.h5", "key")
+    for some in (digests[::2], digests[1::2]):
+        store.add(Chunk.of({digest: responses[digest] for digest in some}))
+    store.flush()
+    mixed = np.random.default_rng(2).permutation(digests).tolist()
+    asked = {
+        "as kept": [*digests[::2], *digests[1::2]], "in turns": digests, "backwards": digests[::-1], "mixed": mixed,
+        "one": digests[:1],
+    }  # fmt: skip
+    rows = [numbers for _, numbers in store.take(asked[order])]
+    found = store.numbers(asked[order], np.array([row.size for row in rows]))
+    assert found.tobytes() == np.concatenate(rows).tobytes()
+    assert store.numbers([], np.zeros(0, int)).size == 0
+
+
 def encode_is_done(response) -> bool:
     return parse(encode(response)[0]).is_done
 
