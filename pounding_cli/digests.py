@@ -98,7 +98,8 @@ class Sorted:
 
     def _find(self, digests: np.ndarray, asked: np.ndarray, found: np.ndarray) -> np.ndarray:
         wanted, words = heads(asked), np.ascontiguousarray(asked).view(np.uint64)
-        at = np.searchsorted(self._heads, wanted)
+        order, at = np.argsort(wanted), np.empty(len(wanted), np.int64)
+        at[order] = np.searchsorted(self._heads, wanted[order])  # in rising order: a third of the time
         left = np.flatnonzero((at < len(self._heads)) & (self._heads[np.minimum(at, len(self._heads) - 1)] == wanted))
         while left.size:  # once, but where digests share a head
             places = self._order[at[left]]

@@ -137,13 +137,14 @@ class Chunk:
         head = json.loads(content[begin:end])
         if head["key"] != key:
             return None
-        texts, words = head["lines"], np.array(head["words"])
-        if not all(isinstance(digest, str) and len(digest) <= _SHA and digest.isascii() for digest in head["digests"]):
+        texts, words, digests = head["lines"], np.array(head["words"]), head["digests"]
+        if not "".join(digests).isascii() or max(map(len, digests), default=0) > _SHA:
             raise ValueError("damaged part")
-        if words.shape != (len(head["digests"]),) or not np.isin(words, np.arange(len(texts))).all():
+        if words.shape != (len(digests),):
             raise ValueError("damaged part")
-        numbers = np.frombuffer(content, "<f8", offset=end + 1)
-        digests, mine = head["digests"], asked[: len(head["digests"])]
+        if words.size and (words.dtype.kind != "i" or not 0 <= words.min() <= words.max() < len(texts)):
+            raise ValueError("damaged part")
+        numbers, mine = np.frombuffer(content, "<f8", offset=end + 1), asked[: len(digests)]
         chunk = cls(mine if mine == digests else digests, texts, words.astype(np.int64), numbers)
         if chunk.starts[-1] != numbers.size:
             raise ValueError("damaged part")
