@@ -190,6 +190,7 @@ def test_only_what_is_wanted_and_done_and_of_this_key_is_found(tmp_path, respons
     found = PartStore(tmp_path / "r.h5", "key")
     assert found.load() == []
     assert list(found) == [first, third]
+    assert same(found[third], responses[third])  # where it stands behind the one that was stopped
     found.only({first: None, second: None})
     assert list(found) == [first]
     another = PartStore(tmp_path / "r.h5", "another key")
@@ -204,6 +205,19 @@ def test_digests_that_were_asked_for_are_not_held_twice(responses):
     found = Chunk.from_bytes(content, "key", asked)
     assert [found.digests[place] is asked[place] for place in range(3)] == [True] * 3
     assert list(Chunk.from_bytes(content, "key", asked[1:]).digests) == asked[:3]
+
+
+@pytest.mark.parametrize("words", [[0, 1], [0, -1], [0, 0.5], [0], [0, 0, 0]])
+def test_words_of_a_part_name_its_lines(responses, words):
+    """Fails if a part is read whose words, though its checksum is right, name lines that it has not."""
+    some = dict(list(responses.items())[:2])
+    assert {scene.status for scene in some.values()} == {"done"}
+    chunk = Chunk.of(some)
+    text, row = chunk.texts[0], chunk.row(0)
+    sound = Chunk(list(some), [text], np.array([0, 0]), np.tile(row, 2))
+    assert len(Chunk.from_bytes(sound.to_bytes("key"), "key")) == 2
+    with pytest.raises((ValueError, IndexError)):
+        Chunk.from_bytes(replace(sound, words=np.array(words)).to_bytes("key"), "key")
 
 
 @pytest.mark.parametrize("place", [0, 20, 90, -3])  # magic, digest, words, numbers
