@@ -314,7 +314,7 @@ class _Held:
         self.chunk = chunk if path is None else None
         self.texts, self.seconds = [sys.intern(text) for text in chunk.texts], chunk.seconds
         self.words = chunk.words.astype(np.min_scalar_type(len(chunk.texts)))
-        self._sum = zlib.crc32(chunk.numbers.astype("<f8", copy=False))
+        self._sum = zlib.crc32(chunk.numbers.astype("<f8", copy=False).data)
 
     @property
     def starts(self) -> np.ndarray:

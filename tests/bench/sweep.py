@@ -115,8 +115,8 @@ def _grid(command: str, count: int) -> str:
 
 
 def run(count: int, command: str = "run", engine: str = "processes") -> dict:
-    """Solve about `count` scenes; memory is the largest sum over the processes, shared pages counted once, and the
-    largest of the main process alone [bytes]."""
+    """Solve about `count` scenes; memory is the largest of all processes together (`family_memory`), in all and of
+    every stage, and the largest resident set of the main process alone [bytes]."""
     with tempfile.TemporaryDirectory() as folder:
         study, results = Path(folder) / "sweep.yaml", Path(folder) / "sweep.h5"
         study.write_text(study_of(command, count))
@@ -125,7 +125,7 @@ def run(count: int, command: str = "run", engine: str = "processes") -> dict:
             [*pound(), command, str(study), "-o", str(results), "--engine", engine],
             cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
-        watcher = Watcher(process.pid)
+        watcher = Watcher(process.pid, results)
         watcher.start()
         code = process.wait()
         wall = time.perf_counter() - begin
@@ -133,7 +133,7 @@ def run(count: int, command: str = "run", engine: str = "processes") -> dict:
         if code:
             raise RuntimeError(f"pound {command} ended with {code}")
         scenes, size = count if command == "run" else scenes_of(results), results.stat().st_size
-    found = {"scenes": scenes, "wall": wall, "memory": watcher.largest}
+    found = {"scenes": scenes, "wall": wall, "memory": watcher.largest, "stages": watcher.stages}
     return found | {"main": watcher.main, "file": size, "load": load}
 
 
@@ -149,7 +149,7 @@ def resume(count: int, seconds: float = 60.0) -> dict:
             had, begin = _parts(results), time.perf_counter()
             command = [*pound(), "run", str(study), "-o", str(results)]
             process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            watcher = Watcher(process.pid)
+            watcher = Watcher(process.pid, results)
             watcher.start()
             while _parts(results) == had:
                 if process.poll() is not None:
@@ -195,32 +195,61 @@ def numbers(low: float, high: float, count: int) -> str:
 
 
 class Watcher(threading.Thread):
-    """Looks at a process and its children twice a second until it ends."""
+    """Looks at a process and its children twice a second until it ends.
 
-    def __init__(self, pid: int) -> None:
+    stages : the largest memory while the study is `expanded`, scenes are `solved`, the file is `written`, and after
+        that, while the summary is `told` [bytes]
+    """
+
+    def __init__(self, pid: int, results: Path) -> None:
         super().__init__(daemon=True)
-        self.pid, self.largest, self.main = pid, 0, 0
+        self.pid, self.main, self.stages = pid, 0, dict[str, int]()
+        self._results = results
+
+    @property
+    def largest(self) -> int:
+        """The largest memory of all stages [bytes]."""
+        return max(self.stages.values(), default=0)
 
     def run(self) -> None:
         while (now := family_memory(self.pid)) > 0:
-            self.largest = max(self.largest, now)
+            stage = self._stage()
+            self.stages[stage] = max(self.stages.get(stage, 0), now)
             self.main = max(self.main, resident(self.pid))
             time.sleep(0.5)
 
+    def _stage(self) -> str:
+        if self._results.with_name(f".{self._results.name}.tmp").exists():
+            return "written"
+        if self._results.exists():
+            return "told"
+        return "solved" if Path(f"{self._results}.parts").exists() else "expanded"
+
 
 def family_memory(pid: int) -> int:
-    """Proportional set size of a process and all below it [bytes]; 0 when it is gone (Linux)."""
-    total, waiting = 0, [pid]
+    """Memory of a process and all below it, pages that they share counted once [bytes]; 0 when it is gone (Linux).
+
+    Of files, such as libraries, what the process itself has mapped: other programs may share that too, which makes its
+    proportional share smaller than on a machine of its own.
+    """
+    total, files, waiting = 0, 0, [pid]
     while waiting:
         here = waiting.pop()
         try:
             rollup = Path(f"/proc/{here}/smaps_rollup").read_text()
+            status = Path(f"/proc/{here}/status").read_text()
             for task in Path(f"/proc/{here}/task").iterdir():
                 waiting += [int(child) for child in (task / "children").read_text().split()]
         except OSError:  # ended meanwhile
             continue
-        total += sum(1024 * int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:"))
-    return total
+        total += _bytes_of(rollup, "Pss_Anon") + _bytes_of(rollup, "Pss_Shmem")
+        files = max(files, _bytes_of(status, "RssFile"))
+    return total + files
+
+
+def _bytes_of(text: str, name: str) -> int:
+    """A line of kilobytes in a file of /proc [bytes]."""
+    return sum(1024 * int(line.split()[1]) for line in text.splitlines() if line.startswith(f"{name}:"))
 
 
 def resident(pid: int) -> int:
@@ -229,7 +258,7 @@ def resident(pid: int) -> int:
         status = Path(f"/proc/{pid}/status").read_text()
     except OSError:
         return 0
-    return sum(1024 * int(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM:"))
+    return _bytes_of(status, "VmHWM")
 
 
 if __name__ == "__main__":
