@@ -82,6 +82,12 @@ class Scene:
         """SHA-256 of the scene: two scenes with one digest have the same response (names are left out)."""
         return Digests(self.buildings, self.links).of(self.motion, self.analysis, self.tail)
 
+    def under(self, motion: Motion, analysis: Analysis) -> Scene:
+        """The same buildings, links and tail under a motion. They were checked, which takes as long as all else."""
+        scene = object.__new__(Scene)
+        vars(scene).update(buildings=self.buildings, links=self.links, motion=motion, analysis=analysis, tail=self.tail)
+        return scene
+
     def alone(self, place: int) -> Scene:
         """The baseline of the building at `place`: the same motion, no neighbours, no links."""
         return Scene((self.buildings[place],), (), self.motion, self.analysis, self.tail)

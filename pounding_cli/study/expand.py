@@ -139,13 +139,18 @@ class _Digests:
     def _add_case(self, place: int) -> None:
         """The scenes of a case."""
         case, builder, numbers = self._frame.cases[place], self._builder, array("i")
+        met: dict[tuple[Link, ...], int] = {}  # the numbers of the latest ones
 
         def begin(point: Point) -> Digests | None:
             self._study.resolver.links(point, case)  # what is wrong with them, and with what they stand between
             if self._met():
                 return None
             links = builder.links(point, case)
-            numbers.append(self._sets.number(seen(links)))
+            number = met.get(links)
+            if number is None:
+                number = self._sets.number(seen(links))
+                _keep(met, links, number, MOST_ALIKE)
+            numbers.append(number)
             return Digests(builder.buildings(point), links)
 
         own = self._study.resolver.touching(*links_depend_on(case))
@@ -227,6 +232,7 @@ class _Builder:
         self._endings: dict[Point, list[bytes]] = {}
         self._links = Answers([len(axis) for axis in resolver.axes])
         self._alike: dict[tuple[Link, ...], tuple[Link, ...]] = {}
+        self._last: tuple[Point, int, Scene, Mapping[str, Used]] | None = None
 
     def around(self, point: Point) -> _Around:
         """What is around the links at a point."""
@@ -274,9 +280,14 @@ class _Builder:
         return found
 
     def __call__(self, point: Point, case: int, analysis: int, record: int) -> Scene:
-        around, links = self.around(point), self.links(point, self._cases[case])
-        motion = around.motions[self._records[record]].motion
-        return Scene(around.buildings, links, motion, self._analyses[analysis], around.tail)
+        name, kind = self._records[record], self._analyses[analysis]
+        if self._last is None or self._last[:2] != (point, case):
+            around, links = self.around(point), self.links(point, self._cases[case])
+            scene = Scene(around.buildings, links, around.motions[name].motion, kind, around.tail)
+            self._last = point, case, scene, around.motions
+            return scene
+        _, _, scene, motions = self._last
+        return scene.under(motions[name].motion, kind)
 
 
 def _keep(answers: dict, key: object, answer: object, most: int) -> None:

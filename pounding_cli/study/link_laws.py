@@ -46,6 +46,26 @@ class Group:
     def is_empty(self) -> bool:
         return not self.buildings
 
+    @functools.cached_property
+    def floors(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+        """`common`, to be looked up by."""
+        return tuple(map(tuple, self.common))
+
+    @functools.cached_property
+    def _stiffnesses(self) -> dict[StiffnessRule, float | None]:
+        return {}
+
+    def stiffness(self, rule: StiffnessRule) -> float | None:
+        """What a rule gives [N/m]; None where its building, or the group, is not sound."""
+        if rule not in self._stiffnesses:
+            buildings = list(self.buildings)
+            if rule.building is not None:
+                buildings = [self.types[rule.building]] if rule.building in self.types else []
+            of = max if rule.which == "stiffest" else _mean
+            most = max((float(of(b.stiffness.tolist())) for b in buildings), default=None)
+            self._stiffnesses[rule] = None if most is None else rule.factor * most
+        return self._stiffnesses[rule]
+
 
 @dataclass(frozen=True)
 class Layer:
@@ -75,6 +95,7 @@ class LawReader:
 
     def __init__(self, group: Group, root: Node | Tree, problems: Problems) -> None:
         self.group, self.root, self.problems = group, root, problems
+        self.rules: dict[StiffnessRule, float | None] = {}  # that were asked for, and what they gave
 
     def refuse(self, path: Path, message: str, hint: str, key: bool = False) -> None:
         self.problems.at(self.root, path, message, hint, key)
@@ -252,20 +273,12 @@ class LawReader:
         """A stiffness in N/m."""
         if not isinstance(given, StiffnessRule):
             return given
-        buildings = list(self.group.buildings)
-        if given.building is not None:
-            if given.building not in self.group.defined:
-                self.refuse(
-                    path,
-                    f"no building '{given.building}' is defined",
-                    nearest(given.building, self.group.defined),
-                )
-                return None
-            buildings = [self.group.types[given.building]] if given.building in self.group.types else []
-        if not buildings:
+        if given.building is not None and given.building not in self.group.defined:
+            message = f"no building '{given.building}' is defined"
+            self.refuse(path, message, nearest(given.building, self.group.defined))
             return None
-        of = max if given.which == "stiffest" else _mean
-        return given.factor * max(float(of(b.stiffness.tolist())) for b in buildings)
+        self.rules[given] = self.group.stiffness(given)
+        return self.rules[given]
 
 
 @functools.cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,7 +18,11 @@ from pounding_cli.study.formulas import law_class
 from pounding_cli.study.law_keys import own_parameters
 from pounding_cli.study.link_laws import Group, LawReader, Layer, says, where
 from pounding_cli.study.problems import Path, Problems, Tree
+from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.source import Node
+
+MOST_KNOWN = 1000
+"""Cases whose links are known again, about 2 kB each."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +34,43 @@ class _Element:
     path: Path
 
 
-def links_of(case: CaseSpec, group: Group, root: Node | Tree, path: Path, problems: Problems) -> tuple[Link, ...]:
-    """All links of a case, by pair and then from the ground up; what is wrong is noted in `problems`."""
-    reader = _Reader(group, root, problems)
+class Links:
+    """The links of cases. Those of groups that differ in nothing that links depend on are the same, and found once: a
+    period that is swept leaves links alone whose stiffness is that of another building."""
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[tuple[Any, ...], _Known] = OrderedDict()
+
+    def of(self, case: CaseSpec, group: Group, root: Node | Tree, path: Path, problems: Problems) -> tuple[Link, ...]:
+        """All links of a case, by pair and then from the ground up; what is wrong is noted in `problems`."""
+        if group.is_empty or any(group.strikes):  # links on columns depend on the building
+            return _links_of(case, group, root, path, _Reader(group, root, problems))
+        key = id(case), id(group.impact), id(group.laws), group.floors
+        known = self._known.get(key)
+        if known is not None and all(group.stiffness(rule) == found for rule, found in known.rules):
+            return known.links
+        before = len(problems.found)
+        reader = _Reader(group, root, problems)
+        links = _links_of(case, group, root, path, reader)
+        if len(problems.found) == before:
+            self._known[key] = _Known(links, tuple(reader.rules.items()), (case, group.impact, group.laws))
+            if len(self._known) > MOST_KNOWN:
+                self._known.popitem(last=False)
+        return links
+
+
+@dataclass(frozen=True)
+class _Known:
+    """The links of a case, the rules for stiffness that they follow from with what they gave, and what they were looked
+    up by, which is held so that nothing else gets its place in memory."""
+
+    links: tuple[Link, ...]
+    rules: tuple[tuple[StiffnessRule, float | None], ...]
+    held: tuple[Any, ...]
+
+
+def _links_of(case: CaseSpec, group: Group, root: Node | Tree, path: Path, reader: _Reader) -> tuple[Link, ...]:
+    problems = reader.problems
     pairs = len(case.pairs or "1") if group.is_empty else len(group.buildings) - 1
     if case.pairs is not None and len(case.pairs) != pairs:
         problems.at(

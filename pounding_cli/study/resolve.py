@@ -22,7 +22,7 @@ from pounding_cli.study.building_schema import BuildingSpec
 from pounding_cli.study.case_schema import Impact
 from pounding_cli.study.formulas import OwnLaws, own_laws
 from pounding_cli.study.link_laws import Group
-from pounding_cli.study.links import links_of
+from pounding_cli.study.links import Links
 from pounding_cli.study.motions import Used, motions_of
 from pounding_cli.study.problems import Problems, Tree, nearest
 from pounding_cli.study.rules import StiffnessRule
@@ -53,6 +53,10 @@ class Resolver(Sections):
     """
 
     _last: tuple[Point, Group] | None = None
+
+    @functools.cached_property
+    def _links(self) -> Links:
+        return Links()
 
     def problems(self, point: Point) -> tuple[Problem, ...]:
         """Everything wrong with the study at this point."""
@@ -172,7 +176,7 @@ class Resolver(Sections):
         def work(problems: Problems) -> tuple[Link, ...]:
             root = self.root_at(point)
             around = group or self._empty_group(point)
-            return links_of(spec, around, root, ("cases", case), problems)
+            return self._links.of(spec, around, root, ("cases", case), problems)
 
         return self.once(("links", case), point, links_depend_on(case), work)
 

@@ -46,11 +46,14 @@ class Frame:
 
     def place(self, number: int) -> tuple[tuple[int, ...], int, int, int]:
         """Point, case, analysis and record of a row."""
-        places = []
-        for size in reversed(self.shape):
+        *sizes, cases, analyses, records = self.shape
+        number, record = divmod(number, records)
+        number, analysis = divmod(number, analyses)
+        number, case = divmod(number, cases)
+        point = []
+        for size in reversed(sizes):
             number, place = divmod(number, size)
-            places.append(place)
-        record, analysis, case, *point = places
+            point.append(place)
         return tuple(reversed(point)), case, analysis, record
 
 

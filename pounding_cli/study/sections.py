@@ -113,6 +113,8 @@ class Sections:
             kept = self.touching(*subjects)
         if True not in kept:
             return self.base
+        if False not in kept:
+            return point
         return tuple([place if keep else -1 for place, keep in zip(point, kept, strict=True)])
 
     def once(self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Problems], Any]) -> Any:

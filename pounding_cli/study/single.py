@@ -17,7 +17,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.study.data import at_keys, tree_of
 from pounding_cli.study.facing import COLUMNS, facing
 from pounding_cli.study.link_laws import Group
-from pounding_cli.study.links import links_of
+from pounding_cli.study.links import Links
 from pounding_cli.study.motion_reader import MotionReader
 from pounding_cli.study.problems import Problems
 from pounding_cli.study.resolve import Resolver, places
@@ -61,7 +61,7 @@ def links_between(
         names = [building.name for building in buildings]
         group = Group(buildings, dict(zip(names, buildings, strict=True)), common, element, names, {}, strikes)
         problems = Problems(str(_FILE))
-        links = links_of(spec, group, resolver.root_at(()), ("cases", "case"), problems)
+        links = Links().of(spec, group, resolver.root_at(()), ("cases", "case"), problems)
         problems.refuse()
         return links
 

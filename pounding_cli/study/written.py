@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import types
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
@@ -85,7 +86,7 @@ def quantity_of(model: type[BaseModel], path: Sequence[str]) -> Quantity | None:
 
 def _below(kind: Any, step: str) -> Iterator[Any]:
     if isinstance(kind, type) and issubclass(kind, BaseModel):
-        hints = get_type_hints(kind, include_extras=True)
+        hints = _hints(kind)
         for name, field in kind.model_fields.items():
             if (field.alias or name) == step:
                 yield from _leaves(hints[name])
@@ -93,6 +94,12 @@ def _below(kind: Any, step: str) -> Iterator[Any]:
         yield from _leaves(get_args(kind)[0])
     elif get_origin(kind) is dict:
         yield from _leaves(get_args(kind)[1])
+
+
+@functools.cache
+def _hints(kind: type[BaseModel]) -> dict[str, Any]:
+    """The types of the fields of a model: to find them takes a millisecond."""
+    return get_type_hints(kind, include_extras=True)
 
 
 def _leaves(kind: Any) -> Iterator[Any]:

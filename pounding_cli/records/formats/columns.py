@@ -7,7 +7,7 @@ units (`t [s]; a [cm/s2]`), comments behind `#`, `%` or `!`, and `# dt:`, `# uni
 from __future__ import annotations
 
 import re
-from itertools import pairwise
+from itertools import islice, pairwise
 
 from pounding_cli.numbers import counted
 from pounding_cli.records.formats.text import Asked, Samples, Text, number, one_blank, tokens
@@ -131,7 +131,7 @@ def _first_row(text: Text) -> int:
 
 def _points(lines: list[str]) -> list[str]:
     """The lines with decimal points where the file writes decimal commas: by its first lines of numbers."""
-    sample = [line for line in lines if re.match(r"\s*[-+]?[\d.,]", line)][:20]
+    sample = list(islice((line for line in lines if re.match(r"\s*[-+]?[\d.,]", line)), 20))
     words = [re.split(r"[;\s]+", line.strip().rstrip(";")) for line in sample]
     shown = [word for row in words for word in row if word]
     commas = [word for word in shown if _DECIMAL_COMMA.match(word)]

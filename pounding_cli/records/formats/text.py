@@ -15,6 +15,7 @@ _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
 _HEADER = re.compile(r"([A-Za-z0-9 ]+)[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z")
+_PLAIN = re.compile(r"[-+.0-9Ee \t]+")
 _NOT_FINITE = re.compile(r"[-+]?(?:nan|inf(?:inity)?|\*+)\Z", re.IGNORECASE)
 _FORTRAN = re.compile(r"\(\s*(\d*)\s*[IFEDG]\s*(\d+)", re.IGNORECASE)
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
@@ -121,6 +122,8 @@ class Text:
     def row(self, index: int) -> list[float]:
         """The numbers on one line, wherever they stand; nan, inf and all else is refused at its column."""
         line = self.lines[index]
+        if _PLAIN.fullmatch(line) and (plain := _plain_numbers(line)) is not None:
+            return plain
         values: list[float] = []
         for token in tokens(line):
             if number(token) is not None:
@@ -213,6 +216,15 @@ def number(token: str) -> float | None:
         return None
     value = float(token.replace("D", "E").replace("d", "e"))
     return value if math.isfinite(value) else None
+
+
+def _plain_numbers(line: str) -> list[float] | None:
+    """The numbers of a line of `_PLAIN` characters, at once; None where one is none, or too large."""
+    try:
+        values = list(map(float, line.split()))
+    except ValueError:
+        return None
+    return values if all(map(math.isfinite, values)) else None
 
 
 def numbers_only(line: str) -> bool:

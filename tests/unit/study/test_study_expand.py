@@ -7,6 +7,8 @@ import pytest
 
 from pounding_cli.errors import InputError
 from pounding_cli.study import expand, load_study
+from pounding_cli.study.links import Links
+from pounding_cli.study.problems import Problems
 from pounding_cli.study.scenes import LinkSets
 from pounding_cli.study.sections import FEW_KEPT, Answers
 
@@ -129,8 +131,8 @@ def test_repeated_scene_runs_once(study):
 
 
 def test_what_an_axis_does_not_touch_is_built_once(study, monkeypatch):
-    """Three gaps, four durations of the motions, two periods: links at each gap and period, whatever the motion.
-    Fails if links are looked at at every point."""
+    """Three gaps, four durations of the motions, two periods: links at each gap, whatever the motion, and whatever the
+    period of a building that they do not depend on. Fails if links are looked at at every point."""
     built = []
     real = LinkSets.number
     monkeypatch.setattr(LinkSets, "number", lambda *given: built.append(given) or real(*given))
@@ -138,7 +140,34 @@ def test_what_an_axis_does_not_touch_is_built_once(study, monkeypatch):
     read = study((END, END + text + "  buildings.soft.period: [0.5 s, 0.7 s]\n"))
     plan = expand(read)
     assert len(plan.rows) == 24 * 2
-    assert len(built) == 3 * 2
+    assert len(built) == 3
+
+
+@pytest.mark.parametrize("stiffness", ["20 x stiffest storey", "1/5 mean storey of soft", "1e9 N/m"])
+def test_links_that_are_known_are_those_of_the_point(study, stiffness):
+    """The building that is swept is the softer and the stiffer one, and links stand on other floors where it has more.
+    Fails if links are taken for those of a group, a case or an impact element that gives others, or if a scene is built
+    with what another point has."""
+    swept = (
+        "sweep:\n  buildings.soft.period: [0.9 s, 0.6 s, 0.3 s, 0.2 s]\n  buildings.soft.storeys: [3, 2]\n"
+        "  impact.restitution: [0.5, 0.7]\n  cases.gap.gap: [1 cm, 2 cm]\n"
+    )
+    found = study((END, END + swept), ("20 x stiffest storey", stiffness))
+    plan, points = expand(found), {row.point for row in expand(found).rows}
+    resolver, built = found.resolver, {}
+    for point in points:
+        reader = Links()  # knows none
+        group, case = resolver.group(point), resolver.entry(point, "cases", "gap")
+        built[point] = reader.of(case, group, resolver.root_at(point), ("cases", "gap"), Problems("study.yaml"))
+    assert len(set(built.values())) == (8 if stiffness == "1e9 N/m" else 32 if "soft" in stiffness else 20)
+    for row in plan.rows:
+        scene = plan.scenes[row.scene]
+        assert scene.links == built[row.point] == resolver.links(row.point, "gap")
+        assert scene.buildings == tuple(resolver.group(row.point).buildings)
+        assert (scene.digest, str(scene.analysis)) == (row.scene, row.analysis)
+        assert [scene.alone(place).digest for place in (0, 1)] == list(row.baselines)
+    for digest in np.random.default_rng(3).permutation(list(plan.scenes)).tolist():
+        assert plan.scenes[digest].digest == digest
 
 
 def test_expansion_is_the_same_twice(tmp_path):
