@@ -9,7 +9,7 @@ import pickle
 import signal
 import sys
 import time
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from multiprocessing.connection import Connection, wait
@@ -81,12 +81,33 @@ class Processes(Engine):
             staff.end()
 
 
+def _start_method() -> str:
+    """How processes begin. Forked workers inherit the compiled kernels and the plan; where forking is not safe, scenes
+    are sent."""
+    return multiprocessing.get_start_method(allow_none=True) or ("fork" if sys.platform == "linux" else "spawn")
+
+
+def apart(work: Callable[[], object]) -> None:
+    """Do some work in a fork, whose memory is free again at its end. Whatever goes wrong there is not told; nothing is
+    done where processes are not forked."""
+    if _start_method() == "fork":
+        process = multiprocessing.get_context("fork").Process(target=_quietly, args=(work,), daemon=True)
+        process.start()
+        process.join()
+
+
+def _quietly(work: Callable[[], object]) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    with suppress(Exception):
+        work()
+
+
 class _Staff:
     """The workers: at work on a bundle, or idle; hired when they are needed."""
 
     def __init__(self, scenes: Mapping[str, Scene], task: Work, key: str) -> None:
-        # Forked workers inherit the compiled kernels and the plan; elsewhere forking is not safe: scenes are sent.
-        method = multiprocessing.get_start_method(allow_none=True) or ("fork" if sys.platform == "linux" else "spawn")
+        method = _start_method()
         self._forks = method == "fork"
         self._context: Any = multiprocessing.get_context(method)
         self._scenes, self._task, self._key = scenes, task, key

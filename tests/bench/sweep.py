@@ -17,6 +17,8 @@ from string import Template
 
 import h5py
 
+from pounding_cli.store.locks import lock_of
+
 from .clock import ROOT
 from .program import pound
 
@@ -197,8 +199,8 @@ def numbers(low: float, high: float, count: int) -> str:
 class Watcher(threading.Thread):
     """Looks at a process and its children twice a second until it ends.
 
-    stages : the largest memory while the study is `expanded`, scenes are `solved`, the file is `written`, and after
-        that, while the summary is `told` [bytes]
+    stages : the largest memory while the study is `expanded`, kernels are compiled and scenes `solved`, the file is
+        `written`, and after that, while the summary is `told` [bytes]
     """
 
     def __init__(self, pid: int, results: Path) -> None:
@@ -223,7 +225,7 @@ class Watcher(threading.Thread):
             return "written"
         if self._results.exists():
             return "told"
-        return "solved" if Path(f"{self._results}.parts").exists() else "expanded"
+        return "solved" if lock_of(self._results).exists() else "expanded"
 
 
 def family_memory(pid: int) -> int:

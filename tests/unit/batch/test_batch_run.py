@@ -15,6 +15,8 @@ import h5py
 import pytest
 
 from pounding_cli.batch import run_plan
+from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.processes import apart
 from pounding_cli.errors import InputError
 from pounding_cli.model.placed import Placed
 from pounding_cli.store import PartStore, locked, open_results, solution_key
@@ -191,6 +193,37 @@ def test_forked_workers_look_up_no_digest(plan, output):
     plan = replace(plan, scenes=OfThisProcess(plan.scenes))
     outcome = run_plan(plan, output, solve=known, workers=2)
     assert (outcome.done, outcome.failed, outcome.engine) == (24, 0, "processes")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks")
+@pytest.mark.parametrize(
+    ("name", "is_long", "forks"), [("processes", True, True), ("processes", False, False), ("serial", True, False)]
+)
+def test_a_long_study_compiles_in_a_process_that_ends(plan, output, tmp_path, monkeypatch, name, is_long, forks):
+    """Two scenes of each sort are solved before the others: the first ones there too. Fails if what the compiler leaves
+    stays in this process, or if processes are forked where another engine was asked for."""
+    seen = tmp_path / "seen"
+
+    def sees(self, scene):
+        with seen.open("a") as stream:
+            print(os.getpid(), scene.digest, file=stream)
+        return known(scene)
+
+    monkeypatch.setattr("pounding_cli.batch.runner.is_long", lambda axes: is_long)
+    monkeypatch.setattr(Task, "__call__", sees)
+    monkeypatch.setattr(Task, "each", lambda self, scenes, begins, halted: list(map(known, scenes)))
+    run_plan(plan, output, engine_name=name, workers=1)
+    lines = [line.split() for line in seen.read_text().splitlines()]
+    here = [digest for process, digest in lines if int(process) == os.getpid()]
+    others = [digest for process, digest in lines if int(process) != os.getpid()]
+    assert others == (here[:6] if forks else [])  # touching, gap, alone; elastic, inelastic
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks")
+def test_work_apart_that_fails_is_left_to_this_process(capfd):
+    for work in (lambda: 1 / 0, lambda: os.kill(os.getpid(), signal.SIGKILL)):
+        apart(work)
+    assert capfd.readouterr() == ("", "")
 
 
 def test_small_studies_stay_in_this_process_and_off_the_disk(plan, output, monkeypatch):
