@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
+import numpy as np
+
 from pounding_cli.solve.read import OneOf
 from pounding_cli.solve.response import PointResponse, Response
 from pounding_cli.store.chunk import Chunk
@@ -18,6 +20,9 @@ CHUNK_SECONDS = 0.5
 
 LEAST = 0.1
 """Work in the last chunks over that in the others: an idle worker waits for so much at most."""
+
+FARTHEST = 0.5
+"""Part of a bundle by which it may be longer or shorter so that families stay whole."""
 
 MOST = 1000
 """Scenes in one bundle at most."""
@@ -64,10 +69,15 @@ class Queue:
     digests : in the order in which they are to be solved
     workers : that take from it
     seconds : expected time of one scene [s]
+    families : places where a family of scenes begins, rising: bundles end there if they can, since every worker that
+        has one of a family solves its baselines
     """
 
-    def __init__(self, digests: Sequence[str], workers: int, seconds: float) -> None:
+    def __init__(
+        self, digests: Sequence[str], workers: int, seconds: float, families: np.ndarray | None = None
+    ) -> None:
         self._digests, self._next = digests, 0
+        self._families = np.array([*(() if families is None else families), len(digests)])
         self._back: list[str] = []  # what came back, the next one last
         self._workers = workers
         self._seconds, self._scenes = max(seconds, 1e-6), 1
@@ -83,9 +93,20 @@ class Queue:
         size = max(1, min(math.ceil(size), MOST))
         bundle = self._back[: -size - 1 : -1]
         del self._back[len(self._back) - len(bundle) :]
-        new = self._digests[self._next : self._next + size - len(bundle)]
+        end = self._next + size - len(bundle)
+        if self._workers > 1 and not bundle:
+            end = self._end_near(end, size)
+        new = self._digests[self._next : end]
         self._next += len(new)
         return [*bundle, *new]
+
+    def _end_near(self, end: int, size: int) -> int:
+        """The end of a family that a bundle may have in place of `end`."""
+        place = int(np.searchsorted(self._families, end))
+        near = self._families[max(0, place - 1) : place + 1]
+        nearest = int(near[np.argmin(np.abs(near - end))])
+        allowed = nearest > self._next and abs(nearest - end) <= FARTHEST * size and nearest - self._next <= MOST
+        return nearest if allowed else end
 
     def give_back(self, digests: Sequence[str]) -> None:
         """Scenes that were taken and not solved; they come next."""

@@ -28,12 +28,14 @@ class Order:
     counts : scenes of every sort
     samples : the first two scenes of every sort, one to compile for and one to time
     rest : the digests without the samples
+    begins : where in `rest` a family begins; none where all are one
     """
 
     digests: Sequence[str] = ()
     counts: Counter[Sort] = field(default_factory=Counter)
     samples: dict[Sort, list[str]] = field(default_factory=dict)
     rest: Sequence[str] = ()
+    begins: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
 
 
 def order_of(plan: Plan, solved: Callable[[Sequence[str]], np.ndarray]) -> Order:
@@ -68,7 +70,10 @@ def order_of(plan: Plan, solved: Callable[[Sequence[str]], np.ndarray]) -> Order
         order.samples[name] = list(DigestList(table.digests, some))
         left[some] = False
     families = _families(rows.scenes, row)
-    numbers = numbers if families is None else numbers[np.argsort(families, kind="stable")]
+    if families is not None:
+        turn = np.argsort(families, kind="stable")
+        numbers, families = numbers[turn], families[turn]
+        order.begins = np.flatnonzero(np.diff(families[left[numbers]])) + 1
     order.digests = DigestList(table.digests, numbers)
     order.rest = DigestList(table.digests, numbers[left[numbers]])
     return order

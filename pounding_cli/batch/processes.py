@@ -53,10 +53,14 @@ class Processes(Engine):
         staff = _Staff(scenes, task, key)
         suspects: list[str] = []
         tried: set[str] = set()
+
+        def hand_out() -> None:
+            while (queue or suspects) and len(staff.busy) < self.workers:
+                staff.send([suspects.pop()] if suspects else queue.take())
+
         try:
             while queue or suspects or staff.busy:
-                while (queue or suspects) and len(staff.busy) < self.workers:
-                    staff.send([suspects.pop()] if suspects else queue.take())
+                hand_out()
                 for worker in staff.ready():
                     bundle = staff.busy.pop(worker)
                     answer = worker.answer()
@@ -67,6 +71,7 @@ class Processes(Engine):
                         staff.idle.append(worker)
                         queue.give_back(bundle[len(chunk) :])
                         queue.learn(len(chunk), seconds)
+                        hand_out()  # now: to bring a chunk to the disk takes milliseconds
                         yield Finished(chunk, content)
                         continue
                     worker.end()

@@ -257,7 +257,7 @@ def _solve_missing(
     if not small:
         parts.flush()
         keep_expanded(plan, parts.folder)
-    queue = Queue(order.rest, used.workers, work / max(1, len(order.rest)))
+    queue = Queue(order.rest, used.workers, work / max(1, len(order.rest)), order.begins)
     with contextlib.closing(used.solve(queue, plan.scenes, task, parts.key)) as solved:
         for finished in solved:
             keep(finished, small)

@@ -21,8 +21,8 @@ from pounding_cli.study.problems import Path, Problems, Tree
 from pounding_cli.study.rules import StiffnessRule
 from pounding_cli.study.source import Node
 
-MOST_KNOWN = 1000
-"""Cases whose links are known again, about 2 kB each."""
+MOST_KNOWN = 500
+"""Cases whose links are known again, about 4 kB each."""
 
 
 @dataclass(frozen=True)

@@ -137,6 +137,7 @@ def test_a_worker_stops_growing(tmp_path, monkeypatch):
 def test_a_plan_holds_little_of_every_point(tmp_path, monkeypatch):
     """A million points must fit beside the rest: fails if digests are texts, or if rows, scenes or links are kept."""
     monkeypatch.setattr("pounding_cli.study.sections.MOST_KEPT", 200)
+    monkeypatch.setattr("pounding_cli.study.links.MOST_KNOWN", 50)
     sizes = []
     for count in (400, 800, 2400):
         path = tmp_path / f"{count}.yaml"

@@ -131,6 +131,40 @@ def test_the_last_bundles_are_a_tenth_of_the_others_and_one_worker_has_no_need_o
         assert min(sizes[:-1]) == least
 
 
+@pytest.mark.parametrize("family", [1, 31, 300, 3000])
+def test_bundles_end_where_families_do(family):
+    """So that baselines are solved by one worker alone. Fails if a family of a third of a bundle is cut, if a bundle
+    grows or shrinks by more than half for one that is long, or if one is left out."""
+    names = [str(n) for n in range(5000)]
+    begins = np.arange(family - 2, 5000, family)
+    queue, found, ends = Queue(names, 2, 0.001, begins), [], []
+    while queue:
+        wanted = min(500, max(len(queue) / 6, 50))
+        bundle = queue.take()
+        found += bundle
+        ends.append(len(found))
+        assert len(bundle) <= 1.5 * wanted + 1
+        assert len(bundle) >= 0.5 * wanted or not queue
+    assert found == names
+    at_ends = np.isin(ends, [*begins, 5000])
+    assert at_ends.all() if family <= 31 else at_ends.any()
+
+
+def test_families_begin_among_the_scenes_that_are_left(tmp_path):
+    """Fails if these places are those among all scenes where some are solved already."""
+    (tmp_path / "study.yaml").write_text(MIXED)
+    plan = expand(load_study(tmp_path / "study.yaml"))
+    family: dict[str, tuple[str, ...]] = {}
+    for row in plan.rows:
+        for digest in (*row.baselines, row.scene):
+            family.setdefault(digest, row.baselines)
+    for solved in ((), list(plan.scenes)[::3]):
+        order = order_of(plan, solved_of(solved))
+        left = [family[digest] for digest in order.rest]
+        assert order.begins.tolist() == [n for n in range(1, len(left)) if left[n] != left[n - 1]]
+        assert len(order.begins) > 10
+
+
 def test_bundles_follow_the_pace():
     queue = Queue([str(n) for n in range(100_000)], workers=2, seconds=0.001)
     queue.learn(1000, 100.0)
