@@ -6,7 +6,7 @@ import itertools
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 MOST_SCENES = 2000
 """Scenes that are looked at; of more, as many spread evenly."""
 
+MOST_TIMED, TIMED = 64, 0.5
+"""Rows of a method that are run to see how long they take, at most so many, and for so long about [s]: how often floors
+strike each other decides, which no formula tells."""
+
 ALONE, PARTS, GROUP = "of a building alone", "of smaller groups", "of the group"
 APART = "of neighbours kept apart"
 """What is solved: baselines; several neighbours of a row, to see whether they reach the next one; whole rows;
@@ -43,6 +47,7 @@ class Forecast:
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
     all, alone : scenes of the study, and of buildings alone; about so many where it was thinned
     looked_at, proven : share of the scenes looked at; whether the buildings alone and the smaller groups were run
+    timed : rows of the group that were run to see how long they take
     """
 
     scenes: defaultdict[tuple[str, str], float] = field(default_factory=lambda: defaultdict(float))
@@ -54,18 +59,19 @@ class Forecast:
     alone: int = 0
     looked_at: float = 1.0
     proven: bool = False
+    timed: int = 0
 
     @property
     def total(self) -> float:
-        """Expected time on one core [s]."""
+        """Expected time of the scenes on one core [s]."""
         return sum(self.seconds.values())
 
 
 def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
     """Look at the scenes of a plan. To find rows that need no run, run their buildings alone and smaller groups.
 
-    Then everything is found as a run will find it; only the whole rows are not solved. Without proof every row counts
-    as solved whole, and smaller groups only where a first movement closes their links.
+    Then everything is found as a run will find it; of the whole rows a few are solved, to time them. Without proof
+    every row counts as solved whole, and smaller groups only where a first movement closes their links.
 
     whole : the study that will run, where the plan is that of a thinned one (`study.thinned`)
     """
@@ -78,15 +84,20 @@ def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
     found.looked_at = len(digests) / max(1, found.all)
     every = _every(plan)
     parts: set[str] = set()
+    whole_rows: defaultdict[str, list[Scene]] = defaultdict(list)
+    solver_seconds: defaultdict[str, float] = defaultdict(float)
     share = {"none": 0.0, "sample": 1 / 8, "all": 1.0}[plan.estimate]
 
     def count(what: str, scene: Scene, number: float) -> None:
         method = _method(plan, scene)
         runs = 1 + share * (runs_assessed(scene, method, plan.accuracy, plan.all_effects) - 1) if share else 1.0
         found.scenes[what, method] += number
-        found.seconds[what, method] += number * (runs * cost(scene, method, plan.time_step) + BESIDE)
+        solver = number * runs * cost(scene, method, plan.time_step)
+        found.seconds[what, method] += solver + number * BESIDE
         if what == GROUP:  # scenes of a point share their links
             found.seconds[what, method] += number * NEW_LINKS / (len(plan.analyses) * len(plan.records))
+            whole_rows[method].append(scene)
+            solver_seconds[method] += solver
 
     def count_part(scene: Scene) -> None:
         if len(scene.buildings) > 1 and scene.digest not in parts:
@@ -109,7 +120,30 @@ def forecast(plan: Plan, prove: bool, whole: Study | None = None) -> Forecast:
             for part in sure_parts(scene):
                 count_part(part)
         count(GROUP, scene, every * stands)
+    for method, scenes in whole_rows.items() if prove else ():
+        timed, rate = _timed(plan, method, scenes)
+        found.timed += timed
+        found.seconds[GROUP, method] += (rate - 1.0) * solver_seconds[method]
     return found
+
+
+def _timed(plan: Plan, method: str, scenes: Sequence[Scene]) -> tuple[int, float]:
+    """How many rows of a method were run, spread evenly, and the time that they took over what `cost` says; none, and
+    1, where each would take too long."""
+    from pounding_cli.solve import solve
+
+    expected = sum(cost(scene, method, plan.time_step) for scene in scenes)
+    most = min(MOST_TIMED, int(TIMED / (expected / len(scenes))))
+    if not most:
+        return 0, 1.0
+    some = scenes[:: -(-len(scenes) // most)]
+    told: dict[str, Any] = {} if plan.time_step is None else {"time_step": plan.time_step}
+    taken = 0.0
+    for scene in some:
+        runs = (solve(scene, plan.accuracy, plan.method, all_effects=plan.all_effects, **told) for _ in range(2))
+        taken += min(run.seconds for run in runs)  # other programs may be at work, and a first run compiles
+    rate = taken / sum(cost(scene, method, plan.time_step) for scene in some)
+    return (len(some), rate) if rate else (0, 1.0)
 
 
 def _stands_for(plan: Plan, whole: Study) -> tuple[dict[str, float], float]:

@@ -83,6 +83,7 @@ def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
     import dataclasses
 
     from pounding_cli.batch.forecast import forecast
+    from pounding_cli.solve.cost import START
     from pounding_cli.workflows import WORKFLOWS
 
     times = math.prod(len(axis.values) / len(few.values) for axis, few in zip(study.axes, some.axes, strict=True))
@@ -101,13 +102,14 @@ def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
             later = "; later rounds depend on its results"
         first = "the first round has" if later else "it has"
         scenes = f"{about}{counted(round(times * len(plan.scenes)), 'scene')}"
-        time = time_text(times * forecast(plan, prove=False).total)
+        time = time_text(START + times * forecast(plan, prove=False).total)
         lines.append(f"  pound {name:<12} {first} {scenes}, about {time} on one core{later}")
     return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
 
 def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
     from pounding_cli.batch.forecast import GROUP, PARTS, forecast
+    from pounding_cli.solve.cost import START
 
     found = forecast(plan, bool(prove), study)
     proof = sum(seconds for (what, _), seconds in found.seconds.items() if what != GROUP)
@@ -126,8 +128,11 @@ def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
     lines += [
         *_sweep(study.axes),
         f"method     {plan.method}, {setting}",
-        f"scenes     {about}{found.all}, on one core about {time_text(found.total)} with estimate: {plan.estimate}"
-        " (reference core; stiff links take longer)",
+        f"scenes     {about}{found.all}, on one core about {time_text(START + found.total)} with estimate: "
+        f"{plan.estimate}",
+        f"           timed by {counted(found.timed, 'row')} of them"
+        if found.timed
+        else "           times of a reference core; stiff links take longer",
     ]
     if found.looked_at < 1:
         lines.append(f"           judged by one scene in {1 / found.looked_at:.0f}")

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from pounding_cli.batch.forecast import ALONE, forecast
 from pounding_cli.cli.main import cli
+from pounding_cli.solve.cost import START
 from pounding_cli.store import open_results
 from pounding_cli.study import expand, load_study
 from tests.helpers.two_buildings import STUDY, known
@@ -55,9 +56,22 @@ def test_smaller_groups_that_rows_fall_into(folder, monkeypatch):
     assert "--prove runs the buildings alone to find out" in planned()
 
 
+@pytest.mark.parametrize("timed", [True, False])
+def test_a_plan_says_where_its_times_are_from(folder, monkeypatch, timed):
+    """Fails if rows are run that take too long for a plan, or times of a formula are told as those of this computer."""
+    if not timed:
+        monkeypatch.setattr("pounding_cli.batch.forecast.TIMED", 1e-9)
+    said = planned()
+    assert ("timed by 7 rows of them" in said) is timed
+    assert ("times of a reference core" in said) is not timed
+    number, unit = re.search(r"on one core about ([\d.]+) (s|ms)", said).groups()
+    assert (unit, float(number)) >= ("s", START)
+
+
 def test_without_proof_the_plan_says_what_it_does_not_know(folder):
     (folder / "two.yaml").write_text(WIDE)
     said = planned("--no-prove")
+    assert "times of a reference core" in said
     assert "of gap" not in said
     assert "--prove runs the buildings alone to find out" in said
 
@@ -222,8 +236,8 @@ def test_of_a_large_sweep_some_points_are_looked_at(tmp_path, monkeypatch):
         return result.stdout
 
     def seconds(said: str) -> float:
-        number, unit = re.search(r"on one core about ([\d.]+) (ms|s)", said).groups()
-        return float(number) * {"ms": 0.001, "s": 1.0}[unit]
+        found = re.findall(r"  run .* about ([\d.]+) (ms|s)", said)
+        return sum(float(number) * {"ms": 0.001, "s": 1.0}[unit] for number, unit in found)
 
     whole = plan()
     assert re.search(r"scenes +170, on", whole)  # 2 motions x (6 x 12 linked, 6 without links, 6 A and 1 B alone)

@@ -203,3 +203,36 @@ def test_scenes_of_a_point_share_the_cost_of_their_links(planned, analyses):
     found = forecast(plan, prove=False)
     solver = sum(cost(plan.scenes[row.scene], "taylor") for row in plan.rows)
     assert found.seconds[GROUP, "taylor"] - solver - len(plan.rows) * BESIDE == pytest.approx(NEW_LINKS)
+
+
+@pytest.mark.parametrize("prove", [True, False])
+def test_rows_are_timed(planned, monkeypatch, prove):
+    """Fails if rows take as long as a formula says although some were run, or if time beside the solver grows too."""
+    plan, _ = planned(("gap: 50 cm", "gap: 0 cm"), ("[elastic]", "[elastic, inelastic]"))
+    scenes = [plan.scenes[row.scene] for row in plan.rows]
+
+    def slow(scene, *arguments, **told):
+        return replace(solve(scene, *arguments, **told), seconds=3.0 * cost(scene, "taylor"))
+
+    monkeypatch.setattr("pounding_cli.solve.solve", slow)
+    found = forecast(plan, prove)
+    assert found.timed == (2 if prove else 0)
+    solver = (3.0 if prove else 1.0) * sum(cost(scene, "taylor") for scene in scenes)
+    assert found.seconds[GROUP, "taylor"] == pytest.approx(solver + 2 * BESIDE + NEW_LINKS)
+
+
+def test_few_rows_of_many_are_timed(planned, monkeypatch):
+    """Spread evenly, within the time that a plan may take."""
+    monkeypatch.setattr("pounding_cli.batch.forecast.MOST_TIMED", 3)
+    swept = "sweep: {impact.restitution: [0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7]}\nestimate"
+    plan, _ = planned(("gap: 50 cm", "gap: 0 cm"), ("estimate", swept))
+    ran = []
+
+    def noted(scene, *arguments, **told):
+        ran.append(scene.digest)
+        return solve(scene, *arguments, **told)
+
+    monkeypatch.setattr("pounding_cli.solve.solve", noted)
+    assert forecast(plan, True).timed == 3
+    rows = [row.scene for row in plan.rows]
+    assert [rows.index(digest) for digest in dict.fromkeys(ran) if digest in rows] == [0, 3, 6]
