@@ -126,7 +126,7 @@ class Branch:
     @property
     def damps(self) -> bool:
         """Whether its force depends on the rate."""
-        return bool(self.dashpot or self.root) or (self.force is not None and self.force.holds(RATE))
+        return bool(self.dashpot or self.root) or (self.force is not None and RATE.register in self.force.given)
 
     @cached_property
     def general(self) -> bool:

@@ -104,9 +104,12 @@ class Expression:
             return self * Expression(Operation.POWER, parts=(other,), numbers=(1.0, -1.0, 0.0))
         return self * (1.0 / other)
 
-    def holds(self, part: Expression) -> bool:
-        """Whether another expression is a part of it."""
-        return self == part or any(one.holds(part) for one in self.parts)
+    @cached_property
+    def given(self) -> frozenset[int]:
+        """The given registers that it is made of."""
+        if self.operation is None:
+            return frozenset((self.register,))
+        return self.parts[0].given | self.parts[-1].given
 
     def at(self, closing: Any, rate: Any, *memory: Any) -> Any:
         """Its value at closings v [m], rates [m/s] and memories; numbers or arrays of one shape, memories not given are
@@ -205,19 +208,24 @@ class _Program:
     def __init__(self, root: int = 1) -> None:
         self.root = root
         self.done: list[Step] = []
-        self.known: dict[Expression, int] = {}
+        self.places: dict[Step, int] = {}
+        self.known: dict[int, tuple[int, Expression]] = {}
+        """Register and expression by its id, which is quicker than its parts."""
 
     def register(self, part: Expression) -> int:
         """The register that holds an expression."""
-        if self.root > 1:
-            part = _in_root(part, self.root)
-        if part.operation is None:
-            return part.register
-        if part not in self.known:
-            x, y = self.register(part.parts[0]), self.register(part.parts[-1])
-            self.done.append((part.operation, x, y, *part.numbers))
-            self.known[part] = GIVEN + len(self.done) - 1
-        return self.known[part]
+        if id(part) in self.known:
+            return self.known[id(part)][0]
+        written = _in_root(part, self.root) if self.root > 1 else part
+        if written.operation is None:
+            return written.register
+        x, y = self.register(written.parts[0]), self.register(written.parts[-1])
+        step: Step = (written.operation, x, y, *written.numbers)
+        if step not in self.places:
+            self.done.append(step)
+            self.places[step] = GIVEN + len(self.done) - 1
+        self.known[id(part)] = self.places[step], part
+        return self.places[step]
 
     def end_with(self, part: Expression) -> None:
         """Have an expression in the last register: what is given, or made before another, is copied there."""
@@ -253,18 +261,16 @@ def straight(value: Expression | float) -> tuple[float, float, int]:
     """
     if not isinstance(value, Expression):
         return float(value), 0.0, 0
-    zeros = [0.0] * MEMORIES
-    constant = float(value.at(0.0, 0.0, *zeros))
+    constant = float(value.at(0.0, 0.0))
     found = constant, 0.0, 0
-    for number in range(MEMORIES):
-        if value.holds(memory(number)):
-            if found[1]:
-                break
-            one = [float(n == number) for n in range(MEMORIES)]
-            found = constant, float(value.at(0.0, 0.0, *one)) - constant, number
+    for number in sorted(register - _MEMORY for register in value.given - {_CLOSING, _RATE}):
+        if found[1]:
+            break
+        one = [float(n == number) for n in range(MEMORIES)]
+        found = constant, float(value.at(0.0, 0.0, *one)) - constant, number
     probe = [1.7 + n for n in range(MEMORIES)]
     expected = found[0] + found[1] * probe[found[2]]
-    if value.holds(CLOSING) or value.holds(RATE) or abs(value.at(0.0, 0.0, *probe) - expected) > 1e-9 * abs(expected):
+    if value.given & {_CLOSING, _RATE} or abs(value.at(0.0, 0.0, *probe) - expected) > 1e-9 * abs(expected):
         raise ValueError(
             "a coefficient of a branch is a number plus a multiple of one memory; set a memory to the rest"
         )

@@ -152,31 +152,48 @@ def _without_links(
 ) -> tuple[Arrays, Places, law_tables.Storeys]:
     """The arrays of buildings alone, with the points that links need; where all stands; the rows of their storeys'
     laws."""
-    places = places_of(buildings, struck, columns)
-    slots = _slots(buildings, places)
-    laws: list[StoreyLaw | None] = [None] * slots.size
+    arrays, places = _elastic(buildings, struck, columns)
     if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
-        for building, span in zip(buildings, places.floors, strict=True):
-            laws[span] = (law if law.can_yield else None for law in building.laws)
-            slots.collapse[span] = building.collapse_drift
-    slots = slots._replace(memories=law_tables.memories_of(laws))
-    yield_drift = np.full(slots.size, np.inf)
-    for building, span in zip(buildings, places.floors, strict=True):
-        yield_drift[span] = building.yield_drift
-    memory = np.zeros((MEMORIES, slots.size))
+        arrays = _inelastic(arrays, buildings)
+    return arrays, places, law_tables.storeys_of(arrays.laws)
+
+
+def _inelastic(elastic: Arrays, buildings: tuple[Building, ...]) -> Arrays:
+    """The arrays of buildings alone whose storeys may yield, from those of storeys that do not."""
+    laws: list[StoreyLaw | None] = [None] * elastic.padded
+    collapse = elastic.slots.collapse.copy()
+    for building, span in zip(buildings, elastic.floors, strict=True):
+        laws[span] = (law if law.can_yield else None for law in building.laws)
+        collapse[span] = building.collapse_drift
+    memory = np.zeros((MEMORIES, elastic.padded))
     for i, law in enumerate(laws):
         begin = law.memories_at_rest if law else ()
         memory[: len(begin), i] = begin
+    return elastic.between(
+        slots=elastic.slots._replace(collapse=collapse, memories=law_tables.memories_of(laws)), laws=tuple(laws),
+        memory_at_rest=memory.ravel(), yields=any(law is not None for law in laws),
+        collapses=bool(np.isfinite(collapse).any()), flows=any([building.memory_flows for building in buildings]),
+    )  # fmt: skip
+
+
+@functools.lru_cache(maxsize=64)
+def _elastic(
+    buildings: tuple[Building, ...], struck: tuple[Struck, ...], columns: tuple[Columns, ...]
+) -> tuple[Arrays, Places]:
+    """As `_without_links`, of storeys that do not yield."""
+    places = places_of(buildings, struck, columns)
+    slots = _slots(buildings, places)
+    yield_drift = np.full(slots.size, np.inf)
+    for building, span in zip(buildings, places.floors, strict=True):
+        yield_drift[span] = building.yield_drift
     points = points_of(places, slots.mass)._replace(shears=shears_of(places, columns))
     arrays = Arrays(
         slots, points, springs_of(buildings, places), *law_tables.pack_links((), (), ()),
-        tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), tuple(laws),
-        columns, memory.ravel(), left_of_links=(), empty_below=(), yield_drift=yield_drift,
-        yields=any(law is not None for law in laws),
-        leans=bool(slots.geometric.any()), collapses=bool(np.isfinite(slots.collapse).any()),
-        flows=analysis == Analysis.INELASTIC and any([building.memory_flows for building in buildings]), written=False,
+        tuple(places.begins), tuple(places.floors), tuple(places.bases), tuple(places.rocks), (None,) * slots.size,
+        columns, np.zeros(MEMORIES * slots.size), left_of_links=(), empty_below=(), yield_drift=yield_drift,
+        yields=False, leans=bool(slots.geometric.any()), collapses=False, flows=False, written=False,
     )  # fmt: skip
-    return arrays, places, law_tables.storeys_of(laws)
+    return arrays, places
 
 
 def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:

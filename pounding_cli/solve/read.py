@@ -112,25 +112,26 @@ class Responses:
     @cached_property
     def flags(self) -> list[tuple[str, ...]]:
         """The flags of every run."""
-        found = []
-        for row, (run, where) in enumerate(zip(self.runs, self.collapses, strict=True)):
-            said = collapse_flag(run.scene, *where)
-            if run.what.may_be_flagged:
-                said += flags_of(run.scene, self._links(row))
-            note = run.what.code.note(*run.found[1:3])
-            found.append((*said, note) if note else said)
-        return found
+        return [self._flags_of(row, run) for row, run in enumerate(self.runs)]
+
+    def _flags_of(self, row: int, run: Prepared) -> tuple[str, ...]:
+        """The flags of one run."""
+        said = collapse_flag(run.scene, *self.collapses[row]) if self.ends[row][0] == COLLAPSED else ()
+        if run.what.may_be_flagged:
+            said += flags_of(run.scene, self._links(row))
+        note = run.what.code.note(*run.found[1:3])
+        return (*said, note) if note else said
 
     @cached_property
     def scalars(self) -> dict[str, Sequence[Any]]:
         """The numbers of `Response` that are one a run, by name; nan for what `assess` finds."""
         _, steps, events, orders, seconds = zip(*[run.found for run in self.runs], strict=True)
         time, building, storey = zip(*self.collapses, strict=True)
-        fixed = [run.what.method.takes_step for run in self.runs]
+        fixed = self.runs[0].what.method.takes_step
         sensitivity = np.where(np.isnan(self.bounds), nan, self.moved.storeys if self.moved else nan)
         return {
-            "accuracy": [nan if is_fixed else run.accuracy for run, is_fixed in zip(self.runs, fixed, strict=True)],
-            "time_step": [run.setting if is_fixed else nan for run, is_fixed in zip(self.runs, fixed, strict=True)],
+            "accuracy": [nan if fixed else run.accuracy for run in self.runs],
+            "time_step": [run.setting if fixed else nan for run in self.runs],
             "steps": steps, "events": events, "orders": orders, "seconds": seconds,
             "collapse_time": time, "collapse_building": building, "collapse_storey": storey,
             "error_estimate": self.bounds.tolist(), "sensitivity": sensitivity.tolist(),
@@ -182,12 +183,13 @@ def read(runs: Sequence[Prepared]) -> list[OneOf]:
     row's numbers cost as little as the smallest step of Python."""
     alike: dict[tuple[object, ...], list[int]] = {}
     for place, run in enumerate(runs):
-        alike.setdefault(run.layout, []).append(place)
-    found: dict[int, OneOf] = {}
+        alike.setdefault(run.what.layout, []).append(place)
+    found: list[Any] = [None] * len(runs)
     for places in alike.values():
         responses = _responses([runs[place] for place in places])
-        found |= {place: OneOf(responses, row) for row, place in enumerate(places)}
-    return [found[place] for place in range(len(runs))]
+        for row, place in enumerate(places):
+            found[place] = OneOf(responses, row)
+    return found
 
 
 def _responses(runs: Sequence[Prepared]) -> Responses:

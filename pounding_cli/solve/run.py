@@ -164,12 +164,6 @@ class Prepared:
         building = int(np.argmax([part.max() for part in parts]))
         return self.reached, building, int(np.argmax(parts[building])) + 1
 
-    @property
-    def layout(self) -> tuple[object, ...]:
-        """The same for runs whose numbers can be read together: of the same buildings, with as many links."""
-        arrays = self.what.arrays
-        return id(arrays.slots.mass), arrays.links.size, arrays.links.number, arrays.columns, id(self.what.code)
-
 
 def prepare(
     scene: Scene,
@@ -186,11 +180,10 @@ def prepare(
 ) -> Prepared:
     """A scene laid out for its run; parameters and errors as of `solve`."""
     chosen, setting = chosen_method(method, accuracy, time_step)
-    buildings, links, analysis = tuple(scene.buildings), tuple(scene.links), scene.analysis
     what = _what_runs(
-        buildings, links, analysis, scene.motion.dt, chosen, accuracy, method == AUTO, all_effects, ledger, tangent
+        scene.buildings, scene.links, scene.analysis, scene.motion.dt, chosen, accuracy, method == AUTO, all_effects, ledger, tangent
     )
-    if what.buildings != buildings:
+    if what.buildings is not scene.buildings and what.buildings != scene.buildings:
         scene = dataclasses.replace(scene, buildings=what.buildings)
     memory, before = what.at_rest, AT_REST
     if initial is not None:
@@ -212,6 +205,8 @@ class WhatRuns(NamedTuple):
     at_rest : the memory of a run before its first step
     effects, dropped : as of `Response`
     may_be_flagged : whether a law has something to say of a closing
+    layout : the same for runs whose numbers can be read together: of the same buildings and analysis, with as many
+        links
     """
 
     buildings: tuple[Building, ...]
@@ -223,6 +218,7 @@ class WhatRuns(NamedTuple):
     effects: tuple[str, ...]
     dropped: tuple[str, ...]
     may_be_flagged: bool
+    layout: tuple[object, ...]
 
 
 @functools.lru_cache(maxsize=64)  # the same for every motion
@@ -269,9 +265,10 @@ def _what_runs(
         code = taylor.WITH_TANGENT
     _compile(code, scene, arrays, dt if chosen.takes_step else accuracy)
     effects = effects_of(scene)
+    layout_of_run = id(arrays.laws), arrays.links.size, arrays.links.number, arrays.columns, id(code)
     return WhatRuns(
         scene.buildings, arrays, chosen, code, code.largest_step(arrays), memory_at_rest(arrays), effects.kept,
-        effects.dropped + condensing, any([link.law.beyond_gap for link in links]),
+        effects.dropped + condensing, any([link.law.beyond_gap for link in links]), layout_of_run,
     )  # fmt: skip
 
 

@@ -96,12 +96,15 @@ def encode_together(responses: Responses) -> tuple[list[str], np.ndarray]:
     storeys = tuple([most[0].shape[1] for most, _ in buildings])
     struck = columns[0].link.size if columns else 0
     size = tuple(energy), storeys, links[0].shape[1], struck
-    lines = [
-        _line((*end, run.what.method.name, estimated), (flags, run.what.effects, run.what.dropped), *size)
-        for run, end, flags, estimated in zip(
-            responses.runs, responses.ends, responses.flags, responses.estimated, strict=True
-        )
-    ]
+    lines, known = [], {}
+    for run, end, flags, estimated in zip(
+        responses.runs, responses.ends, responses.flags, responses.estimated, strict=True
+    ):
+        what = run.what
+        key = end, flags, estimated, id(what.effects), id(what.dropped)  # to look at each sentence takes longer
+        if key not in known:
+            known[key] = _line((*end, what.method.name, estimated), (flags, what.effects, what.dropped), *size)
+        lines.append(known[key])
     parts = [np.array([scalars[name] for name in _SCALARS], float).T]
     parts += [values[:, None] for values in energy.values()]
     for most, base in buildings:

@@ -10,7 +10,7 @@ from typing import Any
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
-from pounding_cli.model.links import Link
+from pounding_cli.model.links import Link, SceneLinks
 from pounding_cli.model.meetings import column_flexibility
 from pounding_cli.numbers import counted
 from pounding_cli.study.case_schema import CaseSpec, LinkSpec, ListedLink, PairSpec
@@ -91,7 +91,7 @@ def _links_of(case: CaseSpec, group: Group, root: Node | Tree, path: Path, reade
             layers.insert(0, _layer(entry, (*path, "pairs", place), PairSpec))
         links += reader.pair(place, layers)
         links += reader.at_columns(place, layers)
-    return tuple(links)
+    return SceneLinks(links)
 
 
 def _layer(entry: Any, path: Path, model: type[LinkSpec] | type[ListedLink] = LinkSpec) -> Layer:
