@@ -181,7 +181,16 @@ def prepare(
     """A scene laid out for its run; parameters and errors as of `solve`."""
     chosen, setting = chosen_method(method, accuracy, time_step)
     what = _what_runs(
-        scene.buildings, scene.links, scene.analysis, scene.motion.dt, chosen, accuracy, method == AUTO, all_effects, ledger, tangent
+        scene.buildings,
+        scene.links,
+        scene.analysis,
+        scene.motion.dt,
+        chosen,
+        accuracy,
+        method == AUTO,
+        all_effects,
+        ledger,
+        tangent,
     )
     if what.buildings is not scene.buildings and what.buildings != scene.buildings:
         scene = dataclasses.replace(scene, buildings=what.buildings)
