@@ -7,7 +7,6 @@ import gc
 import itertools
 import os
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -52,9 +51,6 @@ WORTH_WORKERS = 1.0
 
 SELDOM = 20_000
 """Objects made since the last look for garbage: 700 otherwise, which are those of ten scenes."""
-
-_COMPILE_PATIENCE = 1.5
-"""Loading compiled kernels takes less than this [s]; only a first run, which compiles them, takes more."""
 
 
 def run_plan(
@@ -291,22 +287,13 @@ def _compile_apart(plan: Plan, order: Order, task: Work) -> None:
         apart(lambda: [task(plan.scenes[digests[0]]) for digests in order.samples.values()])
 
 
-@contextlib.contextmanager
-def _compile_notice(progress: Progress, without: bool) -> Iterator[None]:
-    """Say that kernels are being compiled, if the first scenes take as long as that; not where these need none."""
-    from pounding_cli.solve import is_compiled
+def _compile_notice(progress: Progress, without: bool) -> contextlib.AbstractContextManager[None]:
+    """Say once that kernels are compiled, as soon as the first one is; some scenes are solved without any."""
+    if without:
+        return contextlib.nullcontext()
+    from pounding_cli.kernels.kept import when_compiling
 
-    if without or is_compiled():
-        yield
-        return
-    notice = threading.Timer(_COMPILE_PATIENCE, progress.say, ["compiling kernels (first run only)"])
-    notice.daemon = True
-    notice.start()
-    try:
-        yield
-    finally:
-        notice.cancel()
-        notice.join()
+    return when_compiling(lambda: progress.say("compiling kernels (first run only)"))
 
 
 def _notes_of_kernels() -> Iterator[str]:

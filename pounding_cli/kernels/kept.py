@@ -19,6 +19,7 @@ from typing import Any
 
 import numba
 from numba import njit
+from numba.core.event import Event, Listener, install_listener
 
 from pounding_cli.kernels.pipelines import nothing_twice
 
@@ -79,6 +80,28 @@ def loaded(call: Callable[[], Any]) -> Any:
             if not left or not _is_of_cache(error):
                 raise
             _learn(error)
+
+
+class _Teller(Listener):
+    """Calls once what is to be called as a kernel begins to be compiled."""
+
+    def __init__(self, tell: Callable[[], None]) -> None:
+        self._tell: Callable[[], None] | None = tell
+
+    def on_start(self, event: Event) -> None:
+        tell, self._tell = self._tell, None
+        if tell:
+            tell()
+
+    def on_end(self, event: Event) -> None:
+        """Nobody waits for it."""
+
+
+@contextmanager
+def when_compiling(tell: Callable[[], None]) -> Iterator[None]:
+    """While the `with` lasts, `tell()` is called once as a kernel is compiled, and not for one that is loaded."""
+    with install_listener("numba:compile", _Teller(tell)):
+        yield
 
 
 @contextmanager

@@ -10,10 +10,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
+from llvmlite.binding import ObjectFileRef
 from numba.core import ir, lowering, typeinfer, types
 from numba.core.analysis import dead_branch_prune, rewrite_semantic_constants
 from numba.core.base import BaseContext
 from numba.core.caching import Cache
+from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.cpu import CPUContext
@@ -122,6 +124,7 @@ def nothing_twice() -> Iterator[None]:
             replace(CPUContext, "refresh", _when_there_is_more(CPUContext.refresh))
             replace(Context, "refresh", _when_there_is_more(Context.refresh))
             replace(Cache, "load_overload", _load)
+            replace(JITCodeLibrary, "_unserialize", classmethod(_unserialize))
             replace(ir.Inst, "_rec_list_vars", _variables)
             replace(typeinfer, "new_error_context", _no_context)
             yield
@@ -197,6 +200,30 @@ def _load(cache: Cache, signature: Any, context: Any) -> Any:
     rtsys.initialize(context)
     with cache._guard_against_spurious_io_errors():
         return cache._load_overload(signature, context)
+
+
+SHARES: dict[str, bytes] = {}
+"""Machine code that kernels call and that this process has, by name (`pieces.Share`)."""
+
+SHARED = "shared"
+"""What a kernel on disk is called that comes with such machine code."""
+
+
+def load_share(codegen: Any, name: str, machine_code: bytes) -> None:
+    """Have machine code that kernels call, once however many they are."""
+    if name not in SHARES:
+        codegen._engine._ee.add_object_file(ObjectFileRef.from_data(machine_code))
+        SHARES[name] = machine_code
+
+
+def _unserialize(cls: Any, codegen: Any, kept: Any) -> Any:
+    """A kernel as it is kept on disk."""
+    name, kind, data = kept
+    if kind == SHARED:
+        shares, kind, data = data
+        for share in shares.items():
+            load_share(codegen, *share)
+    return CPUCodeLibrary._unserialize.__func__(cls, codegen, (name, kind, data))
 
 
 _WITHOUT = {str, int, float, bool, type(None), ir.Loc}

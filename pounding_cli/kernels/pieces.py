@@ -7,8 +7,9 @@ one, beside numba's Python; it is linked into the kernel, and the kernel is opti
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from types import ModuleType
 from typing import Any, ClassVar
 
@@ -17,12 +18,15 @@ from llvmlite.binding import parse_assembly
 from numba import _dynfunc, types
 from numba.core.cgutils import normalize_ir_text
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, compile_result
+from numba.core.funcdesc import ExternalFunctionDescriptor
+from numba.core.registry import cpu_target
 from numba.core.targetconfig import ConfigStack
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_global, signature
 from numba.extending import infer_getattr, lower_builtin, lower_getattr_generic
 
-from pounding_cli.kernels.passes import nothing_twice, run_passes
+from pounding_cli.kernels.apart import Apart, may_fork
+from pounding_cli.kernels.passes import SHARED, SHARES, load_share, nothing_twice, run_passes
 
 _UNPACKING = ("_ZN7cpython", "cfunc.")
 """How the names of functions begin that unpack what a kernel is given."""
@@ -89,6 +93,17 @@ def _teach_builtins() -> None:
 
 _BESIDE: list[ThreadPoolExecutor] = []
 """What works beside the compiler of the kernel that is compiled now."""
+
+
+@contextmanager
+def _beside() -> Iterator[None]:
+    """While a kernel is compiled: a thread in which LLVM works beside numba's Python."""
+    with ThreadPoolExecutor(1) as beside:
+        _BESIDE.append(beside)
+        try:
+            yield
+        finally:
+            _BESIDE.pop()
 
 
 def _simplify(codegen: Any, function: Any) -> None:
@@ -163,8 +178,16 @@ class _Unfinished(JITCodeLibrary):
         return self._shared_module
 
 
+class _Declared(_Unfinished):
+    """A piece of a share: here it has a name and a signature, and no code."""
+
+    def __init__(self, codegen: Any, name: str, share: Share) -> None:
+        super().__init__(codegen, name)
+        self.share = share
+
+
 class _Kernel(JITCodeLibrary):
-    """A kernel with all its pieces."""
+    """A kernel with all its pieces, or a share of them."""
 
     def add_llvm_module(self, ll_module: Any) -> None:
         """Take the module as it is, but for the kernel's own function, which is simplified as its pieces are."""
@@ -175,12 +198,51 @@ class _Kernel(JITCodeLibrary):
 
     def finalize(self) -> None:
         """Take in every piece once, whoever calls it."""
+        self._shares = self._link()
+        super().finalize()
+
+    def machine_code(self, symbols: dict[str, str]) -> bytes:
+        """That of a share, all of whose functions but these are its own.
+
+        symbols : names of functions in the code, and what kernels call them
+        """
+        self._link()
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                symbol = symbols.get(function.name)
+                function.linkage = "external" if symbol else "internal"
+                function.name = symbol or function.name
+        self._optimize_final_module()
+        return self._emitted()
+
+    def serialize_using_object_code(self) -> Any:
+        """As it is kept on disk."""
+        name, kind, data = super().serialize_using_object_code()
+        shares = {share.name: SHARES[share.name] for share in self._shares}
+        return (name, SHARED, (shares, kind, data)) if shares else (name, kind, data)
+
+    def _link(self) -> list[Share]:
+        """Take in all pieces; returns the shares that have the rest."""
         done: set[Any] = set()
         for library in self._linking_libraries:
             if isinstance(library, _Unfinished):
                 library.link_into(self._final_module, done)
         self._linking_libraries = [each for each in self._linking_libraries if each not in done]
-        super().finalize()
+        return list({each.share for each in done if isinstance(each, _Declared)})
+
+    def _emitted(self) -> bytes:
+        return bytes(self._codegen._tm.emit_object(self._final_module))
+
+    def _finalize_final_module(self) -> None:
+        """Numba would emit the machine code as it loads it, when all that it calls is there. It is emitted first, and
+        then waited for the shares."""
+        if self._shares:
+            self._compiled_object = emitted = self._emitted()
+            for share in self._shares:
+                load_share(self._codegen, share.name, share.machine_code())
+        super()._finalize_final_module()
+        if self._shares:
+            self._compiled_object = emitted  # numba lets go of it as it loads it
 
     def _optimize_final_module(self) -> None:
         """With its pieces, once: one more round over the module would make Taylor 1 % faster and take a tenth of the
@@ -192,20 +254,105 @@ class _Kernel(JITCodeLibrary):
         super()._optimize_final_module()
 
 
+class Share:
+    """Pieces that become machine code apart from the kernels that call them, in another process beside this one.
+
+    name : of their machine code, which is the same in every process
+    pieces : large ones, which are called and not copied, and their signatures. Whoever calls one must know what it
+        gives before it is compiled
+    """
+
+    def __init__(self, name: str, pieces: dict[Any, Any]) -> None:
+        self.name, self._pieces = name, pieces
+        self._other: Apart | None = None
+
+    @contextmanager
+    def begun(self, flags: Any) -> Iterator[None]:
+        """While a kernel is compiled: its pieces of this share are declared, and another process compiles them.
+
+        Where no other process can, or where this one has compiled the pieces before, they are pieces like others."""
+        with ExitStack() as stack:
+            if self._begin(stack, flags):
+                stack.enter_context(_declaring(self))
+            try:
+                yield
+            finally:
+                self._other = None
+
+    def _begin(self, stack: ExitStack, flags: Any) -> bool:
+        if self.name in SHARES:
+            return True
+        if not may_fork() or any(wanted.args in piece.overloads for piece, wanted in self._pieces.items()):
+            return False
+        try:
+            with ConfigStack().enter(flags.copy()):
+                self._other = stack.enter_context(Apart(self._compile))
+        except OSError:
+            return False
+        return True
+
+    def declared(self, function: Any, args: Any) -> tuple[str, Any] | None:
+        """(name, signature) of a function of such arguments, if it is a piece of this share."""
+        for piece, wanted in self._pieces.items():
+            if piece.py_func is function and wanted.args == tuple(args):
+                return self._symbol(piece), wanted
+        return None
+
+    def machine_code(self) -> bytes:
+        """The machine code; it is waited for, and made here if need be."""
+        return SHARES.get(self.name) or (self._other.result() if self._other else self._compile())
+
+    def _symbol(self, piece: Any) -> str:
+        return f"{self.name}.{piece.py_func.__module__}.{piece.py_func.__qualname__}"
+
+    def _compile(self) -> bytes:
+        library = _Kernel(cpu_target.target_context.codegen(), self.name)
+        symbols = {}
+        with _beside(), _declaring(None):
+            for piece, wanted in self._pieces.items():
+                piece.overloads.pop(wanted.args, None)  # what was declared
+                piece.compile(wanted.args)
+                found = piece.overloads[wanted.args]
+                if found.signature.return_type != wanted.return_type:
+                    raise TypeError(
+                        f"{self._symbol(piece)} gives {found.signature.return_type}, not {wanted.return_type}"
+                    )
+                name = found.fndesc.llvm_func_name
+                found.library.module.get_function(name).linkage = "weak_odr"  # linked, though no function calls it
+                library.add_linking_library(found.library)
+                symbols[name] = self._symbol(piece)
+            return library.machine_code(symbols)
+
+
+_DECLARING: list[Share | None] = []
+"""The share of the kernel that is compiled now."""
+
+
+@contextmanager
+def _declaring(share: Share | None) -> Iterator[None]:
+    _DECLARING.append(share)
+    try:
+        yield
+    finally:
+        _DECLARING.pop()
+
+
 class KernelCompiler(Compiler):
     """A `pipeline_class` for `numba.njit`: what it compiles is called from Python and made of pieces."""
+
+    share: Share | None = None
+    """Those of its pieces that are compiled apart."""
 
     def compile_extra(self, func: Any) -> Any:
         """Compile a function and optimise it together with its pieces."""
         self.state.flags.no_cfunc_wrapper = True  # no kernel is called from C
         self.state.library = _Kernel(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()
-        with nothing_twice(), ThreadPoolExecutor(1) as beside:
-            _BESIDE.append(beside)
-            try:
-                return super().compile_extra(func)
-            finally:
-                _BESIDE.pop()
+        with nothing_twice(), ExitStack() as stack:
+            if self.share is not None:
+                stack.enter_context(self.share.begun(self.state.flags))
+            stack.enter_context(_beside())
+            return super().compile_extra(func)
 
 
 class PieceCompiler(Compiler):
@@ -231,15 +378,30 @@ class PieceCompiler(Compiler):
 
     def compile_extra(self, func: Any) -> Any:
         """Compile a function as far as it goes without its kernel."""
-        context = self.state.targetctx
-        self.state.library = _Unfinished(context.codegen(), func.__qualname__)
+        share = _DECLARING[-1] if _DECLARING else None
+        declared = share.declared(func, self.state.args) if share else None
+        if declared:
+            return self._known(func, self._declared(share, *declared))
+        self.state.library = _Unfinished(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.inlined = self._inlined
-        found = super().compile_extra(func)
-        # Numba knows a compiled function by the object that Python would call.
+        return self._known(func, super().compile_extra(func))
+
+    def _declared(self, share: Share, symbol: str, signature: Any) -> Any:
+        """What numba needs to know of a piece that is called."""
+        library = _Declared(self.state.targetctx.codegen(), symbol, share)
+        library.finalize()
+        return compile_result(
+            typing_context=self.state.typingctx, target_context=self.state.targetctx, library=library,
+            signature=signature, objectmode=False, environment=_dynfunc.Environment({}),
+            fndesc=ExternalFunctionDescriptor(symbol, signature.return_type, signature.args),
+        )  # fmt: skip
+
+    def _known(self, func: Any, found: Any) -> Any:
+        """Numba knows a compiled function by the object that Python would call."""
         entry = _dynfunc.make_function(
             ModuleType(func.__module__), func.__name__, "", _REFUSAL, found.environment, (found.library,)
         )
-        context.insert_user_function(entry, found.fndesc, [found.library])
+        self.state.targetctx.insert_user_function(entry, found.fndesc, [found.library])
         return found._replace(entry_point=entry)
 
 

@@ -29,9 +29,19 @@ PIECE: dict[str, Any] = {}
 nothing_twice: Callable[[], AbstractContextManager[None]] = nullcontext
 """A context in which kernels are compiled or loaded."""
 
+
+def in_two(name: str, pieces: dict[Any, Any]) -> dict[str, Any]:
+    """Option of `numba.njit` for kernels some pieces of which are compiled in another process, where there can be one.
+
+    name : of the machine code of these pieces, the same in every process and for nothing else
+    pieces : those that are called, not copied, and their signatures
+    """
+    return {"pipeline_class": type("InTwo", (KernelCompiler,), {"share": Share(name, pieces)})} if QUICK else {}
+
+
 if QUICK:
     from pounding_cli.kernels.passes import nothing_twice
-    from pounding_cli.kernels.pieces import KernelCompiler, PieceCompiler, teach_fields
+    from pounding_cli.kernels.pieces import KernelCompiler, PieceCompiler, Share, teach_fields
 
-    __all__ = ["KERNEL", "PIECE", "nothing_twice", "teach_fields"]
+    __all__ = ["KERNEL", "PIECE", "in_two", "nothing_twice", "teach_fields"]
     KERNEL, PIECE = {"pipeline_class": KernelCompiler}, {"pipeline_class": PieceCompiler}

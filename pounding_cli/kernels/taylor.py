@@ -15,10 +15,11 @@ from __future__ import annotations
 import functools
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
 from pounding_cli.kernels.cells import (
     BRANCH,
+    RUN,
     SCALE,
     V1,
     at,
@@ -50,8 +51,10 @@ from pounding_cli.kernels.clock import (
     STEPS,
     H,
 )
-from pounding_cli.kernels.collapse import take_limits
+from pounding_cli.kernels.collapse import first_collapse, take_limits
 from pounding_cli.kernels.column_shears import no_shears, track
+from pounding_cli.kernels.crossings import first_link_event, first_storey_event
+from pounding_cli.kernels.frame import DOUBLES
 from pounding_cli.kernels.from_rest import start_in_touch
 from pounding_cli.kernels.history import enter, history_pointers
 from pounding_cli.kernels.islands import (
@@ -59,6 +62,7 @@ from pounding_cli.kernels.islands import (
     NOTE_COUNT,
     PINNED,
     PINNED_AT_END,
+    ROW,
     SOLVED,
     TOUCHED_BEFORE,
     end_segment,
@@ -86,8 +90,10 @@ from pounding_cli.kernels.layout import (
     state_pointers,
 )
 from pounding_cli.kernels.layout import COLLAPSED as COLLAPSE
-from pounding_cli.kernels.ledger import ledger_pointers
+from pounding_cli.kernels.ledger import account, ledger_pointers
 from pounding_cli.kernels.peaks import sample
+from pounding_cli.kernels.peaks import track as track_peaks
+from pounding_cli.kernels.pipelines import in_two
 from pounding_cli.kernels.plain_step import plain_step
 from pounding_cli.kernels.program_frame import programs_frame
 from pounding_cli.kernels.program_step import PLAIN_STEP, no_program_step, program_step
@@ -95,6 +101,7 @@ from pounding_cli.kernels.recurrence import renew_scale
 from pounding_cli.kernels.scratch import FRAMES, ROWS, lay_out_scratch, settings_frame
 from pounding_cli.kernels.simd import further, load, no_inline, pointer, splat, store
 from pounding_cli.kernels.source import source_digest
+from pounding_cli.kernels.summary import end_at_event, summarise
 from pounding_cli.kernels.tangent import (
     begin_segment,
     begin_tangent,
@@ -104,7 +111,7 @@ from pounding_cli.kernels.tangent import (
     give_tangent,
     tangent_frame,
 )
-from pounding_cli.kernels.terms import room_for_terms, start_points, terms_frame
+from pounding_cli.kernels.terms import TERMS, room_for_terms, start_points, terms_frame
 from pounding_cli.kernels.transitions import initialise_branches, link_event, storey_events, unpin
 
 INSTANT = 1e-15
@@ -328,6 +335,35 @@ def _start(run, row):
 
 
 @functools.cache
+def _options() -> dict:
+    """How the integrators are compiled: half of the work by another process, those pieces that take it the longest
+    and are told in few words."""
+    count, whether = types.int64, types.boolean
+    pieces = {
+        track_peaks: types.void(RUN, count, count, whether),
+        account: types.void(RUN, TERMS, DOUBLES, DOUBLES, count, count, count, whether, whether),
+        summarise: types.void(RUN, TERMS, count),
+        end_at_event: types.void(RUN, TERMS, count),
+        first_storey_event: whether(RUN),
+        first_link_event: whether(RUN),
+        first_collapse: whether(RUN),
+        link_event: types.void(RUN),
+        storey_events: types.void(RUN),
+        join_touching: whether(RUN, ROW),
+        guess_islands: types.void(RUN, ROW, whether),
+        save_checkpoint: types.void(RUN, ROW),
+        _start: types.void(RUN, ROW),
+        start_in_touch: types.void(RUN),
+        start_points: types.void(RUN, TERMS),
+        begin_tangent: types.void(RUN, RUN),
+        cross_link_event: types.void(RUN, RUN, TERMS, count),
+        cross_storey_events: types.void(RUN, RUN),
+        give_tangent: types.void(RUN, ROW, count, count, DOUBLES),
+    }
+    return {**PLAIN, **in_two(f"pound.{source_digest()}", pieces)}
+
+
+@functools.cache
 def build(programs: bool):
     """The integrator, compiled on first use; what a scene does not need costs it a few untaken branches.
 
@@ -337,7 +373,7 @@ def build(programs: bool):
     source = source_digest()
     if programs:
 
-        @njit(**PLAIN)
+        @njit(**_options())
         def integrate_programs(
             slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers,
             starts, slopes, length, inelastic, use_islands, watched, booked, growth, tolerance, least_scale, max_order,
@@ -352,7 +388,7 @@ def build(programs: bool):
 
         return integrate_programs
 
-    @njit(**PLAIN)
+    @njit(**_options())
     def integrate(
         slots, points, springs, links, row, state, peaks, ledger, history, nodes, weights, memory, integers, starts,
         slopes, length, inelastic, use_islands, watched, booked, growth, tolerance, least_scale, max_order, max_steps,

@@ -14,9 +14,9 @@ from typing import Any
 from pounding_cli.methods import METHODS
 from pounding_cli.solve.assess import assess
 from pounding_cli.solve.response import BuildingResponse, LinkResponse, Response
-from pounding_cli.solve.run import is_compiled, solve
+from pounding_cli.solve.run import solve
 
-__all__ = ["METHODS", "BuildingResponse", "LinkResponse", "Response", "assess", "is_compiled", "solve"]
+__all__ = ["METHODS", "BuildingResponse", "LinkResponse", "Response", "assess", "solve"]
 
 
 class _Callable(types.ModuleType):

@@ -48,11 +48,6 @@ MAX_EVENTS = 5_000_000
 _compiled: set = set()
 
 
-def is_compiled() -> bool:
-    """Whether some kernel has run in this process, so that the next call does not compile."""
-    return bool(_compiled)
-
-
 def solve(
     scene: Scene,
     accuracy: float = 1e-6,

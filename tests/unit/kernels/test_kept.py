@@ -51,6 +51,21 @@ def test_a_sound_cache_is_used(run):
     assert kept.notes == []
 
 
+def test_who_waits_is_told_once_that_a_kernel_is_compiled(run):
+    """Two are compiled, and none when it is loaded. Fails if a user reads twice that kernels are compiled, or reads it
+    in later runs."""
+    told = []
+    with kept.when_compiling(lambda: told.append("compiled")):
+        run()
+        assert told == ["compiled"]
+        numba.njit(lambda x: x)(1)
+    assert told == ["compiled"]
+    with kept.when_compiling(lambda: told.append("loaded")):
+        assert run() == (42, 1)
+    numba.njit(lambda x: x)(2)
+    assert told == ["compiled"]
+
+
 @pytest.mark.parametrize("ending", [".nbi", ".nbc", kept.SUM])
 def test_truncated_files_are_compiled_anew(run, ending):
     run()

@@ -96,5 +96,5 @@ def test_kernels_import_what_numba_publishes(path):
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
     modules |= {name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names}
     inside = {name for name in modules if name.split(".")[0] in ("numba", "llvmlite")}
-    assert inside <= {"numba", "numba.extending", "llvmlite"}
+    assert inside <= {"numba", "numba.extending", "numba.core.event", "llvmlite"}  # events are in numba's manual
     assert pipelines.KNOWN
