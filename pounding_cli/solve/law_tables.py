@@ -77,7 +77,7 @@ def storeys_of(laws: Sequence[StoreyLaw | None]) -> Storeys:
     tables = Tables()
     for i, law in enumerate(laws):
         if law is not None:
-            first[i] = tables.add(law, functools.partial(_storey_rows, law))[0] - 1
+            first[i] = tables.add(law, functools.partial(storey_rows, law))[0] - 1
     if not tables.places:
         return Storeys(None, first)
     branches, guards, steps = (rows[1:] for rows in tables.rows())
@@ -153,8 +153,8 @@ def pack_links(
 
 
 @functools.lru_cache(maxsize=512)
-def _storey_rows(law: StoreyLaw) -> Rows:
-    """As `_link_rows`, of a storey."""
+def storey_rows(law: StoreyLaw) -> Rows:
+    """As `_link_rows`, of a storey; they count from the law's first."""
     branches = _branches_of(law)
     rows, guards, steps = _rows(branches, [_storey_row(branch, law.stiffness) for branch in branches])
     made = steps.tolist()

@@ -10,7 +10,9 @@ import numpy as np
 
 from pounding_cli.kernels import law_table as t
 from pounding_cli.kernels.layout import Peaks
+from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.solve.arrays import Arrays
+from pounding_cli.solve.law_tables import storey_rows
 
 CUT = 0.3
 """What the terms that series leave out come to at most, over the accuracy asked, where nothing hands them on."""
@@ -56,23 +58,25 @@ def is_known(arrays: Arrays) -> bool:
     joined = {*arrays.links.left[: arrays.links.number].tolist(), *arrays.links.right[: arrays.links.number].tolist()}
     if joined & {*arrays.points.slot[: arrays.points.number].tolist()}:
         return False
-    branches = arrays.slots.branches.reshape(-1, t.BRANCH_ROW)
-    guards = arrays.slots.guards.reshape(-1, t.GUARD_ROW)
-    storeys = min([int(b) for b in arrays.slots.branch if b != t.NO_BRANCH], default=len(branches))
-    if branches[:, [t.GENERAL, t.LINEAR_FACTOR]].any():
+    if not all([_is_known_of(law) for law in arrays.laws if law is not None]):
         return False
-    for number, row in enumerate(branches):
-        for guard in guards[int(row[t.FIRST_GUARD]) : int(row[t.LAST_GUARD])]:
-            asked, reached = guard[t.QUANTITY], branches[int(guard[t.NEXT])]
-            if number < storeys:
-                known = (
-                    asked in (t.CLOSING, t.FORCE) and not guard[t.FACTOR] and guard[t.FIRST_SET] == guard[t.LAST_SET]
-                )
-            else:
-                known = asked == t.RATE or (asked == t.CLOSING and not reached[t.OFFSET_FACTOR])
-            if not known:
-                return False
-    return True
+    storeys = min([b for b in arrays.slots.branch.tolist() if b != t.NO_BRANCH], default=None)
+    table = arrays.slots.branches.reshape(-1, t.BRANCH_ROW)[:storeys]
+    guards = arrays.slots.guards.reshape(-1, t.GUARD_ROW)[: int(table[-1, t.LAST_GUARD])]
+    return not table[:, [t.GENERAL, t.LINEAR_FACTOR]].any() and all(
+        [guard[t.QUANTITY] in (t.CLOSING, t.FORCE) and not guard[t.FACTOR] and guard[t.FIRST_SET] == guard[t.LAST_SET]
+         for guard in guards[1:].tolist()]
+    )  # fmt: skip
+
+
+@functools.lru_cache(maxsize=512)
+def _is_known_of(law: StoreyLaw) -> bool:
+    """Whether what storeys of a law remember is told by the drift at which they turned back."""
+    branches, guards, _ = storey_rows(law)
+    return not branches[:, [t.GENERAL, t.LINEAR_FACTOR]].any() and all(
+        [asked == t.RATE or (asked == t.CLOSING and not branches[int(following), t.OFFSET_FACTOR])
+         for asked, following in guards[:, [t.QUANTITY, t.NEXT]].tolist()]
+    )  # fmt: skip
 
 
 def moved(arrays: Arrays, peaks: Peaks) -> Moved:
