@@ -8,7 +8,6 @@ import os
 import shutil
 import sys
 import uuid
-import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -22,6 +21,7 @@ from pounding_cli.outputs import parts_of
 from pounding_cli.solve.response import Response
 from pounding_cli.store.chunk import Chunk, starts_of
 from pounding_cli.store.codec import Header, decode, parse
+from pounding_cli.store.packed import deflate
 from pounding_cli.store.seal import open_regular
 
 _SPAN = 1 << 24
@@ -29,6 +29,10 @@ _SPAN = 1 << 24
 
 _AT_ONCE = 1 << 14
 """Scenes looked up together."""
+
+IN_MEMORY = 8 << 20
+"""Numbers of chunks on disk that stay in memory [bytes]: those of a run of some 10,000 scenes, which then are not read
+back to be written."""
 
 _FEW = 4
 """Where less than this part of a chunk is asked for, its numbers are copied."""
@@ -51,6 +55,7 @@ class PartStore(Mapping[str, Response]):
         self.key = key
         self._chunks: list[_Held] = []
         self._unsaved: dict[int, bytes] = {}
+        self._room = IN_MEMORY
         self._table = table
         self._where = DigestMap(table)
 
@@ -115,7 +120,9 @@ class PartStore(Mapping[str, Response]):
         for number, content in list(self._unsaved.items()):
             chunk = self._chunks[number].chunk
             assert chunk is not None
-            self._chunks[number] = _Held(chunk, self._write(content or chunk.to_bytes(self.key)))
+            self._room -= chunk.numbers.nbytes
+            path = self._write(content or chunk.to_bytes(self.key))
+            self._chunks[number] = _Held(chunk, path, self._room >= 0)
             del self._unsaved[number]
 
     def has(self, digests: Iterable[str]) -> np.ndarray:
@@ -307,14 +314,15 @@ class Alike(NamedTuple):
 
 
 class _Held:
-    """A chunk in memory, or where it is on disk."""
+    """A chunk in memory, or where it is on disk; its numbers may be in memory all the same."""
 
-    def __init__(self, chunk: Chunk, path: Path | None) -> None:
+    def __init__(self, chunk: Chunk, path: Path | None, is_held: bool = False) -> None:
         self.path = path
         self.chunk = chunk if path is None else None
+        self._numbers = chunk.numbers if path is None or is_held else None
         self.texts, self.seconds = [sys.intern(text) for text in chunk.texts], chunk.seconds
         self.words = chunk.words.astype(np.min_scalar_type(len(chunk.texts)))
-        self._sum = zlib.crc32(chunk.numbers.astype("<f8", copy=False).data)
+        self._sum = deflate.crc32(chunk.numbers.astype("<f8", copy=False).data) if self._numbers is None else 0
 
     @property
     def starts(self) -> np.ndarray:
@@ -323,12 +331,12 @@ class _Held:
 
     def numbers(self) -> np.ndarray:
         """The numbers of all its scenes, one after another."""
-        if self.chunk is not None:
-            return self.chunk.numbers
+        if self._numbers is not None:
+            return self._numbers
         assert self.path is not None
         with self.path.open("rb") as stream:
             stream.seek(-8 * int(self.starts[-1]), os.SEEK_END)
             content = stream.read()
-        if zlib.crc32(content) != self._sum:
+        if deflate.crc32(content) != self._sum:
             raise OSError(errno.EIO, "a part was damaged since it was written", str(self.path))
         return np.frombuffer(content, "<f8")

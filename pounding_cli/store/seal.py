@@ -13,12 +13,13 @@ import io
 import os
 import stat
 import struct
-import zlib
 from collections import OrderedDict
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+
+from pounding_cli.store.packed import deflate
 
 MAGIC = b"pound seal 1\n\0\0\0"
 BLOCK = 1 << 12
@@ -50,7 +51,7 @@ def _sums_of(handle: int, size: int) -> Iterator[int]:
     """The checksum of every block of an open file of this size [bytes]."""
     for begin in range(0, size, _SPAN * BLOCK):
         content = memoryview(os.pread(handle, min(_SPAN * BLOCK, size - begin), begin))
-        yield from (zlib.crc32(content[at : at + BLOCK]) for at in range(0, len(content), BLOCK))
+        yield from (deflate.crc32(content[at : at + BLOCK]) for at in range(0, len(content), BLOCK))
 
 
 def is_sealed(path: Path) -> bool:
@@ -141,7 +142,7 @@ class Sealed(io.RawIOBase):
         view = memoryview(content)[: self.size - first * self._block]
         for number in range(first, last):
             begin = (number - first) * self._block
-            if zlib.crc32(view[begin : begin + self._block]) != self._sums[number]:
+            if deflate.crc32(view[begin : begin + self._block]) != self._sums[number]:
                 begin = number * self._block
                 end = min(begin + self._block, self.size)
                 self.damage = f"bytes {begin} to {end - 1} are not those that were written"

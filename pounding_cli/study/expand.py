@@ -16,6 +16,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Digests, Scene
+from pounding_cli.records.motion import Motion
 from pounding_cli.study.digits import cheap_accuracy
 from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.load import Study
@@ -68,11 +69,11 @@ def expand(
         tuple(str(analysis) for analysis in analyses),
         records,
     )
-    builder = _Builder(resolver, links_of or resolver.links, cases, analyses, records)
+    builder = _Builder(resolver, links_of or resolver.links, frame)
     found = known or _Digests(study, frame, builder).expanded(asks)
     if found.scenes.shape != (math.prod(frame.shape), 1 + len(model.group)):
         raise ValueError("another study")
-    rows, scenes = Rows(frame, found), Scenes(frame, found, builder)
+    rows, scenes = Rows(frame, found), Scenes(found, builder)
     kept, every = kept_rows(model, resolver.root, resolver.axes, rows, scenes, resolver.file)
     return Plan(
         study=study,
@@ -215,24 +216,18 @@ def _kept(sizes: tuple[int, ...], touched: tuple[bool, ...]) -> tuple[int, ...]:
 
 
 class _Builder:
-    """Builds the scene at a place of the tables; the study was validated there. Scenes share buildings, links and
-    motions that are the same."""
+    """Builds the scene of a row of the tables; the study was validated there. Scenes share buildings, links and motions
+    that are the same."""
 
-    def __init__(
-        self,
-        resolver: Resolver,
-        links_of: Links,
-        cases: tuple[str, ...],
-        analyses: tuple[Analysis, ...],
-        records: tuple[str, ...],
-    ) -> None:
-        self._resolver, self._links_of = resolver, links_of
-        self._cases, self._analyses, self._records = cases, analyses, records
+    def __init__(self, resolver: Resolver, links_of: Links, frame: Frame) -> None:
+        self._resolver, self._links_of, self._frame = resolver, links_of, frame
+        self._cases, self._records = frame.cases, frame.records
+        self._analyses = tuple(map(Analysis, frame.analyses))
         self._around: dict[Point, _Around] = {}
         self._endings: dict[Point, list[bytes]] = {}
         self._links = Answers([len(axis) for axis in resolver.axes])
         self._alike: dict[tuple[Link, ...], tuple[Link, ...]] = {}
-        self._last: tuple[Point, int, Scene, Mapping[str, Used]] | None = None
+        self._begun: dict[int, tuple[Scene, list[Motion]]] = {}  # of points and cases, by number
 
     def around(self, point: Point) -> _Around:
         """What is around the links at a point."""
@@ -279,15 +274,18 @@ class _Builder:
             self._links.keep(case, place, found)
         return found
 
-    def __call__(self, point: Point, case: int, analysis: int, record: int) -> Scene:
-        name, kind = self._records[record], self._analyses[analysis]
-        if self._last is None or self._last[:2] != (point, case):
+    def __call__(self, row: int) -> Scene:
+        number, rest = divmod(row, len(self._analyses) * len(self._records))
+        analysis, record = divmod(rest, len(self._records))
+        found = self._begun.get(number)
+        if found is None:
+            point, case, *_ = self._frame.place(row)
             around, links = self.around(point), self.links(point, self._cases[case])
-            scene = Scene(around.buildings, links, around.motions[name].motion, kind, around.tail)
-            self._last = point, case, scene, around.motions
-            return scene
-        _, _, scene, motions = self._last
-        return scene.under(motions[name].motion, kind)
+            motions = [around.motions[name].motion for name in self._records]
+            found = Scene(around.buildings, links, motions[record], self._analyses[analysis], around.tail), motions
+            _keep(self._begun, number, found, MOST_ALIKE)
+        scene, motions = found
+        return scene.under(motions[record], self._analyses[analysis])
 
 
 def _keep(answers: dict, key: object, answer: object, most: int) -> None:

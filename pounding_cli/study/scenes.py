@@ -18,8 +18,8 @@ from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.plan import LinkSeen, Row
 
-Build = Callable[[tuple[int, ...], int, int, int], Scene]
-"""build(point, case, analysis, record) -> the scene of the group; cases, analyses, records by number from 0."""
+Build = Callable[[int], Scene]
+"""build(row) -> the scene of the group, by the number of a row."""
 
 _ROWS = 1 << 16
 """Rows looked at together."""
@@ -217,14 +217,13 @@ class Scenes(Placed):
 
     Parameters
     ----------
-    frame : the names along the rows
     expanded : what they are
     build : builds the scene of a row
     """
 
-    def __init__(self, frame: Frame, expanded: Expanded, build: Build) -> None:
+    def __init__(self, expanded: Expanded, build: Build) -> None:
         self.table, self.first = expanded.table, expanded.first
-        self._frame, self._each, self._build = frame, expanded.scenes.shape[1], build
+        self._each, self._build = expanded.scenes.shape[1], build
         self._lock = threading.Lock()  # what builds scenes keeps what it found
 
     def place(self, digest: str) -> int:
@@ -238,7 +237,7 @@ class Scenes(Placed):
         """The scene at a place."""
         row, which = divmod(place, self._each)
         with self._lock:
-            scene = self._build(*self._frame.place(row))
+            scene = self._build(row)
         return scene.alone(which - 1) if which else scene
 
     def __contains__(self, digest: object) -> bool:

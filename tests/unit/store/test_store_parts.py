@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pounding_cli.solve.response import ColumnResponse
-from pounding_cli.store import PartStore
+from pounding_cli.store import PartStore, parts
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import decode, encode, parse
 from tests.helpers.plans import known, small_plan
@@ -237,10 +237,30 @@ def test_damaged_and_foreign_parts_are_passed_over(tmp_path, responses, place):
     assert len(found) == len(responses) - 4
 
 
-def test_a_part_that_is_damaged_after_it_was_listed_is_not_read(tmp_path, responses):
+def test_the_first_chunks_stay_in_memory(tmp_path, responses, monkeypatch):
+    """Fails if what fits is read back from the disk, or if more stays than may."""
+    chunk = Chunk.of(responses)
+    monkeypatch.setattr(parts, "IN_MEMORY", chunk.numbers.nbytes)
+    store = PartStore(tmp_path / "r.h5", "key")
+    for number in range(2):
+        store.add(Chunk([f"{number}{digest[1:]}" for digest in chunk.digests], chunk.texts, chunk.words, chunk.numbers))
+        store.flush()
+    store.remove()
+    assert len(store.take([f"0{digest[1:]}" for digest in chunk.digests])) == len(responses)
+    with pytest.raises(FileNotFoundError):
+        store.take([f"1{digest[1:]}" for digest in chunk.digests])
+
+
+@pytest.mark.parametrize("found", [True, False])
+def test_a_part_that_is_damaged_after_it_was_listed_is_not_read(tmp_path, responses, monkeypatch, found):
+    """Found beside the file, or written by this run, which holds no more of it."""
+    monkeypatch.setattr(parts, "IN_MEMORY", 0)
     store = PartStore(tmp_path / "r.h5", "key")
     store.add(Chunk.of(responses))
     store.flush()
+    if found:
+        store = PartStore(tmp_path / "r.h5", "key")
+        store.load()
     (part,) = store.folder.iterdir()
     content = bytearray(part.read_bytes())
     content[-3] ^= 1
