@@ -184,8 +184,9 @@ class Task:
         return assess(scene, response, self.accuracy, self.solve, self.all_effects)
 
     def free(self, scene: Scene, accuracy: float) -> Response:
-        """The response of neighbours with nothing between them."""
-        return self.solve(scene, accuracy=accuracy, method=self.method)
+        """The response of neighbours with nothing between them; it tells its error where errors are asked for."""
+        told = {"tangent": True} if self.estimate in ("all", "sample") and accuracy >= FINEST_BOUNDED else {}
+        return self.solve(scene, accuracy=accuracy, method=self.method, **told)
 
     def falls_apart(self) -> bool:
         """Whether scenes may be solved in groups: a user of fixed steps wants those steps in every scene."""

@@ -59,7 +59,8 @@ class GroupSolver:
     Parameters
     ----------
     respond : (scene, watch) -> Response, with its samples where asked to watch
-    solve : (scene, accuracy) -> Response of neighbouring groups with nothing between them
+    solve : (scene, accuracy) -> Response of neighbouring groups with nothing between them; where it tells its error
+        itself, no finer one is asked for
     accuracy : relative error of the peaks [-]
     is_assessed : whether the error of a scene is asked for, so that of closings between groups too
 
@@ -139,8 +140,10 @@ class GroupSolver:
             least, most = judge(first, -ERRORS * coarse), judge(first, ERRORS * coarse)
             settled = first.status == "done" and all((least[n] is None) == (most[n] is None) for n in stretch)
             if not settled or self._is_assessed(scene):
-                second = self._free(row, fine)
-                error = difference(first, second)
+                error = first.error_estimate if first.estimated == BOUNDED else math.inf  # fault: bound-of-closings
+                if not (settled and error <= coarse):
+                    second = self._free(row, fine)
+                    error = difference(first, second)
                 if settled and error <= coarse:
                     most = {n: found and dataclasses.replace(found, error_estimate=error) for n, found in most.items()}
                 else:

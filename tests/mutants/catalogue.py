@@ -636,6 +636,12 @@ METHODS = [
         f"{UNIT}/solve/test_assess.py::test_where_the_bound_is_too_large_one_run_measures_the_error",
     ),
     Mutant(
+        "bound-of-closings",
+        "the error of the closings between groups is left out of that of the row",
+        ("first.error_estimate", "0.0"),
+        f"{UNIT}/solve/test_groups.py::test_a_run_that_tells_the_error_of_closings_needs_no_finer_one",
+    ),
+    Mutant(
         "bound-meets-accuracy",
         "the bound of a coarse run counts where a finer accuracy is asked",
         (" and response.error_estimate <= accuracy", ""),

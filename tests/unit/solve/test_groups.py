@@ -44,3 +44,22 @@ def test_groups_on_the_way_are_paid_for_once(far, whole):
     assert solved == Counter({1: 1, 2: 1, 3: 2 * whole, "free 3": 1 - whole})
     assert first.seconds == 100.0 + (1000.0 if whole else 0.5)
     assert second.seconds == 1000.0 * whole
+
+
+@pytest.mark.parametrize(("estimated", "runs"), [("bounded", 1), ("", 2)])
+def test_a_run_that_tells_the_error_of_closings_needs_no_finer_one(estimated, runs):
+    """Fails if the bound is left out of the row's error, or if a finer run follows all the same."""
+    asked = []
+
+    def free(scene, accuracy):
+        asked.append(accuracy)
+        return dataclasses.replace(solve(scene, accuracy), error_estimate=7e-7, estimated=estimated)
+
+    def respond(scene, watch):
+        return dataclasses.replace(solve(scene, 1e-6, watch=watch), error_estimate=1e-9)
+
+    solver = GroupSolver(respond, free, 1e-6, lambda scene: True)
+    found = solver(Scene(pair(), pounding(pair(), 1.0), motion(), Analysis.INELASTIC))
+    assert (found.error_estimate == 7e-7) is (runs == 1)
+    assert found.error_estimate <= 1e-6
+    assert len(asked) == runs
