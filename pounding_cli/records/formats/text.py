@@ -219,9 +219,10 @@ def number(token: str) -> float | None:
 
 
 def _plain_numbers(line: str) -> list[float] | None:
-    """The numbers of a line of `_PLAIN` characters, at once; None where one is none, or too large."""
+    """The numbers of a line of `_PLAIN` characters, at once; None where one is none, or too large. There is no negative
+    zero: a motion has the digest that it has in a file without that sign."""
     try:
-        values = list(map(float, line.split()))
+        values = [float(word) or 0.0 for word in line.split()]
     except ValueError:
         return None
     return values if all(map(math.isfinite, values)) else None

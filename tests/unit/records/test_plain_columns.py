@@ -92,6 +92,20 @@ def test_a_table_without_times_takes_dt(read) -> None:
     assert motion.acceleration == pytest.approx(np.array([0.1, -0.2, 0.05]) * GRAVITY)
 
 
+def test_zeros_have_no_sign(read) -> None:
+    """Fails if a motion has another digest, and so is solved again, where a line is read at once."""
+    text = "0.1\n{} 0.2\n-0.3\n0.05D0\n"
+    plain, signed = (read(text.format(zero), dt=0.02).motion for zero in ("0.0", "-0.0"))
+    assert signed.digest == plain.digest
+    assert not np.signbit(signed.acceleration[1])
+
+
+@pytest.mark.parametrize("word", ["1_0", "0x1", "1e", "infinity"])
+def test_only_plain_numbers_are_read(read, word: str) -> None:
+    with pytest.raises(InputError, match=f"2:5: '{word}' is not a"):
+        read(f"0.1 0.2\n0.3 {word}\n", column=1, dt=0.02)
+
+
 def test_times_in_milliseconds(read) -> None:
     assert read("t (ms), a (g)\n0, 0.1\n5, 0.2\n10, 0.1\n").motion.dt == 0.005
 
