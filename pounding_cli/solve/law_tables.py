@@ -29,23 +29,30 @@ class Tables:
     def __init__(self) -> None:
         self.branches, self.guards = [_NOTHING], [np.zeros((1, t.GUARD_ROW))]
         self.steps = [np.zeros((1, t.OPERATION_ROW))]
-        self.sizes = [1, 1, 1]
+        self.begins, self.sizes = [(0, 0, 0)], (1, 1, 1)
         self.places: dict[Hashable, tuple[int, int]] = {}
 
     def add(self, law: Hashable, rows: Callable[[], Rows]) -> tuple[int, int]:
         """The first branch of a law and one more than the last; `rows` makes its rows if they are not there yet."""
         if law not in self.places:
             own, ends, steps = rows()
-            self.branches.append(own + self.sizes[1] * _GUARD_PLACES + self.sizes[2] * _STEP_PLACES)
-            self.guards.append(ends + self.sizes[0] * _BRANCH_PLACE + self.sizes[2] * _SET_PLACES)
+            self.branches.append(own)
+            self.guards.append(ends)
             self.steps.append(steps)
-            self.places[law] = self.sizes[0], self.sizes[0] + len(own)
-            self.sizes = [size + len(new) for size, new in zip(self.sizes, (own, ends, steps), strict=True)]
+            self.begins.append(self.sizes)
+            first, asked, done = self.sizes
+            self.sizes = first + len(own), asked + len(ends), done + len(steps)
+            self.places[law] = first, self.sizes[0]
         return self.places[law]
 
     def rows(self) -> Rows:
-        """Branches, guards and operations."""
-        return np.concatenate(self.branches), np.concatenate(self.guards), np.concatenate(self.steps)
+        """Branches, guards and operations; those that rows name are counted from the first of all."""
+        begins = np.array(self.begins, float)
+        first, asked, done = np.repeat(begins, [len(own) for own in self.branches], axis=0).T[:, :, None]
+        branches = np.concatenate(self.branches) + asked * _GUARD_PLACES + done * _STEP_PLACES
+        first, asked, done = np.repeat(begins, [len(own) for own in self.guards], axis=0).T[:, :, None]
+        guards = np.concatenate(self.guards) + first * _BRANCH_PLACE + done * _SET_PLACES
+        return branches, guards, np.concatenate(self.steps)
 
 
 def memories_of(laws: Sequence[StoreyLaw | None]) -> int:
