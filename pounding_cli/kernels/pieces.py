@@ -202,7 +202,8 @@ class _Kernel(JITCodeLibrary):
         super().finalize()
 
     def machine_code(self, symbols: dict[str, str]) -> bytes:
-        """That of a share, all of whose functions but these are its own.
+        """That of a share, all of whose functions but these are its own, by names of its own: LLVM lets another kernel
+        call what has the name of one of its pieces, and these may have lost arguments that they do not use.
 
         symbols : names of functions in the code, and what kernels call them
         """
@@ -211,7 +212,7 @@ class _Kernel(JITCodeLibrary):
             if not function.is_declaration:
                 symbol = symbols.get(function.name)
                 function.linkage = "external" if symbol else "internal"
-                function.name = symbol or function.name
+                function.name = symbol or f"{self.name}.{function.name}"
         self._optimize_final_module()
         return self._emitted()
 

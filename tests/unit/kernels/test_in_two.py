@@ -40,9 +40,14 @@ def squares(values, n):
     return total
 
 @njit(**CALLED)
+def last(spare, values, n):
+    no_inline()
+    return values[n - 1]
+
+@njit(**CALLED)
 def first_and_last(values, n):
     no_inline()
-    return values[0], values[n - 1]
+    return values[0], last(5.0, values, n)
 
 PIECES = {
     squares: types.float64(DOUBLES, types.int64),
@@ -58,6 +63,10 @@ def mean(values):
 def more(values):
     first, last = first_and_last(pointer(values), values.size)
     return squares(pointer(values), values.size) + 100.0 * first + 1000.0 * square(last)
+
+@njit(**OPTIONS)
+def by_itself(values):
+    return last(7.0, pointer(values), values.size)
 
 @njit(**BOTH)
 def wrong(values):
@@ -114,6 +123,13 @@ def told(tmp_path):
         return done.stdout.strip()
 
     return run
+
+
+def test_a_kernel_does_not_call_the_pieces_of_a_share_by_their_names(told):
+    """Inside of a share a piece loses arguments that it does not use. Fails if a kernel that has the same piece, loaded
+    after the share, calls that one: it reads what was never given to it."""
+    words = told("call(m.more); print(call(m.by_itself), call(m.by_itself))").split()
+    assert words == ["3.0", "3.0"]
 
 
 def test_a_share_is_compiled_by_another_process_once(told):
