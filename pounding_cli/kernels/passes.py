@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
-from llvmlite.binding import ObjectFileRef
+from llvmlite import binding
 from numba.core import ir, lowering, typeinfer, types
 from numba.core.analysis import dead_branch_prune, rewrite_semantic_constants
 from numba.core.base import BaseContext
@@ -125,6 +125,9 @@ def nothing_twice() -> Iterator[None]:
             replace(Context, "refresh", _when_there_is_more(Context.refresh))
             replace(Cache, "load_overload", _load)
             replace(JITCodeLibrary, "_unserialize", classmethod(_unserialize))
+            # What asks LLVM waits for what works beside: LLVM answers one thread at a time.
+            replace(binding, "get_process_triple", _remembered(binding.get_process_triple, lambda: None))
+            replace(binding.newpassmanagers, "dump_refprune_stats", lambda: _NO_STATISTICS)
             replace(ir.Inst, "_rec_list_vars", _variables)
             replace(typeinfer, "new_error_context", _no_context)
             yield
@@ -137,6 +140,7 @@ def nothing_twice() -> Iterator[None]:
 
 
 _INHERITED, _NO_CONTEXT = object(), nullcontext()
+_NO_STATISTICS = binding.newpassmanagers.PruneStats(0, 0, 0, 0)
 
 
 def _no_context(*_: Any, **__: Any) -> Any:
@@ -212,7 +216,7 @@ SHARED = "shared"
 def load_share(codegen: Any, name: str, machine_code: bytes) -> None:
     """Have machine code that kernels call, once however many they are."""
     if name not in SHARES:
-        codegen._engine._ee.add_object_file(ObjectFileRef.from_data(machine_code))
+        codegen._engine._ee.add_object_file(binding.ObjectFileRef.from_data(machine_code))
         SHARES[name] = machine_code
 
 

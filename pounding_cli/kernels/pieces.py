@@ -7,6 +7,7 @@ one, beside numba's Python; it is linked into the kernel, and the kernel is opti
 from __future__ import annotations
 
 import ctypes
+import functools
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
@@ -17,7 +18,7 @@ from llvmlite import ir
 from llvmlite.binding import parse_assembly
 from numba import _dynfunc, types
 from numba.core.cgutils import normalize_ir_text
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import CodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler, compile_result
 from numba.core.funcdesc import ExternalFunctionDescriptor
 from numba.core.registry import cpu_target
@@ -119,12 +120,17 @@ class _Unfinished(JITCodeLibrary):
     inlined = False
     """Whether the piece is copied to where it is called."""
 
+    def __init__(self, codegen: Any, name: str) -> None:
+        CodeLibrary.__init__(self, codegen, name)  # numba's next would make a module that nothing is put into
+        self._linking_libraries: list[Any] = []
+        self._final_module = self._shared_module = None
+
     def add_ir_module(self, ir_module: Any) -> None:
         """Take the code of the piece, which is one module. LLVM works on it beside numba's Python, on another core if
         there is one."""
         text = normalize_ir_text(str(ir_module))
         if _BESIDE:
-            self._final_module, self._work = None, _BESIDE[-1].submit(self._simplified, text)
+            self._work = _BESIDE[-1].submit(self._simplified, text)
         else:
             self._final_module = self._simplified(text)
 
@@ -178,12 +184,18 @@ class _Unfinished(JITCodeLibrary):
         return self._shared_module
 
 
+@functools.cache
+def _nothing() -> Any:
+    """A module without code."""
+    return parse_assembly("")
+
+
 class _Declared(_Unfinished):
     """A piece of a share: here it has a name and a signature, and no code."""
 
     def __init__(self, codegen: Any, name: str, share: Share) -> None:
         super().__init__(codegen, name)
-        self.share = share
+        self._final_module, self.share = _nothing(), share
 
 
 class _Kernel(JITCodeLibrary):
