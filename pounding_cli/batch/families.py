@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.digests import DigestList
+from pounding_cli.digests import DigestList, pieces
 from pounding_cli.study.scenes import Scenes, first_of
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def order_of(plan: Plan, solved: Callable[[Sequence[str]], np.ndarray]) -> Order
     left = np.ones(len(table), bool)
     if not (isinstance(plan.scenes, Scenes) and plan.scenes.table is table):
         left[:] = False
-        wanted = table.numbers(list(plan.scenes))
+        wanted = np.concatenate([table.numbers(some) for some in pieces(plan.scenes)] or [np.zeros(0, np.int64)])
         left[wanted[wanted >= 0]] = True
     asked = np.flatnonzero(left)
     left[asked] = ~solved(DigestList(table.digests, asked))

@@ -43,7 +43,7 @@ class Demands:
     def of(self, target: Target, point: int, case: int, analysis: int) -> tuple[Demand, Demand | None]:
         """With pounding and alone; None alone: contact and shear demand, which take a neighbour."""
         limit, building, place = target.limit, target.building, (point, case, analysis)
-        links = self.layout.links[point, case]
+        links = self.layout.links(point, case)
         storeys = [self._levels(name)[point, case, analysis] for name in ("collapsed", "collapsed0")]
         fell = (storeys[0] > 0).any(axis=-1)
         if limit.quantity == CONTACT:
@@ -71,7 +71,7 @@ class Demands:
         """A variable of some links of a point, case and analysis, shape (motions, levels, links)."""
         if not numbers:  # the file need not have the variable
             return np.zeros((*self.layout.linked.shape[3:], 0))
-        links = self.layout.links[place[:2]]
+        links = self.layout.links(*place[:2])
         return self._levels(name)[place][..., [self._numbers[links[number].place] for number in numbers]]
 
     def _levels(self, name: str) -> np.ndarray:
@@ -83,5 +83,5 @@ class Demands:
     @cached_property
     def _numbers(self) -> dict[LinkPlace, int]:
         """Where links stand along the dimension `link` of the file."""
-        places = {link.place for links in set(row.links for row in self.plan.rows) for link in links}
+        places = {link.place for links in self.plan.rows.sets.layouts for link in links}
         return {place: number for number, place in enumerate(sorted(places))}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pounding_cli.digests import DigestList, pieces
 from pounding_cli.fragility import (
     Brackets,
     Curve,
@@ -18,6 +19,7 @@ from pounding_cli.fragility import (
     fit,
 )
 from pounding_cli.fragility.hunt import found
+from pounding_cli.model.placed import among
 from pounding_cli.store.answers import Read
 from pounding_cli.store.fragility_demand import Demands
 from pounding_cli.study.fragility import intensities
@@ -126,8 +128,9 @@ def samples_of(
     """Every curve: with pounding, and alone (None: what takes a neighbour)."""
     demands = Demands(plan, read, question, layout)
     x, method = intensities(plan, question), question.spec.method
-    is_asked = np.frompyfunc(plan.scenes.__contains__, 1, 1)
-    asked, asked_alone = is_asked(layout.linked).astype(bool), is_asked(layout.alone).astype(bool)
+    digests = DigestList(plan.rows.table.digests)
+    is_asked = np.concatenate([among(plan.scenes, some) for some in pieces(digests)])
+    asked, asked_alone = is_asked[layout.linked], is_asked[layout.alone]
     for point, case, analysis in np.ndindex(*asked.shape[:3]):
         for number, target in enumerate(question.targets):
             with_pounding, free = demands.of(target, point, case, analysis)

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from pounding_cli.digests import DigestList
 from pounding_cli.fragility.hunt import next_levels
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
 from pounding_cli.study.plan import LinkSeen, Plan
+from pounding_cli.study.scenes import LinkSets, Scenes
 
 if TYPE_CHECKING:
     from pounding_cli.solve.response import Response
@@ -35,9 +37,8 @@ class Layout:
     order : places of the levels on their axis, intensities rising, shape (levels,)
     intensity : of the levels as the study says it, rising, shape (levels,)
     points : of the other axes, an index on every axis, 0 on that of the intensity
-    linked : digests of the scenes, shape (points, cases, analyses, motions, levels)
-    alone : digests of the baselines, shape (points, analyses, motions, levels, buildings)
-    links : of every point and case, shape (points, cases)
+    linked : numbers of the scenes in the table of the plan's rows, shape (points, cases, analyses, motions, levels)
+    alone : numbers of the baselines there, shape (points, analyses, motions, levels, buildings)
     """
 
     order: np.ndarray
@@ -45,29 +46,29 @@ class Layout:
     points: list[tuple[int, ...]]
     linked: np.ndarray
     alone: np.ndarray
-    links: np.ndarray
+    _sets: LinkSets
+    _links: np.ndarray
 
     @classmethod
     def of(cls, plan: Plan, axis: int | None) -> Layout:
         """The layout of a plan; `axis` : number of the axis of the intensity; None: there is one level."""
         values = [1.0] if axis is None else [float(value) for (value,) in plan.axes[axis].values]
-        order = np.argsort(values)
-        rows, buildings = len(plan.rows), len(plan.buildings)
-        linked, alone, links = np.empty(rows, object), np.empty((rows, buildings), object), np.empty(rows, object)
-        same: dict[str, str] = {}  # cases and points share buildings alone: each digest is held once
-        for number, row in enumerate(plan.rows):
-            linked[number], links[number] = row.scene, row.links
-            alone[number] = [same.setdefault(digest, digest) for digest in row.baselines]
+        order, rows = np.argsort(values), plan.rows
         swept = [len(each.values) for each in plan.axes]
         shape = (*swept, len(plan.cases), len(plan.analyses), len(plan.records))
         return cls(
             order,
             np.array(values)[order],
             list(np.ndindex(*(1 if number == axis else size for number, size in enumerate(swept)))),
-            by_level(linked.reshape(shape), len(swept), axis, order),
-            by_level(alone.reshape(*shape, buildings), len(swept), axis, order)[:, 0],
-            by_level(links.reshape(shape), len(swept), axis, order)[:, :, 0, 0, 0],
+            by_level(rows.scenes[:, 0].reshape(shape), len(swept), axis, order),
+            by_level(rows.scenes[:, 1:].reshape(*shape, len(plan.buildings)), len(swept), axis, order)[:, 0],
+            rows.sets,
+            by_level(rows.links.reshape(*shape[:-2], 1, 1), len(swept), axis, order)[:, :, 0, 0, 0],
         )
+
+    def links(self, point: int, case: int) -> tuple[LinkSeen, ...]:
+        """The links of a point and case."""
+        return self._sets[int(self._links[point, case])]
 
 
 def by_level(values: np.ndarray, swept: int, axis: int | None, order: np.ndarray) -> np.ndarray:
@@ -139,10 +140,11 @@ def over_demand(limit: Limit, demand: np.ndarray) -> np.ndarray:
 class Series(NamedTuple):
     """The scenes of one motion over the levels, and the targets that they tell of.
 
+    scenes : numbers in the table of the plan's rows, shape (levels,)
     building : place of the building that stands alone; -1 with pounding
     """
 
-    scenes: tuple[str, ...]
+    scenes: np.ndarray
     point: int
     case: int
     building: int
@@ -150,37 +152,47 @@ class Series(NamedTuple):
 
 
 class Asked(Placed):
-    """The scenes asked so far, of all that a plan could ask, and what their responses said.
+    """The scenes asked so far, of all that a plan could ask, and what their responses said; all by their numbers in the
+    table of the plan's rows.
 
-    demands : by digest, demand over limit of every target, shape (targets,)
+    known : scenes whose responses were looked at, in the order in which they were asked
+    demands : of every scene, asked or not, demand over limit of every target, shape (scenes, targets)
     going : series whose search goes on
     waiting : scenes whose responses have not been looked at, and the series each belongs to
     """
 
     def __init__(
         self,
-        whole: Placed,
+        whole: Scenes,
         layout: Layout,
         targets: tuple[Target, ...],
-        demands: dict[str, np.ndarray],
+        known: np.ndarray,
+        demands: np.ndarray,
         going: list[Series],
-        waiting: dict[str, Series],
+        waiting: dict[int, Series],
     ) -> None:
         self.whole, self.layout, self.targets = whole, layout, targets
-        self.demands, self.going, self.waiting = demands, going, waiting
+        self.known, self.demands, self.going, self.waiting = known, demands, going, waiting
+        self._numbers = np.concatenate([known, np.array(list(waiting), np.int32)])
+        self._is_asked = np.zeros(len(whole) + 1, bool)  # the last for what is none of them
+        self._is_asked[self._numbers] = True
 
     @classmethod
     def first(cls, plan: Plan, layout: Layout, targets: tuple[Target, ...]) -> Asked:
         """The first round: the lowest level of every series."""
-        going = list(_series(layout, targets))
-        assert isinstance(plan.scenes, Placed)
-        return cls(plan.scenes, layout, targets, {}, going, {each.scenes[0]: each for each in going})
+        going, whole = list(_series(layout, targets)), plan.scenes
+        assert isinstance(whole, Scenes)
+        demands = np.full((len(whole), len(targets)), np.nan)
+        waiting = {int(each.scenes[0]): each for each in going}
+        return cls(whole, layout, targets, np.zeros(0, np.int32), demands, going, waiting)
+
+    def digests(self, numbers: Sequence[int] | np.ndarray) -> DigestList:
+        """Digests by number."""
+        return DigestList(self.whole.table.digests, np.asarray(numbers, np.int64))
 
     def place(self, digest: str) -> int:
         """Its place among all that could be asked."""
-        if digest not in self:
-            raise KeyError(digest)
-        return self.whole.place(digest)
+        return self.places([digest])[0]
 
     def places(self, digests: Sequence[str]) -> list[int]:
         """Their places among all that could be asked."""
@@ -193,15 +205,18 @@ class Asked(Placed):
         """The scene at a place."""
         return self.whole.at(place)
 
+    def has(self, digests: Sequence[str]) -> np.ndarray:
+        """Whether each scene is asked, shape (digests,)."""
+        return self._is_asked[self.whole.table.numbers(digests)]
+
     def __contains__(self, digest: object) -> bool:
-        return digest in self.demands or digest in self.waiting
+        return isinstance(digest, str) and bool(self.has([digest])[0])
 
     def __iter__(self) -> Iterator[str]:
-        yield from self.demands
-        yield from self.waiting
+        return iter(self.digests(self._numbers))
 
     def __len__(self) -> int:
-        return len(self.demands) + len(self.waiting)
+        return len(self._numbers)
 
 
 def refine_fragility(plan: Plan, responses: Responses) -> Plan | None:
@@ -209,52 +224,56 @@ def refine_fragility(plan: Plan, responses: Responses) -> Plan | None:
     asked = plan.scenes
     if not isinstance(asked, Asked):
         return None
-    demands = asked.demands | _demands(plan, asked, responses)
+    known = np.concatenate([asked.known, np.array(list(asked.waiting), np.int32)])
+    demands, is_known = asked.demands.copy(), np.zeros(len(asked.whole), bool)
+    demands[known[len(asked.known) :]] = _demands(plan, asked, responses)
+    is_known[known] = True
     fill = plan.study.model.fragility.fill  # type: ignore[attr-defined]  # a section that the registry adds
     going: list[Series] = []
-    waiting: dict[str, Series] = {}
+    waiting: dict[int, Series] = {}
     for series in asked.going:
-        told = {level: demands[digest] for level, digest in enumerate(series.scenes) if digest in demands}
+        levels = np.flatnonzero(is_known[series.scenes])
+        told = demands[series.scenes[levels]].T
         wanted: set[int] = set()
         for target in series.targets:
-            seen = {level: float(each[target]) for level, each in told.items()}
+            seen = dict(zip(levels.tolist(), told[target].tolist(), strict=True))
             wanted |= next_levels(asked.layout.intensity, seen, fill)
         if wanted:
             going.append(series)
-            waiting |= {series.scenes[level]: series for level in sorted(wanted)}
+            waiting |= {int(series.scenes[level]): series for level in sorted(wanted)}
     if not waiting:
         return None
-    return dataclasses.replace(plan, scenes=Asked(asked.whole, asked.layout, asked.targets, demands, going, waiting))
+    scenes = Asked(asked.whole, asked.layout, asked.targets, known, demands, going, waiting)
+    return dataclasses.replace(plan, scenes=scenes)
 
 
 def _series(layout: Layout, targets: tuple[Target, ...]) -> Iterator[Series]:
     """Every motion with pounding, and every building alone once."""
     everything = tuple(range(len(targets)))
     points, cases, analyses, motions, _ = layout.linked.shape
-    known: set[str] = set()
+    known: set[int] = set()
     for point in range(points):
         for case, analysis, motion in np.ndindex(cases, analyses, motions):
-            yield Series(tuple(layout.linked[point, case, analysis, motion]), point, case, -1, everything)
+            yield Series(layout.linked[point, case, analysis, motion], point, case, -1, everything)
         for building in range(layout.alone.shape[-1]):
             mine = tuple(
                 number for number, target in enumerate(targets)
                 if target.building == building and target.limit.quantity not in TAKES_NEIGHBOUR
             )  # fmt: skip
             for analysis, motion in np.ndindex(analyses, motions):
-                scenes = tuple(layout.alone[point, analysis, motion, :, building])
-                if mine and scenes[0] not in known:  # other cases and points may share it
-                    known.add(scenes[0])
+                scenes = layout.alone[point, analysis, motion, :, building]
+                if mine and int(scenes[0]) not in known:  # other cases and points may share it
+                    known.add(int(scenes[0]))
                     yield Series(scenes, point, 0, building, mine)
 
 
-def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.ndarray]:
-    """Demand over limit in every scene whose response was waited for."""
+def _demands(plan: Plan, asked: Asked, responses: Responses) -> np.ndarray:
+    """Demand over limit of every target in the scenes whose responses were waited for, shape (scenes, targets)."""
     # height [m] and yield shear [N] of the storeys, not the buildings: there may be many
     storeys: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
-    found: dict[str, np.ndarray] = {}
-    for digest, response in responses.read(asked.waiting):
-        series = asked.waiting[digest]
-        demand = np.full(len(asked.targets), np.nan)
+    found = np.full((len(asked.waiting), len(asked.targets)), np.nan)
+    read = responses.read(asked.digests(list(asked.waiting)))
+    for demand, series, (_, response) in zip(found, asked.waiting.values(), read, strict=True):
         for number in series.targets if response.has_result else ():
             limit, building = asked.targets[number].limit, asked.targets[number].building
             place = building if series.building < 0 else 0
@@ -265,7 +284,7 @@ def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.nda
                 demand[number] = 0.0
                 continue
             if limit.quantity == CONTACT:
-                links = asked.layout.links[series.point, series.case]
+                links = asked.layout.links(series.point, series.case)
                 mine = [place for place, link in enumerate(links) if link.left == building]
                 gaps = np.array([links[place].gap for place in mine])
                 demand[number] = over_gap(response.links.max_closing[mine], gaps)
@@ -276,7 +295,7 @@ def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.nda
                 storeys[key] = own.height, own.yield_shear
             height, yield_shear = storeys[key]
             if limit.quantity == SHEAR_DEMAND:
-                links = asked.layout.links[series.point, series.case]
+                links = asked.layout.links(series.point, series.case)
                 shear_demand = np.full(len(links), np.nan)
                 shear_demand[response.columns.link] = response.columns.demand
                 struck = struck_columns(asked.targets[number], links, yield_shear)
@@ -284,5 +303,4 @@ def _demands(plan: Plan, asked: Asked, responses: Responses) -> dict[str, np.nda
                 continue
             peaks = getattr(response.buildings[place], FIELDS[limit.quantity])
             demand[number] = over_limit(limit, peaks, height)
-        found[digest] = demand
     return found

@@ -22,6 +22,7 @@ from pounding_cli.store.codec import encode
 from pounding_cli.store.datasets import Datasets
 from pounding_cli.store.dense import facts, shape_of
 from pounding_cli.study import load_study
+from pounding_cli.study.kinds import load_for
 from pounding_cli.workflows import expansion
 from tests.helpers.plans import known, small_plan
 
@@ -32,6 +33,9 @@ MOST = 1500.0
 
 MOST_OF_A_POINT = 150.0
 """What a plan and the order of its scenes keep of a point with one scene, at most [bytes]."""
+
+MOST_OF_A_QUESTION = 160.0
+"""What a plan of `pound fragility` keeps of every scene that it may ask for, at most [bytes]."""
 
 MOST_OF_A_RESPONSE = 40.0
 """What is held of a response that is on disk, at most [bytes]."""
@@ -152,3 +156,21 @@ def test_a_plan_holds_little_of_every_point(tmp_path, monkeypatch):
         sizes.append(tracemalloc.get_traced_memory()[0])
         tracemalloc.stop()
     assert (sizes[2] - sizes[1]) / 1600 < MOST_OF_A_POINT, sizes
+
+
+def test_little_is_kept_of_what_may_be_asked(tmp_path, monkeypatch):
+    """A search asks for some of its scenes. Fails if digests of all are texts, or demands are kept one by one."""
+    monkeypatch.setattr("pounding_cli.study.sections.MOST_KEPT", 200)
+    sizes, counts = [], []
+    for count in (840, 2520, 5880):
+        path = tmp_path / f"{count}.yaml"
+        path.write_text(sweep.study_of("fragility", count))
+        study = load_for(path, "fragility")
+        gc.collect()
+        tracemalloc.start()
+        plan = expansion("fragility")(study)
+        gc.collect()
+        sizes.append(tracemalloc.get_traced_memory()[0])
+        counts.append(len(plan.rows.table))
+        tracemalloc.stop()
+    assert (sizes[2] - sizes[1]) / (counts[2] - counts[1]) < MOST_OF_A_QUESTION, sizes
