@@ -6,7 +6,7 @@ was asked thousands of times. With `POUND_PLAIN_KERNELS=1` numba says where in a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
@@ -15,12 +15,12 @@ from numba.core import ir, lowering, typeinfer, types
 from numba.core.analysis import dead_branch_prune, rewrite_semantic_constants
 from numba.core.base import BaseContext
 from numba.core.caching import Cache
-from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.cpu import CPUContext
 from numba.core.interpreter import Interpreter, peep_hole_delete_with_exit
 from numba.core.ir_utils import build_definitions
+from numba.core.registry import cpu_target
 from numba.core.rewrites import rewrite_registry
 from numba.core.runtime import rtsys
 from numba.core.ssa import reconstruct_ssa
@@ -124,7 +124,6 @@ def nothing_twice() -> Iterator[None]:
             replace(CPUContext, "refresh", _when_there_is_more(CPUContext.refresh))
             replace(Context, "refresh", _when_there_is_more(Context.refresh))
             replace(Cache, "load_overload", _load)
-            replace(JITCodeLibrary, "_unserialize", classmethod(_unserialize))
             # What asks LLVM waits for what works beside: LLVM answers one thread at a time.
             replace(binding, "get_process_triple", _remembered(binding.get_process_triple, lambda: None))
             replace(binding.newpassmanagers, "dump_refprune_stats", lambda: _NO_STATISTICS)
@@ -209,9 +208,6 @@ def _load(cache: Cache, signature: Any, context: Any) -> Any:
 SHARES: dict[str, bytes] = {}
 """Machine code that kernels call and that this process has, by name (`pieces.Share`)."""
 
-SHARED = "shared"
-"""What a kernel on disk is called that comes with such machine code."""
-
 
 def load_share(codegen: Any, name: str, machine_code: bytes) -> None:
     """Have machine code that kernels call, once however many they are."""
@@ -220,14 +216,20 @@ def load_share(codegen: Any, name: str, machine_code: bytes) -> None:
         SHARES[name] = machine_code
 
 
-def _unserialize(cls: Any, codegen: Any, kept: Any) -> Any:
-    """A kernel as it is kept on disk."""
-    name, kind, data = kept
-    if kind == SHARED:
-        shares, kind, data = data
-        for share in shares.items():
-            load_share(codegen, *share)
-    return CPUCodeLibrary._unserialize.__func__(cls, codegen, (name, kind, data))
+class WithShares:
+    """What numba keeps on disk of a kernel: who reads it back has the shares too, and gets what numba would keep."""
+
+    def __init__(self, kept: Any, names: Iterable[str]) -> None:
+        self._kept, self._shares = kept, {name: SHARES[name] for name in names}
+
+    def __reduce__(self) -> Any:
+        return _read_back, (self._kept, self._shares)
+
+
+def _read_back(kept: Any, shares: dict[str, bytes]) -> Any:
+    for name, machine_code in shares.items():
+        load_share(cpu_target.target_context.codegen(), name, machine_code)
+    return kept
 
 
 _WITHOUT = {str, int, float, bool, type(None), ir.Loc}

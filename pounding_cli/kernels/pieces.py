@@ -27,7 +27,7 @@ from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, inf
 from numba.extending import infer_getattr, lower_builtin, lower_getattr_generic
 
 from pounding_cli.kernels.apart import Apart, may_fork
-from pounding_cli.kernels.passes import SHARED, SHARES, load_share, nothing_twice, run_passes
+from pounding_cli.kernels.passes import SHARES, WithShares, load_share, nothing_twice, run_passes
 
 _UNPACKING = ("_ZN7cpython", "cfunc.")
 """How the names of functions begin that unpack what a kernel is given."""
@@ -230,9 +230,8 @@ class _Kernel(JITCodeLibrary):
 
     def serialize_using_object_code(self) -> Any:
         """As it is kept on disk."""
-        name, kind, data = super().serialize_using_object_code()
-        shares = {share.name: SHARES[share.name] for share in self._shares}
-        return (name, SHARED, (shares, kind, data)) if shares else (name, kind, data)
+        kept = super().serialize_using_object_code()
+        return WithShares(kept, [share.name for share in self._shares]) if self._shares else kept
 
     def _link(self) -> list[Share]:
         """Take in all pieces; returns the shares that have the rest."""

@@ -131,14 +131,13 @@ def test_numba_is_left_as_it_was():
     that works beside the compiler is given work when it has ended, which a forked worker would wait for for ever."""
     from llvmlite import binding
     from numba.core.caching import Cache
-    from numba.core.codegen import JITCodeLibrary
     from numba.core.cpu import CPUContext
 
     from pounding_cli.kernels import pieces
 
     def found():
         numbas = CPUContext.refresh, types.Function.get_call_type, types.Dispatcher.get_call_type, Cache.load_overload
-        return numbas, JITCodeLibrary._unserialize, binding.get_process_triple
+        return numbas, binding.get_process_triple
 
     before = found()
 
