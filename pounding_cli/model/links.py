@@ -89,7 +89,7 @@ class Link:
         """Initial distance of the floors [m]."""
         return self.law.gap
 
-    @cached_property
+    @property
     def words(self) -> str:
         """Everything about the link, in a line: two links with one line act alike."""
         between = "" if self.left_at == self.right_at == 1.0 else f" {self.left_at!r} {self.right_at!r}"

@@ -103,10 +103,13 @@ class Digests:
     Parameters
     ----------
     buildings, links : as in `Scene`
+    words : of the links, where they are at hand
     """
 
-    def __init__(self, buildings: Sequence[Building], links: Sequence[Link]) -> None:
-        parts = [b.digest for b in buildings] + [link.words for link in links]
+    def __init__(
+        self, buildings: Sequence[Building], links: Sequence[Link], words: Sequence[str] | None = None
+    ) -> None:
+        parts = [*(b.digest for b in buildings), *([link.words for link in links] if words is None else words)]
         self._begun = hashlib.sha256("\n".join(parts).encode())
 
     @staticmethod

@@ -140,19 +140,19 @@ class _Digests:
     def _add_case(self, place: int) -> None:
         """The scenes of a case."""
         case, builder, numbers = self._frame.cases[place], self._builder, array("i")
-        met: dict[tuple[Link, ...], int] = {}  # the numbers of the latest ones
+        met: dict[tuple[Link, ...], tuple[int, list[str]]] = {}  # numbers and words of the latest ones
 
         def begin(point: Point) -> Digests | None:
             self._study.resolver.links(point, case)  # what is wrong with them, and with what they stand between
             if self._met():
                 return None
             links = builder.links(point, case)
-            number = met.get(links)
-            if number is None:
-                number = self._sets.number(seen(links))
-                _keep(met, links, number, MOST_ALIKE)
-            numbers.append(number)
-            return Digests(builder.buildings(point), links)
+            found = met.get(links)
+            if found is None:
+                found = self._sets.number(seen(links)), [link.words for link in links]
+                _keep(met, links, found, MOST_ALIKE)
+            numbers.append(found[0])
+            return Digests(builder.buildings(point), links, found[1])
 
         own = self._study.resolver.touching(*links_depend_on(case))
         self._scenes[..., place, :, :, 0] = self._grid(own, begin)

@@ -36,14 +36,18 @@ class _Element:
 
 class Links:
     """The links of cases. Those of groups that differ in nothing that links depend on are the same, and found once: a
-    period that is swept leaves links alone whose stiffness is that of another building."""
+    period that is swept leaves links alone whose stiffness is that of another building.
 
-    def __init__(self) -> None:
+    several : whether there are several groups; otherwise nothing is found again
+    """
+
+    def __init__(self, several: bool = False) -> None:
+        self._several = several
         self._known: OrderedDict[tuple[Any, ...], _Known] = OrderedDict()
 
     def of(self, case: CaseSpec, group: Group, root: Node | Tree, path: Path, problems: Problems) -> tuple[Link, ...]:
         """All links of a case, by pair and then from the ground up; what is wrong is noted in `problems`."""
-        if group.is_empty or any(group.strikes):  # links on columns depend on the building
+        if not self._several or group.is_empty or any(group.strikes):  # links on columns depend on the building
             return _links_of(case, group, root, path, _Reader(group, root, problems))
         key = id(case), id(group.impact), id(group.laws), group.floors
         known = self._known.get(key)

@@ -56,7 +56,7 @@ class Resolver(Sections):
 
     @functools.cached_property
     def _links(self) -> Links:
-        return Links()
+        return Links(several=True in self.touching("buildings"))
 
     def problems(self, point: Point) -> tuple[Problem, ...]:
         """Everything wrong with the study at this point."""
