@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.assess import assess, judging
+from pounding_cli.solve.assess import assess, judging, judging_bounded
 from pounding_cli.solve.groups import GroupSolver
 from pounding_cli.solve.read import OneOf, read
 from pounding_cli.solve.response import Response
@@ -101,11 +101,15 @@ class Task:
                 answers[place] = failure or answer
                 if halted():
                     del answers[place + 1 :]
-        runs = [run for each in answers if isinstance(each, _Begun) for run in each.done()]
-        try:
-            found = dict(zip(runs, read(runs), strict=True))
-        except Exception:  # some run cannot be read: each by itself, so that the others can
-            found = {}
+        begun = [(place, each) for place, each in enumerate(answers) if isinstance(each, _Begun)]
+        found = _read_together([run for _, each in begun for run in each.done()])
+        open_ones = [
+            (place, each) for place, each in begun if self._caught(each.scene, self._judge, each, found) is True
+        ]
+        for place, each in open_ones:
+            begins(place)
+            self._caught(each.scene, each.judges[0].integrate)
+        found |= _read_together([run for _, each in open_ones for run in each.judges])
         ended = (
             self._caught(each.scene, self._ended, each, found) if isinstance(each, _Begun) else each for each in answers
         )
@@ -160,6 +164,16 @@ class Task:
         asked = judging(scene, first.what.method.name, self.accuracy, self.all_effects)
         return _Begun(scene, first, [prepare(each, **settings) for each, settings in asked], beside)
 
+    def _judge(self, begun: _Begun, found: Mapping[Prepared, OneOf]) -> bool:
+        """Whether a finer run is to judge a run whose tangent does not tell enough; it is laid out."""
+        one = found.get(begun.first)
+        if one is None or not one.is_open:
+            return False
+        method = begun.first.what.method.name
+        asked = judging_bounded(begun.scene, method, self.accuracy, one.sensitivity, self.all_effects)
+        begun.judges = [prepare(scene, **settings) for scene, settings in asked]
+        return bool(asked)
+
     def _ended(self, begun: _Begun, found: Mapping[Prepared, OneOf]) -> Response | OneOf:
         """The response of runs that are done, as far as they are `found` already."""
         one, *others = [found.get(run) or read([run])[0] for run in begun.done()]
@@ -204,6 +218,14 @@ class Task:
         storeys = [building.storeys for building in scene.buildings]
         asked = (self.accuracy, math.nan) if self.time_step is None else (math.nan, self.time_step)
         return failed(storeys, len(scene.links), status, advice, self.method, *asked)
+
+
+def _read_together(runs: Sequence[Prepared]) -> dict[Prepared, OneOf]:
+    """What came of runs; none of it where one of them cannot be read, so that each is read by itself."""
+    try:
+        return dict(zip(runs, read(runs), strict=True))
+    except Exception:
+        return {}
 
 
 @functools.lru_cache(maxsize=1)

@@ -146,6 +146,17 @@ def judging(scene: Scene, method: str, accuracy: float, all_effects: bool = Fals
     return finer_run, _with_nudge(finer_run, NUDGE)
 
 
+def judging_bounded(
+    scene: Scene, method: str, accuracy: float, sensitivity: float, all_effects: bool = False
+) -> tuple[Asked, ...]:
+    """The run by which a response is judged whose tangent tells this sensitivity [-] and a bound above the accuracy;
+    none where the sensitivity is to be measured too."""
+    if not (accuracy >= FINEST_BOUNDED and sensitivity <= MOST_SENSITIVE):  # fault: known-sensitivity
+        return ()
+    finer_scene, settings = _finer_run(scene, method, accuracy, all_effects)
+    return ((finer_scene, settings | {"ledger": False}),)
+
+
 def _at_once(method: str, accuracy: float) -> bool:
     """Whether one run may tell both error and sensitivity."""
     return not METHODS[method].takes_step and accuracy >= FINEST_AT_ONCE
@@ -197,7 +208,7 @@ def assess(
     of `all_effects`: what that may cost is bounded beforehand (`model.condense`), and resolving them costs most where
     they matter least. The sway and rocking of such a base are 0, and the response says so.
 
-    judges : the responses of the runs of `judging`, where they are at hand
+    judges : the responses of the runs of `judging`, or of `judging_bounded`, where they are at hand
     """
     if not response.has_result:
         return response
@@ -206,14 +217,13 @@ def assess(
     if response.estimated == BOUNDED and response.error_estimate <= accuracy:  # fault: bound-meets-accuracy
         return response
     if response.moved and response.status == DONE and accuracy >= FINEST_BOUNDED:
-        sensitivity, *_ = response.moved
-        known = sensitivity if sensitivity <= MOST_SENSITIVE else None  # fault: known-sensitivity
-        if known is not None:
-            finer_scene, settings = _finer_run(scene, response.method, accuracy, all_effects)
-            error = difference(response, run(finer_scene, **settings, ledger=False))
+        known, *_ = response.moved
+        asked = judging_bounded(scene, response.method, accuracy, known, all_effects)
+        for finer_scene, settings in asked:
+            error = difference(response, judges[0] if judges else run(finer_scene, **settings))
             if error <= accuracy and known * GRAZING <= DECIDES * accuracy:
                 return dataclasses.replace(response, error_estimate=error, sensitivity=known, estimated=MEASURED)
-        return _told_apart(scene, response, accuracy, run, all_effects, known=known)
+        return _told_apart(scene, response, accuracy, run, all_effects, known=known if asked else None)
     ((nudged, settings),) = judging(scene, response.method, accuracy, all_effects)
     judge = judges[0] if judges else run(nudged, **settings)
     error, sensitivity = difference(response, judge), change(response, judge) / min(LITTLE * accuracy, NUDGE)

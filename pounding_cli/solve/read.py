@@ -173,6 +173,12 @@ class OneOf(NamedTuple):
         """Whether its tangent did not tell enough of its error."""
         return self.responses.moved is not None and not self.responses.estimated[self.row]
 
+    @property
+    def sensitivity(self) -> float:
+        """What its tangent tells of that [-]; nan where it carried none, or did not end with its motion."""
+        told = self.responses.moved
+        return nan if told is None or self.status != DONE else float(told.storeys[self.row])
+
     def response(self) -> Response:
         """All of it."""
         return self.responses.response(self.row)

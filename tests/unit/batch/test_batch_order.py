@@ -11,7 +11,7 @@ import pytest
 from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.bundles import MOST, Queue, solve_bundle
 from pounding_cli.batch.families import order_of
-from pounding_cli.solve import solve
+from pounding_cli.solve import solve, tangent
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import parse
 from pounding_cli.study import expand, load_study
@@ -195,8 +195,10 @@ def without_times(chunk):
     ]
 
 
-@pytest.mark.parametrize("estimate", ["none", "all"])
-def test_scenes_taken_together_give_what_each_gives_alone(estimate):
+@pytest.mark.parametrize(("estimate", "cut"), [("none", tangent.CUT), ("all", tangent.CUT), ("all", 1.0)])
+def test_scenes_taken_together_give_what_each_gives_alone(monkeypatch, estimate, cut):
+    """Those too whose bounds are all too large (`cut`), so that finer runs judge them."""
+    monkeypatch.setattr(tangent, "CUT", cut)
     plan = small_plan()
     task, names = Task(solve, 1e-6, "auto", estimate), list(plan.scenes)
     begun: list[int] = []
