@@ -251,8 +251,8 @@ def _solve_missing(
     small = work < WORTH_WORKERS
     used = Serial() if small or (chosen.workers == 1 and chosen.name != "dask") else chosen
     if not small:
+        keep_expanded(plan, parts.folder)  # first, so that a run with parts never expands again
         parts.flush()
-        keep_expanded(plan, parts.folder)
     queue = Queue(order.rest, used.workers, work / max(1, len(order.rest)), order.begins)
     with contextlib.closing(used.solve(queue, plan.scenes, task, parts.key)) as solved:
         for finished in solved:
