@@ -5,6 +5,7 @@ Numba's Python takes most of the wait for a kernel, and a second thread of it wo
 from __future__ import annotations
 
 import ctypes
+import multiprocessing
 import os
 import signal
 import sys
@@ -26,8 +27,9 @@ _DONE = b"done"
 
 
 def may_fork() -> bool:
-    """Whether a fork is safe: it copies the locks of other threads as they are, and nobody there would open them."""
-    return sys.platform == "linux" and threading.active_count() == 1
+    """Whether a fork is safe, as it copies the locks of other threads as they are and nobody there would open them; and
+    whether it pays: a process that works for another one has others beside it, or is there to spare memory."""
+    return sys.platform == "linux" and threading.active_count() == 1 and multiprocessing.parent_process() is None
 
 
 class Apart:

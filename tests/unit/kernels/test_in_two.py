@@ -220,12 +220,13 @@ call(m.mean)
     [
         "threading.Thread(target=threading.Event().wait, daemon=True).start()",
         "def refuse(): raise BlockingIOError('no more processes')\nos.fork = refuse",
+        "import multiprocessing\nmultiprocessing.parent_process = lambda: 'a run'",
     ],
-    ids=["threads", "no-process"],
+    ids=["threads", "no-process", "worker"],
 )
 def test_a_kernel_is_compiled_alone_where_no_process_may_be_forked(told, planted):
-    """Beside another thread, whose locks a fork would copy closed, or where the system has no process left. Fails if a
-    process is forked all the same, or if the kernel is not compiled."""
+    """Beside another thread, whose locks a fork would copy closed, where no process is left, or in a process
+    that another one has begun. Fails if a process is forked all the same, or if the kernel is not compiled."""
     assert told(f"{planted}\ntold(call(m.mean), call(m.more))") == f"{MEAN} {MORE} 0 forks 0 here none left"
 
 
