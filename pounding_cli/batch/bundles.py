@@ -27,7 +27,7 @@ FARTHEST = 0.5
 MOST = 1000
 """Scenes in one bundle at most."""
 
-TOGETHER = 128
+TOGETHER = 256
 """Scenes that are taken step by step together (`Work.each`)."""
 
 _LATE = 2.0

@@ -69,7 +69,7 @@ def study_text(periods: int, estimate: str) -> str:
     return STUDY.format(estimate=estimate, periods=values)
 
 
-def measure(periods: int = 20, turns: int = 3, trees: tuple[Path, ...] = (ROOT,)) -> list[dict]:
+def measure(periods: int = 20, turns: int = 6, trees: tuple[Path, ...] = (ROOT,)) -> list[dict]:
     """Rows of (estimate, workers): least seconds of several runs, all scenes together; each tree in turn."""
     asked = [(estimate, workers, tree) for estimate in ESTIMATES for workers in (1, 2) for tree in trees]
     found: dict[tuple, list[dict]] = {which: [] for which in asked}
@@ -114,7 +114,7 @@ def parts(rows: list[dict]) -> dict:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.bench.batch", description=__doc__)
     parser.add_argument("--periods", type=int, default=20, help="periods of the second building")
-    parser.add_argument("--turns", type=int, default=3, help="runs of each, of which the least counts")
+    parser.add_argument("--turns", type=int, default=6, help="runs of each, of which the least counts")
     parser.add_argument("--against", type=Path, help="another checkout, measured in turns with this one")
     options = parser.parse_args()
     trees = (ROOT, *([options.against.resolve()] if options.against else []))
