@@ -66,6 +66,11 @@ def test_looking_for_yielding_changes_nothing_in_an_elastic_scene(kind):
     scene = Scene((STIFF, SOFT), links(kind, 0.02, FLOORS), shake(2.0), ELASTIC)
     for a, b in zip(kernel(scene, False), kernel(scene, True), strict=True):
         assert np.array_equal(a, b)
+    strong = dataclasses.replace(scene, buildings=_rebuilt(yield_shear=lambda b: b.yield_shear * np.inf))
+    found = solve(scene, ACCURACY).buildings
+    assert max(building.ductility.max() for building in found) > 1.5  # inelastic storeys would yield
+    for building, other in zip(found, solve(strong, ACCURACY).buildings, strict=True):
+        assert np.array_equal(building.shear, other.shear)
 
 
 def peaks(response) -> np.ndarray:
