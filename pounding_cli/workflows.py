@@ -83,7 +83,7 @@ _LIST = (
     Workflow(
         "gap",
         "Find how wide the gap must be.",
-        shows=("gap",),
+        shows=("gap", "gap_cases", "property_line"),
         schema="pounding_cli.study.gap_keys:GapSpec",
         expand="pounding_cli.study.gap:expand_gap",
         tables="pounding_cli.store.gap:gap_tables",

@@ -122,8 +122,7 @@ class UbcDesign:
         Elastic displacements under the design forces times `amplification`. `stiffness` : storey stiffnesses
         [N/m], from the ground up, shape (n,), > 0; other arguments and errors as `floor_forces`.
         """
-        m, h, k = _per_storey(mass=mass, height=height, stiffness=stiffness)
-        return self.amplification * np.cumsum(self.yield_shears(m, h, period) / k)
+        return self.amplification * _static_displacements(self, mass, height, stiffness, period)
 
 
 @dataclass(frozen=True)
@@ -169,6 +168,22 @@ class BaseShearDesign:
     def yield_shears(self, mass: ArrayLike, height: ArrayLike, period: float) -> np.ndarray:
         """Storey shears under those forces [N], from the ground up, shape (n,). Arguments and errors as there."""
         return _storey_shears(self.floor_forces(mass, height, period))
+
+    def elastic_displacements(
+        self, mass: ArrayLike, height: ArrayLike, stiffness: ArrayLike, period: float
+    ) -> np.ndarray:
+        """Floor displacements of the elastic building under those forces on a fixed base [m], without P-Delta, shape
+        (n,), from the ground up: delta_max of ASCE/SEI 7-16, 12.8.6, and d_e of EN 1998-1:2004, 4.3.4, where V is the
+        design base shear of that code.  Arguments and errors as `UbcDesign.design_displacements`."""
+        return _static_displacements(self, mass, height, stiffness, period)
+
+
+def _static_displacements(
+    design: UbcDesign | BaseShearDesign, mass: ArrayLike, height: ArrayLike, stiffness: ArrayLike, period: float
+) -> np.ndarray:
+    """Elastic displacements under the design forces on a fixed base [m], shape (n,), from the ground up."""
+    m, h, k = _per_storey(mass=mass, height=height, stiffness=stiffness)
+    return np.cumsum(design.yield_shears(m, h, period) / k)
 
 
 def _storey_shears(forces: np.ndarray) -> np.ndarray:

@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike
 
 from pounding_cli.model.building import Building
 
+ASCE7, EN1998 = "ASCE 7-16", "EN 1998-1"
+"""Names of the rules of codes that take a displacement of every building."""
+
 
 def absolute_sum(left: ArrayLike, right: ArrayLike) -> np.ndarray:
     """ABS: both peaks at once and apart, the upper bound of what is required."""
@@ -59,18 +62,40 @@ def first_mode_damping(building: Building) -> float:
     return (building.alpha / omega + building.beta * omega) / 2
 
 
-def asce7_displacement(elastic: ArrayLike, deflection_factor: float, response_factor: float) -> np.ndarray:
-    """Maximum inelastic displacement of ASCE/SEI 7-10 [m]: Cd delta_max / Ie (eq. 12.12-1).
+def asce7_displacement(elastic: ArrayLike, deflection_factor: float, importance: float) -> np.ndarray:
+    """Maximum inelastic displacement delta_M of ASCE/SEI 7-16, 12.12.3 [m]: Cd delta_max / Ie (eq. 12.12-1).
 
-    delta_max is the displacement of the elastic building under design forces, which are those of the elastic response
-    divided by R / Ie: so delta_M = (Cd / R) times the displacement of the elastic response; Ie falls out.
+    A building stays that far away from a property line; structures on one property stay sqrt(delta_M1^2 + delta_M2^2)
+    apart (eq. 12.12-2).
 
     Parameters
     ----------
-    elastic : largest displacement of the elastic response [m]
-    deflection_factor, response_factor : Cd and R of the structural system [-]
+    elastic : delta_max, largest displacement of the elastic building under the design forces [m]
+    deflection_factor, importance : Cd and Ie of the building [-]
     """
-    return np.abs(elastic) * deflection_factor / response_factor
+    return np.abs(elastic) * deflection_factor / importance  # fault: asce7-displacement
+
+
+def en1998_displacement(elastic: ArrayLike, behaviour_factor: float) -> np.ndarray:
+    """Displacement d_s of EN 1998-1:2004, 4.3.4 [m]: q_d d_e (eq. 4.23).
+
+    A building stays that far away from a property line (4.4.2.7(2)(a)).
+
+    Parameters
+    ----------
+    elastic : d_e, displacement by a linear analysis under the design forces [m]
+    behaviour_factor : displacement behaviour factor q_d of the building [-]; q unless otherwise specified
+    """
+    return np.abs(elastic) * behaviour_factor
+
+
+def en1998_separation(left: ArrayLike, right: ArrayLike, same_floors: ArrayLike) -> np.ndarray:
+    """Distance of two buildings on one property, EN 1998-1:2004, 4.4.2.7 [m]: the square root of the sum of the squares
+    of their displacements d_s (2)(b), times 0.7 where their floors have the same elevations (3).
+
+    left, right : d_s at the level [m]; same_floors : whether the floors have the same elevations
+    """
+    return np.hypot(left, right) * np.where(same_floors, 0.7, 1.0)  # fault: en1998-same-floors
 
 
 GB_STEP = {6: 5.0, 7: 4.0, 8: 3.0, 9: 2.0}

@@ -10,15 +10,25 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding_cli.model.separation import ASCE7, EN1998
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.gap_text import (
+    case_headings,
+    case_notes,
+    case_rows,
+    case_sentences,
+    cases_at,
+    code_notes,
     contact_columns,
     error_sentence,
     governing,
     headings,
+    interval_sentence,
+    line_headings,
+    line_rows,
     numbers,
     pair_heading,
     width_unit,
@@ -27,19 +37,22 @@ from pounding_cli.report.style import caption, entitle, new_figure, shared_legen
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.gap import EXACT
+from pounding_cli.store.gap import CASES, CONFIDENCE, EXACT, LINE
 
 LEFT_OUT = (
-    "UBC 1997, EN 1998-1 and NZS 1170.5 have other rules. They are left out because no citable source of their clauses "
-    "was available."
+    "UBC 1997 and NZS 1170.5 have other rules. They are left out because no source of their clauses was available."
 )
+
+MOST_GAPS = 20
+"""Gaps of the cases in the table of a pair."""
 
 _LOOKS = {
     EXACT: ("#000000", "-", "o"),
     "ABS": ("#E69F00", (0, (5, 2)), "^"),
     "SRSS": ("#0072B2", (0, (5, 2)), "s"),
     "DDC": ("#009E73", (0, (5, 1.5, 1, 1.5)), "D"),
-    "ASCE 7-10": ("#CC79A7", (0, (1, 1.2)), "v"),
+    ASCE7: ("#CC79A7", (0, (1, 1.2)), "v"),
+    EN1998: ("#56B4E9", (0, (1, 1.2)), "<"),
     "GB 50011-2010": ("#AA2211", (0, (1, 1.2)), "P"),
 }
 _CODE = ("#666666", (0, (3, 1)), "X")
@@ -59,7 +72,7 @@ def gap_page(results: Results, shown: Evidence, with_figures: bool = True) -> An
         if keys and len(results.axes[keys[0]]) > 1:
             said = "Mean over the motions at the floors that require the widest gap."
             figures["required-gap-sweep"] = Illustration(draw_sweep(results, answer, shown), "Over the sweep", said)
-    heads = [heading.replace("\n", " ") for heading in headings(answer)]
+    heads = _flat(headings(answer))
     tables = [
         (
             pair_heading(results, shown.point, left, right, rows),
@@ -68,7 +81,23 @@ def gap_page(results: Results, shown: Evidence, with_figures: bool = True) -> An
         for _, left, right, rows in parts
     ]
     lead = [_sentence(answer, part) for part in parts]
-    return AnswerPage("Required gap", lead, figures, tables, _notes(frame, answer))
+    cases, line = results.answer(CASES), results.answer(LINE)
+    own = shown.here(cases.frame)
+    for _, left, right, _ in parts:
+        here, gaps = cases_at(own, {}, left, right, MOST_GAPS)
+        if gaps:
+            more = f" (the first {MOST_GAPS} of {gaps}; all: tables/{CASES}.csv)" if gaps > MOST_GAPS else ""
+            grid = Grid(_flat(case_headings(cases)), case_rows(cases, here), range(3, 7))
+            tables.append((f"Gaps of the cases, {left} | {right}{more}", grid))
+            lead += case_sentences(cases, here)
+    grid = Grid(_flat(line_headings(line)), line_rows(line, shown.here(line.frame)), range(5, len(line_headings(line))))
+    tables.append(("Distance to a property line, at the floors that move most", grid))
+    notes = [*_notes(frame, answer), *case_notes(results, own), *code_notes(results), LEFT_OUT]
+    return AnswerPage("Required gap", lead, figures, tables, notes)
+
+
+def _flat(heads: Sequence[str]) -> list[str]:
+    return [heading.replace("\n", " ") for heading in heads]
 
 
 def _sentence(answer: Answer, part: tuple[Any, ...]) -> str:
@@ -81,9 +110,10 @@ def _sentence(answer: Answer, part: tuple[Any, ...]) -> str:
             f"{row['analysis'].capitalize()}: mean {unit.text(row['mean'], 4)}, largest {unit.text(row['largest'], 4)}"
         )
         if row[contact] == row[contact]:
-            between = f"{unit.text(row[contact + '_low'], 3)} to {unit.text(row[contact + '_high'], 3)}"
-            share = contact.removeprefix("contact_")
-            words += f"; {unit.text(row[contact], 4)} for {share} % probability of contact (90 % confidence: {between})"
+            words += f"; {unit.text(row[contact], 4)} for {contact.removeprefix('contact_')} % probability of contact"
+            if row[f"{contact}_low"] == row[f"{contact}_low"]:
+                between = f"{unit.text(row[contact + '_low'], 3)} to {unit.text(row[contact + '_high'], 3)}"
+                words += f" ({CONFIDENCE:.0%} confidence: {between})"
         said.append(words)
     motions = counted(int(rows["motions"].max()), "motion")
     return f"{left} | {right}: required gap at the floors that require the widest gap, {motions}. {'. '.join(said)}."
@@ -93,19 +123,18 @@ def _notes(frame: pd.DataFrame, answer: Answer) -> list[str]:
     """What a reader should know of the numbers."""
     said = error_sentence(answer, float(frame["error"].max()))
     notes = [
-        f"Exact: largest closing of two floors over time, each building alone. {said} The "
-        "90 % confidence interval shows the uncertainty due to the small number of motions.",
+        "Exact: largest closing of two floors over time; for a property line, largest displacement of the floor to "
+        f"that side. Each building is alone. {said}",
+        interval_sentence(frame),
         "ABS, SRSS and DDC combine the largest displacements of each building under the same motion; DDC takes the "
         "periods and damping ratios of the elastic first modes.",
     ]
     rules = set(frame["rule"])
-    if "ASCE 7-10" in rules:
-        notes.append("ASCE/SEI 7-10, 12.12.3: SRSS of Cd/R times the displacements of the elastic response.")
     if "GB 50011-2010" in rules:
         notes.append("GB 50011-2010, 6.1.4: a least width that depends on height, intensity and system alone.")
     if any(rule.startswith("UBC") for rule in rules):
         notes.append("UBC: sum of the displacements that the code which set the yield shears allows both buildings.")
-    return [*notes, LEFT_OUT]
+    return list(filter(None, notes))
 
 
 @styled
@@ -131,10 +160,13 @@ def draw_profiles(answer: Answer, frame: pd.DataFrame, shown: Evidence) -> Figur
     shared_legend(figure, axes.flat)
     entitle(figure, shown.title)
     where = f"At {shown.label}. " if shown.label else ""
+    contact = contact_columns(answer)[0]
+    has_band = frame.loc[frame["rule"] == EXACT, f"{contact}_low"].notna().any()
+    band = f"Band: {CONFIDENCE:.0%} confidence of the blue line, cut at the edge. " if has_band else ""
     caption(
         figure,
-        f"{where}Grey: every motion, exact. Lines: mean over the motions, exact and by rules. Band: "
-        f"90 % confidence of the blue line, cut at the edge. {motion_sentence(shown.records)}",
+        f"{where}Grey: every motion, exact. Lines: mean over the motions, exact and by rules. {band}"
+        f"{motion_sentence(shown.records)}",
     )
     return figure
 
@@ -212,7 +244,11 @@ def cite_gap(resolved: Mapping[str, Any], used: Use) -> None:
     used("jeng1992", "the rule DDC")
     used("derkiureghian1981", "the correlation of two oscillators in DDC")
     asked = resolved.get("gap") or {}
-    if asked.get("asce7"):
-        used("asce2010", "the separation of ASCE/SEI 7-10, section 12.12.3")
+    yields = [building["yield"] for building in (resolved["buildings"][name] for name in resolved["group"])
+              if building["yield_shear"] is None]  # fmt: skip
+    if any(each.get("Cd") and each.get("Ie") for each in yields):
+        used("asce2017", "the separation of ASCE/SEI 7-16, section 12.12.3")
+    if any(each.get("qd") for each in yields):
+        used("en1998", "the separation of EN 1998-1, 4.4.2.7")
     if asked.get("gb50011"):
         used("gb50011-2010", "the joint width of clause 6.1.4")

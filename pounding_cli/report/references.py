@@ -206,9 +206,15 @@ REFERENCES = {
             "10.1093/comjnl/7.4.308",
         ),
         Reference(
-            "asce2010", "manual", "American Society of Civil Engineers", 2010,
-            "Minimum design loads for buildings and other structures, ASCE/SEI 7-10",
+            "asce2017", "manual", "American Society of Civil Engineers", 2017,
+            "Minimum design loads and associated criteria for buildings and other structures, ASCE/SEI 7-16",
             (("address", "Reston, Virginia"),),
+        ),
+        Reference(
+            "en1998", "manual", "European Committee for Standardization", 2004,
+            "EN 1998-1:2004, Eurocode 8: Design of structures for earthquake resistance - Part 1: General rules, "
+            "seismic actions and rules for buildings",
+            (("address", "Brussels"),),
         ),
         Reference(
             "gb50011-2010", "manual",

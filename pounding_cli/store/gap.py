@@ -1,8 +1,9 @@
-"""The table `gap`: required separations over the motions, exact and by rules, at every pair of floors that face."""
+"""The tables of `pound gap`: required separations over the motions, exact and by rules, at every pair of floors that
+face; what that means for the gaps of the cases; distances to a property line."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -11,20 +12,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.model.links import LinkPlace
-from pounding_cli.model.meetings import meetings
-from pounding_cli.model.scene import Analysis
+from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
 from pounding_cli.model.separation import (
+    ASCE7,
+    EN1998,
     absolute_sum,
-    asce7_displacement,
     cross_correlation,
     double_difference,
+    en1998_separation,
     first_mode_damping,
     gb50011_width,
     root_of_squares,
 )
 from pounding_cli.store.answers import Column, Read, Table, place_columns
+from pounding_cli.study.gap import gaps_of_cases
 
 if TYPE_CHECKING:
+    from pounding_cli.model.building import Building
     from pounding_cli.study import Plan
     from pounding_cli.study.gap_keys import GapSpec
 
@@ -36,6 +40,14 @@ BLOCK_ROWS = 200_000
 
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
+
+FEWEST = 5
+"""Motions from which that interval is told: fewer do not tell how much the gap varies from motion to motion."""
+
+CASES, LINE = "gap_cases", "property_line"
+"""Names of the tables of the gaps of the cases and of the distances to a property line."""
+
+_UBC = "UBC"
 
 _OF_COLUMNS = (
     "building whose columns, in the storey below its floor, a slab of the other faces: left or right; empty where two "
@@ -59,65 +71,225 @@ class Rule:
 
 
 def gap_tables(plan: Plan, read: Read) -> list[Table]:
-    """The table `gap` of a plan of `pound gap`."""
-    return [Table("gap", _blocks(plan, read))]
+    """The tables of a plan of `pound gap`."""
+    return [
+        Table("gap", _blocks(plan, read, _block)),
+        Table(CASES, _blocks(plan, read, _cases_block)),
+        Table(LINE, _blocks(plan, read, _line_block)),
+    ]
 
 
-def _blocks(plan: Plan, read: Read) -> Iterator[list[Column]]:
-    """The table, some points of the sweep at a time."""
+_Block = Callable[["Plan", "list[tuple[int, ...]]", "list[LinkPlace]", Mapping[str, np.ndarray]], list[Column]]
+"""(plan, points, places of links, variables with shape (points, analyses, ...)) -> the rows at these points."""
+
+
+def _blocks(plan: Plan, read: Read, block: _Block) -> Iterator[list[Column]]:
+    """A table, some points of the sweep at a time."""
     places = sorted({link.place for row in plan.rows for link in row.links})
     points = list(np.ndindex(*(len(axis.values) for axis in plan.axes)))
     # what the scenes did, points first, without the one case
-    whole = {name: read(name) for name in ("max_closing", "displacement", "error_estimate")}
+    names = ("max_closing", "displacement", "displacement_max", "displacement_min", "error_estimate")
+    whole = {name: read(name) for name in names}
     whole = {name: array.reshape(len(points), *array.shape[len(plan.axes) + 1 :]) for name, array in whole.items()}
     step = max(1, BLOCK_ROWS // (len(places) * len(plan.analyses) * max(10, len(plan.records))))
+    is_empty = True
     for begin in range(0, len(points), step):
         here = slice(begin, begin + step)
-        yield _block(plan, points[here], places, {name: array[here] for name, array in whole.items()})
+        columns = block(plan, points[here], places, {name: array[here] for name, array in whole.items()})
+        if columns[0].data.size or (is_empty and begin + step >= len(points)):
+            is_empty = False
+            yield columns
 
 
 def _block(
     plan: Plan, points: list[tuple[int, ...]], places: list[LinkPlace], found: Mapping[str, np.ndarray]
 ) -> list[Column]:
-    """The rows at some points; `found` : variables, shape (points, analyses, ...)."""
+    """What floors that face each other require."""
     wanted = plan.study.model.gap  # type: ignore[attr-defined]  # a section that the registry adds
     facts = _Facts(plan, points, places)
-    parts = [_statistics(rule, wanted) for rule in _rules(plan, found, facts, wanted)]
+    names = plan.buildings
+
+    def of_places(place: np.ndarray, point: np.ndarray) -> list[Column]:
+        return [
+            *_place_columns(names, [places[number] for number in place]),
+            Column("height", facts.heights[point, place], "of the slabs above the ground", "m"),
+        ]
+
+    return _rows(plan, points, list(_rules(plan, found, facts, wanted)), facts.faces, of_places)
+
+
+def _place_columns(names: Sequence[str], places: Sequence[LinkPlace]) -> list[Column]:
+    """Which floors, of which buildings."""
+    return [
+        Column("left", _texts(names[left] for left, *_ in places), "building left of the gap"),
+        Column("right", _texts(names[left + 1] for left, *_ in places), "building right of the gap"),
+        Column("floor", np.array([floor for _, floor, *_ in places], int), "floor of the left building", "1"),
+        Column("right_floor", np.array([floor for *_, floor, _ in places], int), "floor of the right building", "1"),
+        Column("columns", _texts(name.removesuffix(" columns") for *_, name in places), _OF_COLUMNS),
+    ]
+
+
+def _texts(values: Iterable[str]) -> np.ndarray:
+    return np.array(list(values), dtype=object)
+
+
+def _rows(
+    plan: Plan,
+    points: list[tuple[int, ...]],
+    rules: Sequence[Rule],
+    faces: np.ndarray,
+    of_places: Callable[[np.ndarray, np.ndarray], list[Column]],
+    is_line: bool = False,
+) -> list[Column]:
+    """A row for every point, analysis, place and rule, with the statistics over the motions.
+
+    faces : whether a place is there, shape (points, places)
+    of_places : (place of every row, its point) -> the columns that say where it is
+    """
+    wanted = plan.study.model.gap  # type: ignore[attr-defined]
+    parts = [_statistics(rule, wanted) for rule in rules]
     exact = parts[0]
     for part in parts:
         with np.errstate(divide="ignore", invalid="ignore"):
             part["over_exact"] = part["mean"] / exact["mean"]
-    # rows: point, analysis, pair of floors, rule; only floors that face each other at that point
-    shape = (len(points), len(plan.analyses), len(places), len(parts))
-    there = np.broadcast_to(facts.faces[:, None, :, None], shape).copy()
+    shape = (len(points), len(plan.analyses), faces.shape[1], len(parts))
+    there = np.broadcast_to(faces[:, None, :, None], shape).copy()
     there &= np.stack([part["motions"] >= 0 for part in parts], axis=-1)
-    index = np.nonzero(there)
-
-    def spread(values: list, axis: int) -> np.ndarray:
-        return np.array(values, dtype=object if isinstance(values[0], str) else None)[index[axis]]
-
-    names = plan.buildings
-    columns = place_columns(plan.axes, [points[number] for number in index[0]])
+    point, analysis, place, rule = np.nonzero(there)
+    columns = place_columns(plan.axes, [points[number] for number in point])
     columns += [
-        Column("analysis", spread(list(plan.analyses), 1), "elastic or inelastic storeys"),
-        Column("left", spread([names[left] for left, *_ in places], 2), "building left of the gap"),
-        Column("right", spread([names[left + 1] for left, *_ in places], 2), "building right of the gap"),
-        Column("floor", spread([floor for _, floor, *_ in places], 2), "floor of the left building", "1"),
-        Column("right_floor", spread([floor for _, _, floor, _ in places], 2), "floor of the right building", "1"),
-        Column("columns", spread([name.removesuffix(" columns") for *_, name in places], 2), _OF_COLUMNS),
-        Column("height", facts.heights[index[0], index[2]], "of the slabs above the ground", "m"),
-        Column("rule", spread([part["name"] for part in parts], 3), "exact, or the rule that estimates it"),
+        Column("analysis", np.array(plan.analyses, object)[analysis], "elastic or inelastic storeys"),
+        *of_places(place, point),
+        Column("rule", np.array([part["name"] for part in parts], object)[rule], "exact, or the rule"),
     ]
     width = plan.study.unit("gap")
-    for name, text in _meanings(wanted).items():
-        values = np.stack([part[name] for part in parts], axis=-1)[index]
+    for name, text in _meanings(wanted, is_line).items():
+        values = np.stack([part[name] for part in parts], axis=-1)[point, analysis, place, rule]
         is_length = name not in ("motions", "dispersion", "over_exact")
         columns.append(Column(name, values, text, "m" if is_length else "1", width if is_length else None))
     return columns
 
 
-def _meanings(wanted: GapSpec) -> dict[str, str]:
-    """The columns of numbers and what each means."""
+def _cases_block(
+    plan: Plan, points: list[tuple[int, ...]], places: list[LinkPlace], found: Mapping[str, np.ndarray]
+) -> list[Column]:
+    """Whether the gaps of the cases are enough: a row for every point, case, analysis, pair of neighbours and rule."""
+    wanted = plan.study.model.gap  # type: ignore[attr-defined]
+    facts = _Facts(plan, points, places)
+    rules = list(_rules(plan, found, facts, wanted))
+    rows: list[tuple[int, str, int, str, _Enough]] = []
+    for number, point in enumerate(points):
+        for case, gaps in gaps_of_cases(plan, point):
+            width = np.array([gaps.get(place, np.nan) for place in places])
+            for left in sorted({place[0] for place in gaps}):
+                own = np.isfinite(width) & np.array([place[0] == left for place in places]) & facts.faces[number]
+                for analysis in range(len(plan.analyses)) if own.any() else ():
+                    for rule in rules:
+                        one = _enough(rule, number, analysis, width, own)
+                        if one is not None:
+                            rows.append((number, case, analysis, rule.name, one))
+    unit, here = plan.study.unit("gap"), [each for *_, each in rows]
+    chosen = [places[each.place] for each in here]
+    return [
+        *place_columns(plan.axes, [points[number] for number, *_ in rows]),
+        Column("case", _texts(case for _, case, *_ in rows), "case of the study"),
+        Column("analysis", _texts(plan.analyses[analysis] for _, _, analysis, *_ in rows), "elastic or inelastic"),
+        *_place_columns(plan.buildings, chosen),
+        Column("gap", np.array([each.gap for each in here], float), "of the case at these floors", "m", unit),
+        Column("rule", _texts(name for *_, name, _ in rows), "exact, or the rule"),
+        Column(
+            "required",
+            np.array([each.required for each in here], float),
+            "by the rule at these floors, which lack most or have least to spare; largest of the motions",
+            "m",
+            unit,
+        ),
+        Column(
+            "enough",
+            _texts(each.word for each in here),
+            "whether the gap is wide enough at all floors of the pair, under all motions; unknown where scenes failed",
+        ),
+        Column("enough_for", np.array([each.count for each in here], int), "motions for which it is", "1"),
+        Column(
+            "motions", np.array([each.motions for each in here], int), "motions; 0 where the rule depends on none", "1"
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class _Enough:
+    """Whether a gap is enough by a rule, and the floors that lack most or have least to spare.
+
+    place : their number; gap, required : there [m]
+    word : yes, no or unknown; count, motions : for how many motions it is enough, of how many
+    """
+
+    place: int
+    gap: float
+    required: float
+    word: str
+    count: int
+    motions: int
+
+
+def _enough(rule: Rule, point: int, analysis: int, gap: np.ndarray, own: np.ndarray) -> _Enough | None:
+    """Compare gaps [m], shape (places,), with what a rule requires at the places `own`; None where it says nothing.
+    A gap is enough where it is no narrower than what is required and its numerical error."""
+    values = rule.values[point, analysis][:, own]
+    errors = np.nan_to_num(rule.errors[point, analysis][:, own])
+    known = np.isfinite(values).all(axis=1)
+    if not known.any():
+        return None
+    is_enough = (values[known] + errors[known] <= gap[own]).all(axis=1)  # fault: gap-of-a-case
+    largest = values[known].max(axis=0)
+    worst = int(np.argmin(gap[own] - largest))
+    word = "no" if not is_enough.all() else "yes" if known.all() else "unknown"
+    count, motions = (int(is_enough.sum()), known.size) if rule.needs_motions else (0, 0)
+    place = int(np.flatnonzero(own)[worst])
+    return _Enough(place, float(gap[place]), float(largest[worst]), word, count, motions)
+
+
+def _line_block(
+    plan: Plan, points: list[tuple[int, ...]], places: list[LinkPlace], found: Mapping[str, np.ndarray]
+) -> list[Column]:
+    """How far every floor moves to either side, and what codes ask of the distance to a property line."""
+    names, floors = plan.buildings, found["displacement"].shape[-1]
+    sides = [(building, floor, side) for building in range(len(names)) for floor in range(floors) for side in (0, 1)]
+    shape = len(points), len(sides)
+    heights = np.full(shape, np.nan)
+    codes = {name: np.full(shape, np.nan) for name in (ASCE7, EN1998)}
+    for number, point in enumerate(points):
+        row = [plan.study.building(point, place) for place in range(len(names))]
+        expected = [plan.study.resolver.code_displacements(point, name) for name in plan.study.model.group]
+        for column, (building, floor, _) in enumerate(sides):
+            if floor < row[building].storeys:
+                heights[number, column] = row[building].elevation[floor]
+                for name, whole in expected[building].items():
+                    codes[name][number, column] = whole[floor]
+    both = np.stack([-found["displacement_min"], found["displacement_max"]], axis=-1)  # fault: property-line-side
+    relative = found["error_estimate"][..., None, None]
+    reach = relative * np.nanmax(found["displacement"], axis=-1, keepdims=True, initial=0.0)
+    exact = both.reshape(*both.shape[:3], -1)
+    errors = np.broadcast_to(reach[..., None], both.shape).reshape(exact.shape)
+    rules = [Rule(EXACT, exact, errors)]
+    rules += [_of_no_motion(name, widths, len(plan.analyses)) for name, widths in codes.items()]
+
+    def of_places(place: np.ndarray, point: np.ndarray) -> list[Column]:
+        chosen = [sides[number] for number in place]
+        return [
+            Column("building", _texts(names[building] for building, *_ in chosen), "building, left to right"),
+            Column(
+                "side", _texts(("left", "right")[side] for *_, side in chosen), "of the building that faces the line"
+            ),
+            Column("floor", np.array([floor + 1 for _, floor, _ in chosen], int), "floor, from 1 at the ground", "1"),
+            Column("height", heights[point, place], "of the floor above the ground", "m"),
+        ]
+
+    return _rows(plan, points, rules, np.isfinite(heights), of_places, is_line=True)
+
+
+def _meanings(wanted: GapSpec, is_line: bool = False) -> dict[str, str]:
+    """The columns of numbers and what each means; `is_line`: of the distances to a property line."""
     found = {
         "motions": "number of motions behind the row; 0 where the rule depends on none",
         "mean": "mean over the motions",
@@ -133,11 +305,12 @@ def _meanings(wanted: GapSpec) -> dict[str, str]:
     }
     for share in wanted.contact:
         name = f"contact_{100 * share:g}"
-        said = f"gap with a probability of contact of {100 * share:g} % by the lognormal fit"
+        said = "distance that the floor reaches with a probability" if is_line else "gap with a probability of contact"
+        said += f" of {100 * share:g} % by the lognormal fit"
         found |= {
             name: said,
-            f"{name}_low": f"lower end of the {CONFIDENCE:.0%} confidence interval of that gap",
-            f"{name}_high": f"upper end of the {CONFIDENCE:.0%} confidence interval of that gap",
+            f"{name}_low": f"lower end of its {CONFIDENCE:.0%} confidence interval; from {FEWEST} motions on",
+            f"{name}_high": f"upper end of its {CONFIDENCE:.0%} confidence interval; from {FEWEST} motions on",
         }
     found["error"] = "largest numerical error of a motion's separation; no statistic but those of the fit exceeds it"
     found["over_exact"] = "mean over the mean of the exact separations"
@@ -149,7 +322,8 @@ class _Facts:
 
     def __init__(self, plan: Plan, points: list[tuple[int, ...]], places: list[LinkPlace]) -> None:
         shape = (len(points), len(places))
-        self.correlations, self.heights, self.lower, self.code = (np.full(shape, np.nan) for _ in range(4))
+        self.correlations, self.heights, self.lower = (np.full(shape, np.nan) for _ in range(3))
+        self.codes = {name: np.full(shape, np.nan) for name in (_UBC, ASCE7, EN1998)}
         self.upper = np.ones((2, *shape))  # what the floor has of a place's movement; the floor below has the rest
         self.places = places
         touched = plan.study.touching("buildings")
@@ -160,7 +334,7 @@ class _Facts:
             if same == number:
                 self._enter(plan, number, point)
             else:
-                for array in (self.correlations, self.heights, self.lower, self.code):
+                for array in (self.correlations, self.heights, self.lower, *self.codes.values()):
                     array[number] = array[same]
                 self.upper[:, number] = self.upper[:, same]
         self.faces = np.isfinite(self.heights)
@@ -168,7 +342,12 @@ class _Facts:
     def _enter(self, plan: Plan, number: int, point: tuple[int, ...]) -> None:
         row = [plan.study.building(point, place) for place in range(len(plan.buildings))]
         damping = [first_mode_damping(building) for building in row]
-        allowed = [plan.study.resolver.design_displacements(point, name) for name in plan.study.model.group]
+        expected = []
+        for name in plan.study.model.group:
+            ubc = plan.study.resolver.design_displacements(point, name)
+            codes = plan.study.resolver.code_displacements(point, name)
+            expected.append({**codes, **({} if ubc is None else {_UBC: ubc})})
+        level = [_same_floors(one, other) for one, other in pairwise(row)]
         there: dict[tuple[int, int, int, str], tuple[float, float]] = {}
         for left, pair in enumerate(pairwise(row)):
             floors, strikes = meetings(*pair)
@@ -189,12 +368,25 @@ class _Facts:
                 self.correlations[number, column] = cross_correlation(
                     float(a.periods[0]), float(b.periods[0]), damping[left], damping[left + 1]
                 )
-            one, other = allowed[left], allowed[left + 1]
-            if one is not None and other is not None:
-                ends = zip((one, other), (left_floor, right_floor), self.upper[:, number, column], strict=True)
-                self.code[number, column] = sum(
-                    part * d[floor - 1] + (1.0 - part) * (d[floor - 2] if floor > 1 else 0.0) for d, floor, part in ends
+            upper = self.upper[:, number, column]
+            for name in expected[left].keys() & expected[left + 1].keys():
+                one, other = (
+                    part * d[floor - 1] + (1.0 - part) * (d[floor - 2] if floor > 1 else 0.0)
+                    for d, floor, part in zip(
+                        (expected[left][name], expected[left + 1][name]), (left_floor, right_floor), upper, strict=True
+                    )
                 )
+                self.codes[name][number, column] = {
+                    _UBC: one + other,
+                    ASCE7: float(root_of_squares(one, other)),
+                    EN1998: float(en1998_separation(one, other, level[left])),
+                }[name]
+
+
+def _same_floors(left: Building, right: Building) -> bool:
+    """Whether the floors of two neighbours have the same elevations, up to the lower roof."""
+    count = min(left.storeys, right.storeys)
+    return bool((np.abs(left.elevation[:count] - right.elevation[:count]) <= FLOOR_TOLERANCE).all())
 
 
 def _rules(plan: Plan, found: Mapping[str, np.ndarray], facts: _Facts, wanted: GapSpec) -> Iterator[Rule]:
@@ -214,17 +406,13 @@ def _rules(plan: Plan, found: Mapping[str, np.ndarray], facts: _Facts, wanted: G
     yield Rule("ABS", absolute_sum(a, b), reach)
     yield Rule("SRSS", root_of_squares(a, b), reach)
     yield Rule("DDC", double_difference(a, b, facts.correlations[:, None, None, :]), reach)
-    if wanted.asce7 is not None and str(Analysis.ELASTIC) in plan.analyses:
-        factors = wanted.asce7.Cd, wanted.asce7.R
-        elastic = np.array([word == Analysis.ELASTIC for word in plan.analyses])[:, None, None]
-        width = np.where(elastic, root_of_squares(*(asce7_displacement(each, *factors) for each in (a, b))), np.nan)
-        yield Rule("ASCE 7-10", width, np.where(elastic, reach * factors[0] / factors[1], np.nan))
     if wanted.gb50011 is not None:
         system = wanted.gb50011.intensity, wanted.gb50011.structure
         joint = np.vectorize(lambda height: gb50011_width(height, *system) if height == height else np.nan)
         yield _of_no_motion("GB 50011-2010", joint(facts.lower), analyses)
-    if np.isfinite(facts.code).any():
-        yield _of_no_motion(_edition(plan), facts.code, analyses)
+    for name, widths in facts.codes.items():
+        if np.isfinite(widths).any():
+            yield _of_no_motion(_edition(plan) if name == _UBC else name, widths, analyses)
 
 
 def _between(above: np.ndarray, below: np.ndarray, floor: np.ndarray, upper: np.ndarray) -> np.ndarray:
@@ -242,8 +430,8 @@ def _of_no_motion(name: str, widths: np.ndarray, analyses: int) -> Rule:
 def _edition(plan: Plan) -> str:
     """The edition of the UBC that set the yield shears; "UBC" where there are several."""
     specs = (plan.study.model.buildings[name].yield_ for name in plan.study.model.group)
-    editions = {getattr(spec, "code", "UBC") for spec in specs}
-    return editions.pop() if len(editions) == 1 else "UBC"
+    editions = {getattr(spec, "code", _UBC) for spec in specs}
+    return editions.pop() if len(editions) == 1 else _UBC
 
 
 def _statistics(rule: Rule, wanted: GapSpec) -> dict:
@@ -313,6 +501,8 @@ def _factors(number: int, probability: float) -> tuple[float, float, float]:
 
     z = float(stats.norm.isf(probability))  # fault: gap-of-a-probability
     root = np.sqrt(number)
+    if number < FEWEST:  # fault: gap-few-motions
+        return z, np.nan, np.nan
     low, high = (float(stats.nct.ppf(p, number - 1, z * root)) / root for p in _tails())  # fault: gap-interval
     return z, low, high
 

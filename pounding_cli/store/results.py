@@ -198,7 +198,8 @@ class Results(RowTables):
         """The first rows of one of the tables of `answers`, which may be long.  Raises as `answer`."""
         with opened(self.path) as file:
             if name not in table_names(file):
-                hint = f"write it with: pound {name} STUDY -o FILE.h5"
+                command = next((each.name for each in WORKFLOWS.values() if name in each.shows), name)
+                hint = f"write it with: pound {command} STUDY -o FILE.h5"
                 raise InputError(Problem(f"has no table {name}", hint, str(self.path)))
             return read_table(file, name, rows)
 

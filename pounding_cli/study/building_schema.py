@@ -73,6 +73,9 @@ class CodeDesign(Model):
     )
 
 
+BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
+"""Keys of a yield that speak of a base shear."""
+
 _COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0)
 
 
@@ -101,11 +104,20 @@ class BaseShear(Model):
         description="forces over the height: by w h, w, w h^2, w h^k of ASCE 7, or the UBC's with a force at the top",
     )
     overstrength: Overstrength = optional(1.0, description="factor on the yield shears [-]")
+    cd: Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)] | None = optional(
+        None, alias="Cd", description="deflection amplification factor Cd of ASCE 7 [-], for `pound gap`"
+    )
+    ie: Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)] | None = optional(
+        None, alias="Ie", description="importance factor Ie of ASCE 7 [-], for `pound gap`"
+    )
+    qd: Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)] | None = optional(
+        None, description="displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`"
+    )
 
 
 def _yield_kind(value: Any) -> str:
     # The tags are no keys of the file, so that a problem is not looked for below the key of that name.
-    given = isinstance(value, dict) and not value.keys().isdisjoint(("base_shear", "distribution"))
+    given = isinstance(value, dict) and not value.keys().isdisjoint(BASE_SHEAR)
     return "by base shear" if given or isinstance(value, BaseShear) else "by code"
 
 

@@ -11,6 +11,7 @@ from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, UnstableError, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
 from pounding_cli.model.foundation import Foundation
+from pounding_cli.model.separation import ASCE7, EN1998, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.numbers import counted
 from pounding_cli.study.building_schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec
@@ -186,6 +187,26 @@ def design_displacements(spec: BuildingSpec, building: Building) -> np.ndarray |
     design = _design(spec.yield_, Node({}, (0, 0), keys={}), (), Problems(""))
     assert isinstance(design, UbcDesign)
     return design.design_displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
+
+
+def code_displacements(spec: BuildingSpec, building: Building) -> dict[str, np.ndarray]:
+    """The displacement that a code expects, by the name of its rule [m], shape (n,), from the ground up; without the
+    rules whose factors the study does not give.
+
+    delta_M and d_s follow from the static displacements under the forces of `base_shear` and `distribution`.
+    """
+    yield_ = spec.yield_ if spec.yield_shear is None else None
+    if not isinstance(yield_, BaseShear):
+        return {}
+    design = BaseShearDesign(yield_.base_shear, yield_.distribution)
+    mass, height, stiffness = building.mass, building.height, building.stiffness
+    elastic = design.elastic_displacements(mass, height, stiffness, float(building.periods[0]))
+    found = {}
+    if yield_.cd is not None and yield_.ie is not None:
+        found[ASCE7] = asce7_displacement(elastic, yield_.cd, yield_.ie)
+    if yield_.qd is not None:
+        found[EN1998] = en1998_displacement(elastic, yield_.qd)
+    return found
 
 
 def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:

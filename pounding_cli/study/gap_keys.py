@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, Tag, WithJsonSchema
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
 from pounding_cli.study.base import EITHER, Model, optional
 from pounding_cli.study.shares import percent
-from pounding_cli.study.units import Quantity, whole_number
+from pounding_cli.study.units import whole_number
 
 _MOST = 20
 
@@ -32,17 +32,6 @@ else:
     ]
 
 
-class Asce7Spec(Model):
-    """ASCE/SEI 7-10, section 12.12.3: what it takes from the user."""
-
-    Cd: Annotated[float, Quantity("deflection amplification factor", "", "5.5", 1.0, 10.0)] = Field(
-        description="deflection amplification factor Cd of the structural system [-]", examples=[5.5]
-    )
-    R: Annotated[float, Quantity("response modification factor", "", "8", 1.0, 10.0)] = Field(
-        description="response modification factor R of the structural system [-]", examples=[8]
-    )
-
-
 class Gb50011Spec(Model):
     """GB 50011-2010, clause 6.1.4: what it takes from the user."""
 
@@ -61,5 +50,4 @@ class GapSpec(Model):
     contact: Probabilities = optional(
         ("10 %",), description="probabilities of contact, one or a list: the gap for each"
     )
-    asce7: Asce7Spec | None = optional(None, description="factors for the separation of ASCE/SEI 7-10")
     gb50011: Gb50011Spec | None = optional(None, description="intensity and system for the joint of GB 50011-2010")

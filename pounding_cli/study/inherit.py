@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pounding_cli.study.building_schema import BASE_SHEAR
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.source import Node
 
@@ -19,7 +20,7 @@ ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
     ),
     "yield": (
         (frozenset({"K"}), frozenset({"Rw"})),
-        (frozenset({"base_shear", "distribution"}), CODE),
+        (BASE_SHEAR, CODE),
     ),
     "link": ((frozenset({"damping_ratio"}), frozenset({"restitution"})),),
 }
@@ -65,9 +66,10 @@ def _own(node: Node, problems: Problems) -> Node:
     if below is None:
         return node
     refuse_alternatives(below, "yield", problems)
-    if not (below.is_mapping and "base_shear" in below.value):
+    if not below.is_mapping:
         return node
-    kept = {key: value for key, value in below.value.items() if key not in CODE}
+    gone = CODE if "base_shear" in below.value else BASE_SHEAR if not CODE.isdisjoint(below.value) else frozenset()
+    kept = {key: value for key, value in below.value.items() if key not in gone}
     return node.replaced(("yield",), Node(kept, below.mark, below.text, below.keys))
 
 

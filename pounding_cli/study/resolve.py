@@ -117,6 +117,17 @@ class Resolver(Sections):
             lambda problems: building_room.design_displacements(spec, building),
         )
 
+    def code_displacements(self, point: Point, name: str) -> Mapping[str, np.ndarray]:
+        """Displacements of a building type that codes expect, by rule (`buildings.code_displacements`) [m]."""
+        spec, building = self.entry(point, "buildings", name), self.type(point, name)
+        assert building is not None
+        return self.once(
+            ("codes", name),
+            point,
+            (("buildings", name),),
+            lambda problems: building_room.code_displacements(spec, building),
+        )
+
     def group(self, point: Point) -> Group | None:
         """The buildings by place, their common floors, and the impact element."""
         key = self.key(point, BETWEEN)

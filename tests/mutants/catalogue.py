@@ -980,6 +980,39 @@ GAPS = [
         f"{GAP}::test_confidence_interval_holds_as_often_as_it_says",
     ),
     Mutant(
+        "gap-few-motions",
+        "the confidence interval of a gap is told of two motions",
+        ("FEWEST", "2"),
+        f"{GAP}::test_no_interval_of_few_motions",
+    ),
+    Mutant(
+        "gap-of-a-case",
+        "a gap is enough where one floor alone stays open",
+        (".all(axis=1)", ".any(axis=1)"),
+        f"{GAP}::test_a_gap_that_is_enough_stays_open_and_one_that_is_not_closes",
+    ),
+    Mutant(
+        "property-line-side",
+        "the displacement to one side counts for the other",
+        (
+            '-found["displacement_min"], found["displacement_max"]',
+            'found["displacement_max"], -found["displacement_min"]',
+        ),
+        f"{GAP}::test_property_line_of_an_oscillator",
+    ),
+    Mutant(
+        "asce7-displacement",
+        "ASCE 7 multiplies by the importance factor",
+        ("/ importance", "* importance"),
+        f"{GAP}::test_rules_of_codes_by_hand",
+    ),
+    Mutant(
+        "en1998-same-floors",
+        "EN 1998-1 takes 0.7 whether or not the floors line up",
+        ("np.where(same_floors, 0.7, 1.0)", "0.7"),
+        f"{GAP}::test_seven_tenths_where_the_floors_have_the_same_elevations",
+    ),
+    Mutant(
         "double-difference",
         "DDC adds what buildings that sway alike have in common",
         ("- 2", "+ 2"),

@@ -11,6 +11,8 @@ from pounding_cli.model.separation import (
     asce7_displacement,
     cross_correlation,
     double_difference,
+    en1998_displacement,
+    en1998_separation,
     first_mode_damping,
     gb50011_width,
     root_of_squares,
@@ -45,8 +47,11 @@ def test_rules_of_peaks():
     assert double_difference(3.0, 4.0, [0.0, 0.5, 1.0]) == pytest.approx([5.0, np.sqrt(13.0), 1.0])
 
 
-def test_asce7_takes_elastic_displacements_over_r_times_cd():
-    assert asce7_displacement(0.16, 5.5, 8.0) == pytest.approx(0.11)
+def test_displacements_of_codes():
+    """ASCE/SEI 7-16, eq. 12.12-1; EN 1998-1:2004, eq. 4.23 and 4.4.2.7(2) and (3)."""
+    assert asce7_displacement(0.02, 5.5, 1.25) == pytest.approx(0.088)
+    assert en1998_displacement(-0.02, 3.9) == pytest.approx(0.078)
+    assert en1998_separation(0.03, 0.04, [False, True]) == pytest.approx([0.05, 0.035])
 
 
 @pytest.mark.parametrize(

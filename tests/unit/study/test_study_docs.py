@@ -46,7 +46,6 @@ MODELS = {
     "`gap`": gap_keys.GapSpec,
     "`sensitivity`": sensitivity_keys.SensitivitySpec,
     "`optimise`": optimise_keys.OptimiseSpec,
-    "`gap.asce7`": gap_keys.Asce7Spec,
     "`gap.gb50011`": gap_keys.Gb50011Spec,
 }
 
