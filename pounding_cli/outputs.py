@@ -25,7 +25,7 @@ _SIGNS: dict[str, tuple[bytes, ...]] = {
 """Suffix -> what a file of that kind begins with."""
 
 
-def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = None) -> None:
+def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = None, option: str = "-o") -> None:
     """Make sure that a file can be written at `path`, and that nothing but an older output is lost; makes its folder.
 
     Parameters
@@ -33,6 +33,7 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
     path : the file
     inputs : what the command reads
     mine : tells an older output from any other file; by the suffix of `path` unless given
+    option : of the command that names the file
 
     Raises
     ------
@@ -40,7 +41,7 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
         or written
     """
     name = str(path)
-    elsewhere = "name another file with -o"
+    elsewhere = f"name another file with {option}"
     try:
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             path.stat()  # raises for what no file can be called
@@ -54,22 +55,25 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
             with path.open("rb") as stream:
                 head = stream.read(_HEAD)
             if head and not (mine or _by_suffix)(path, head):
-                hint = "it would be overwritten: choose another name with -o, or move it away"
+                hint = f"it would be overwritten: choose another name with {option}, or move it away"
                 raise InputError(Problem("the output exists and was not written by this command", hint, name))
-        check_folder(path.parent, path)
+        check_folder(path.parent, path, option)
     except InputError:  # a ValueError too
         raise
     except (OSError, ValueError) as error:  # a path that is too long, or holds a NUL
-        raise InputError(Problem(f"cannot be written: {_reason(error)}", "name another place with -o", name)) from None
+        raise InputError(
+            Problem(f"cannot be written: {_reason(error)}", f"name another place with {option}", name)
+        ) from None
 
 
-def check_folder(folder: Path, output: Path | None = None) -> None:
+def check_folder(folder: Path, output: Path | None = None, option: str = "-o") -> None:
     """Make sure that files can be written in a folder; makes it.
 
     Parameters
     ----------
     folder : the folder
     output : what errors call the output; the folder unless given
+    option : of the command that names the output
 
     Raises
     ------
@@ -81,7 +85,7 @@ def check_folder(folder: Path, output: Path | None = None) -> None:
             pass
     except (OSError, ValueError) as error:
         what = f"the output folder {folder} cannot be written ({_reason(error)})"
-        raise InputError(Problem(what, "choose another place with -o", str(output or folder))) from None
+        raise InputError(Problem(what, f"choose another place with {option}", str(output or folder))) from None
 
 
 def _by_suffix(path: Path, head: bytes) -> bool:

@@ -124,7 +124,7 @@ _LIST = (
     Workflow(
         "optimise",
         "Find the best values of keys.",
-        shows=("optimise", "optimise_points"),
+        shows=("optimise", "optimise_design", "optimise_points"),
         schema="pounding_cli.study.optimise_keys:OptimiseSpec",
         question="pounding_cli.study.optimise:question_of",
         expand="pounding_cli.study.optimise:expand_optimise",

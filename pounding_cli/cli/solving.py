@@ -80,11 +80,13 @@ def solve_study(
     output: Path | None,
     how: Solving,
     summarise: Callable[[Path, Outcome], None],
+    after: Callable[[Path], None] | None = None,
     **changes: Any,
 ) -> None:
     """Load a study, solve what its workflow asks for, write the results file and tell what came out.
 
     summarise : prints what was found in the results file; not called where nothing is to be printed
+    after : called with the results file in any case
     changes : fields of the plan that the command sets
 
     Failed scenes are listed and make the exit code 1.
@@ -130,6 +132,8 @@ def solve_study(
         _log(log, outcome)
     elif not how.quiet:
         summarise(path, outcome)
+    if after is not None:
+        after(path)
     for failure in () if log else outcome.failures:
         click.echo(f"failed: {failure.place}: {failure.status}", err=True)
         if failure.advice:

@@ -15,7 +15,16 @@ from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.maps import COLOURS
-from pounding_cli.report.optimise_text import Optimum, cells, heads, notes, optimum_of, sentences
+from pounding_cli.report.optimise_text import (
+    DESIGN_HEADS,
+    Optimum,
+    cells,
+    design_cells,
+    heads,
+    notes,
+    optimum_of,
+    sentences,
+)
 from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
@@ -33,6 +42,7 @@ def optimise_page(results: Results, shown: Evidence, with_figures: bool = True) 
     figures: dict[str, Illustration] = {}
     if found.is_found:
         grids.append(("The optimum", Grid(heads(found), cells(found), range(1, len(heads(found))))))
+        grids.append(("What the buildings do", Grid(DESIGN_HEADS, design_cells(found), (1, 2))))
         if with_figures:
             text = f"{lead[0]} Along each key through the optimum, and every point that was tried."
             figures["optimise"] = Illustration(draw_optimum(found, shown), "The optimum and its surroundings", text)

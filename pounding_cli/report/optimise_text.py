@@ -10,7 +10,7 @@ import numpy as np
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.evidence import Tables
 from pounding_cli.store.answers import Answer
-from pounding_cli.store.optimise import NOTHING, OPTIMUM, POINTS, UNSETTLED
+from pounding_cli.store.optimise import DESIGN, NOTHING, OPTIMUM, POINTS, UNSETTLED
 
 _AT_END = 1e-6
 """Of a range: nearer to its end than that, the optimum lies at it [-]."""
@@ -22,12 +22,16 @@ class Optimum:
 
     keys : a row of the table for each
     tried : every point
+    design : what the buildings do at the optimum and with the study as written, a row of the table for each quantity
     generations : of the search, at most
+    over_motions : what is taken of the values over the motions
     """
 
     keys: list[dict[Any, Any]]
     tried: Answer
     generations: int
+    design: list[dict[Any, Any]]
+    over_motions: str
 
     @property
     def is_found(self) -> bool:
@@ -93,8 +97,11 @@ class Optimum:
 def optimum_of(results: Tables) -> Optimum:
     """The answer of a results file."""
     keys = results.answer(OPTIMUM).frame.to_dict("records")
-    generations = int((results.resolved.get("optimise") or {}).get("generations", 0))
-    return Optimum(keys, results.answer(POINTS), generations)
+    asked = results.resolved.get("optimise") or {}
+    design = results.answer(DESIGN).frame.to_dict("records")
+    return Optimum(
+        keys, results.answer(POINTS), int(asked.get("generations", 0)), design, str(asked.get("over_motions", "mean"))
+    )
 
 
 def sentences(found: Optimum) -> list[str]:
@@ -108,7 +115,7 @@ def sentences(found: Optimum) -> list[str]:
     said = f"{what}: {first['optimum']:.5g}{worth}{f' {found.unit}' if found.unit else ''}"
     if first["as_written"] == first["as_written"]:
         said += f"; with the study as written: {found.number(first['as_written'])}"
-    return [f"{said}."]
+    return [f"{said}.", design_note(found)]
 
 
 def heads(found: Optimum) -> list[str]:
@@ -127,6 +134,39 @@ def cells(found: Optimum) -> list[list[str]]:
             spans[-1] = ", ".join(dict.fromkeys(map(str, found.tried.frame[key["key"]])))
         rows.append([found.label(key), found.text(key, "value", with_unit=False), *written, *spans])
     return rows
+
+
+DESIGN_HEADS = ("quantity", "at the optimum", "as written")
+
+
+def design_cells(found: Optimum) -> list[list[str]]:
+    """What the buildings do at the optimum, and beside it with the study as written."""
+
+    def text(row: dict[Any, Any], value: float) -> str:
+        if value != value:
+            return "-"
+        if row["of"]:
+            return f"{value:.0f} of {row['of']}"
+        return f"{value:.5g} {row['unit'] if row['unit'] != '1' else ''}".rstrip()
+
+    rows = [
+        row for row in found.design if row["quantity"] != "scenes that failed" or row["optimum"] or row["as_written"]
+    ]
+    return [[str(row["quantity"]), *(text(row, row[name]) for name in ("optimum", "as_written"))] for row in rows]
+
+
+def design_note(found: Optimum) -> str:
+    """What is left of contacts and flags at the optimum."""
+    left = {row["quantity"]: row["optimum"] for row in found.design}
+    flags = [name.partition(": ")[2] for name, count in left.items() if name.startswith("scenes flagged: ") and count]
+    count, of = (
+        left["scenes with contact"],
+        next(r["of"] for r in found.design if r["quantity"] == "scenes with contact"),
+    )
+    contact = "no contact is left" if count == 0 else f"contact is left in {count:.0f} of {counted(of, 'scene')}"
+    if count != count:
+        contact = "contacts are not known, since a scene failed"
+    return f"At the optimum {contact}; {'flagged: ' + ', '.join(flags) if flags else 'nothing is flagged'}."
 
 
 def notes(found: Optimum) -> list[str]:
@@ -148,6 +188,11 @@ def notes(found: Optimum) -> list[str]:
             said.append(
                 f"{key['key']} is best at the end of its range, {found.text(key, end)}: a better value may lie beyond."
             )
+    if found.is_found:
+        said.append(
+            f"What the buildings do: of every storey, floor or link the {found.over_motions} over the motions, and of "
+            "these the largest."
+        )
     if first["outcome"] == UNSETTLED:
         said.append(
             f"The search ended after {counted(found.generations, 'generation')}, before the points of one were nearly "

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.optimise.search import Point
+from pounding_cli.solve.response import OUTCOMES
 from pounding_cli.store.answers import Column, Read, Table
 from pounding_cli.store.blocks import blocks
 from pounding_cli.store.dense import empty, shape_of
-from pounding_cli.store.flagged import counts_of_flags
+from pounding_cli.store.flagged import counts_of_flags, parted
 from pounding_cli.store.quantities import Get, error_of, needed, values_of
+from pounding_cli.study.expression import Expression, Quantity
 from pounding_cli.study.optimise import Hunt, Question, Rounds, plan_of
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.varied import Factor
@@ -21,8 +23,11 @@ from pounding_cli.variables import VARIABLES
 if TYPE_CHECKING:
     from pounding_cli.store.parts import PartStore
 
-OPTIMUM, POINTS = "optimise", "optimise_points"
+OPTIMUM, DESIGN, POINTS = "optimise", "optimise_design", "optimise_points"
 """Names of the tables."""
+
+MOST_BUILDINGS = 4
+"""Buildings whose numbers stand beside each other; of more, the largest of all is told."""
 
 FOUND = "found"
 UNSETTLED = "the last generation was reached before its points were nearly as good"
@@ -43,9 +48,13 @@ def refine_optimise(plan: Plan, responses: PartStore) -> Plan | None:
     get = _gathered(hunt.question, plan, responses)
     values, errors = _values(hunt.question, plan, get)
     void = _void(hunt.question, plan, get)
-    hunt.void |= {point for point, is_void in zip(hunt.points, void, strict=True) if is_void}
-    values = np.where(void, np.nan, values)
-    hunt.search.tell(values.tolist(), errors.tolist())
+    values, count = np.where(void, np.nan, values), len(hunt.points)
+    hunt.void |= {point for point, is_void in zip(hunt.points, void[:count].tolist(), strict=True) if is_void}
+    if hunt.question.written is None:
+        hunt.built = float(values[count])
+    hunt.search.tell(values[:count].tolist(), errors[:count].tolist())
+    if hunt.search.written is not None:
+        hunt.built = hunt.search.values[hunt.search.written]
     following = hunt.search.ask()
     hunt.is_done = following is None
     hunt.points = list(hunt.search.values) if following is None else following
@@ -90,16 +99,88 @@ def _void(question: Question, plan: Plan, get: Get) -> np.ndarray:
 def optimise_tables(plan: Plan, read: Read) -> list[Table]:
     """The tables of a plan of `pound optimise`."""
     hunt: Hunt = plan.state
-    return [Table(OPTIMUM, [_optimum(hunt)]), Table(POINTS, [_points(hunt)])]
+    built = plan.axes[-1].values[-1] if hunt.question.written is None else None
+    return [
+        Table(OPTIMUM, [_optimum(hunt, built)]),
+        Table(DESIGN, [_design(plan, hunt, read)]),
+        Table(POINTS, [_points(hunt)]),
+    ]
 
 
-def _optimum(hunt: Hunt) -> list[Column]:
-    """A row for each key."""
+def _design(plan: Plan, hunt: Hunt, read: Read) -> list[Column]:
+    """What the buildings do at the optimum, and with the study as it is written: a row for each quantity."""
+    question, search, points = hunt.question, hunt.search, len(plan.axes[-1].values)
+    shown = (
+        hunt.points.index(search.best) if search.best is not None else None,
+        points - 1 if search.written is None else hunt.points.index(search.written),
+    )
+    rows: list[tuple[str, str, int, list[float]]] = []
+
+    def add(name: str, unit: str, values: np.ndarray, of: int = 0) -> None:
+        rows.append((name, unit, of, [np.nan if at is None else float(values[at]) for at in shown]))
+
+    def here(name: str) -> np.ndarray:
+        """A variable, shape (other points of the sweep, points, motions, ...)."""
+        whole = read(name)
+        moved = np.moveaxis(whole, (len(plan.axes), len(plan.axes) + 1), (0, 1))[question.case, question.analysis]
+        return moved.reshape(-1, points, *moved.shape[len(plan.axes) :])
+
+    def texts(name: str) -> np.ndarray:
+        found = here(name)
+        return np.array([bytes(cell).decode() for cell in found.flat], dtype=object).reshape(found.shape)
+
+    add(str(question.expression), question.expression.unit or "1", _over_sweep(question, plan, read))
+    has_links = any(row.links for row in plan.rows)
+    failed = ~np.isin(texts("status"), OUTCOMES)
+    known, of = ~failed.any(axis=(0, 2)), failed[:, 0].size
+    impacts = np.maximum(here("impacts"), 0).sum(axis=-1) if has_links else np.zeros(failed.shape)
+    add("contacts, all motions", "1", np.where(known, impacts.sum(axis=(0, 2)), np.nan))
+    add("scenes with contact", "1", np.where(known, (impacts > 0).sum(axis=(0, 2)), np.nan), of)
+    add("scenes that failed", "1", failed.sum(axis=(0, 2)).astype(float), of)
+    places: list[int | None] = list(range(len(plan.buildings)))
+    for place in places if len(places) <= MOST_BUILDINGS else [None]:
+        for name in ("V_ratio", "mu", "drift", "acceleration"):
+            add(*_quantity(name, place, plan), _over_sweep(question, plan, read, Quantity(name, "largest", place)))
+    for name in ("peak_force", "max_closing") if has_links else ():
+        add(*_quantity(name, None, plan), _over_sweep(question, plan, read, Quantity(name)))
+    flags = texts("flags")
+    said = {flag: None for at in shown if at is not None for cell in flags[:, at].flat for flag, _ in parted(cell)}
+    for flag in said:
+        has = np.array([any(flag == each for each, _ in parted(cell)) for cell in flags.flat]).reshape(flags.shape)
+        add(f"scenes flagged: {flag}", "1", has.sum(axis=(0, 2)).astype(float), of)
+    return [
+        Column("quantity", _text([name for name, *_ in rows]), "what is compared; largest over the storeys"),
+        Column("unit", _text([unit for _, unit, *_ in rows]), "its unit"),
+        Column("optimum", np.array([values[0] for *_, values in rows]), "at the optimum"),
+        Column("as_written", np.array([values[1] for *_, values in rows]), "with the study as it is written"),
+        Column("of", np.array([of for _, _, of, _ in rows], int), "scenes, where scenes are counted; otherwise 0", "1"),
+    ]
+
+
+def _quantity(name: str, place: int | None, plan: Plan) -> tuple[str, str]:
+    """What a quantity is called, and its unit."""
+    return f"largest {name}" + ("" if place is None else f" in {plan.buildings[place]}"), VARIABLES[name].unit
+
+
+def _over_sweep(question: Question, plan: Plan, get: Get, quantity: Quantity | None = None) -> np.ndarray:
+    """The number sought, or a quantity, at every point of the last axis: over the motions as the number sought is, over
+    a sweep its mean or its worst, of a quantity the largest."""
+    spec, points = question.spec, len(plan.axes[-1].values)
+    expression, sign = question.expression, question.sign
+    if quantity is not None:
+        expression, sign = Expression(quantity.name, "", (quantity,), lambda value: value(quantity)), 1
+    values = values_of(expression, get, spec.over_motions)[..., question.case, question.analysis].reshape(-1, points)
+    if spec.over_sweep == "mean":
+        return values.mean(axis=0)
+    return sign * (sign * values).max(axis=0)  # NaN where one is
+
+
+def _optimum(hunt: Hunt, built: tuple[float | str, ...] | None) -> list[Column]:
+    """A row for each key; `built` : what the study says of the keys, where that is no point of the search."""
     question, search = hunt.question, hunt.search
     best, sign, unit = search.best, question.sign, question.expression.unit or "1"
     values = np.array(list(search.values.values()))
     outcome = NOTHING if best is None else FOUND if search.is_settled else UNSETTLED
-    written = None if search.written is None else search.values[search.written]
     keys, rows = len(question.factors), range(len(question.factors))
 
     def same(value: float | str | None) -> np.ndarray:
@@ -120,6 +201,9 @@ def _optimum(hunt: Hunt) -> list[Column]:
     ends = over_keys([None if factor.options else (0.0, 1.0) for factor in question.factors])
     at_best = [_value(factor, best, row) for row, factor in enumerate(question.factors)]
     at_written = [_value(factor, search.written, row) for row, factor in enumerate(question.factors)]
+    if built is not None:
+        at_written = [(np.nan, value) if isinstance(value, str) else (value, "") for value in built]
+    place = [np.nan] * keys if best is None else list(best)
     flat_text = "of a key by itself, the others at the optimum"
     with_text = "among all points that were tried"
     bottom = "range over which the number stays within its tolerance"
@@ -128,7 +212,7 @@ def _optimum(hunt: Hunt) -> list[Column]:
         Column("optimum", same(None if best is None else sign * search.values[best]), "its best value", unit),
         Column("error", same(None if best is None else search.error), "numerical error of that, at most", unit),
         Column("tolerance", same(None if best is None else search.tolerance), "its error, or 1 % of it", unit),
-        Column("as_written", same(None if written is None else sign * written), "value of the file as written", unit),
+        Column("as_written", same(sign * hunt.built), "value of the file as written", unit),
         Column("outcome", same(outcome), "outcome, or why there is no answer"),
         Column("points", np.full(keys, values.size), "points that were tried", "1"),
         Column("failed", np.full(keys, int(np.isnan(values).sum()) - len(hunt.void)), "points without a number", "1"),
@@ -136,6 +220,7 @@ def _optimum(hunt: Hunt) -> list[Column]:
         Column("key", _text([factor.key for factor in question.factors]), "key that varies"),
         Column("unit", _text([factor.unit.si or factor.unit.name for factor in question.factors]), "its unit"),
         Column("value", np.array([number for number, _ in at_best]), "of the key at the optimum; NaN of a choice"),
+        Column("place", np.array(place), "of the optimum in what was searched, 0 to 1", "1"),
         Column("option", _text([text for _, text in at_best]), "chosen at the optimum; empty of a number"),
         Column("flat_from", flat[0], f"lower end: {bottom}, {flat_text}"),
         Column("flat_to", flat[1], f"upper end: {bottom}, {flat_text}"),

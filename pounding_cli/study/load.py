@@ -175,7 +175,7 @@ def validated(
     problems.refuse()
     assert model is not None
     said = _said(axes, resolver)
-    _refuse_twins(said, axes, problems)
+    _refuse_twins(said, axes if sampled is None else axes[:-1], problems)
     problems.refuse()
     for point in (*_along_axes(axes), *_corners(said)) if sampled is None else ():
         resolver.doubt(point)
@@ -261,7 +261,7 @@ def _said(axes: tuple[SweepAxis, ...], resolver: Resolver) -> tuple[Axis, ...]:
 
 def _refuse_twins(said: tuple[Axis, ...], axes: tuple[SweepAxis, ...], problems: Problems) -> None:
     """Note points of an axis that are one and the same: 0.5 and 1/2."""
-    for axis, written in zip(said, axes, strict=True):
+    for axis, written in zip(said, axes, strict=False):
         first: dict[tuple[float | str, ...], int] = {}
         for place, values in enumerate(axis.values):
             if values in first:

@@ -6,15 +6,18 @@ import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product
+from pathlib import Path
 
 import numpy as np
 
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.optimise.search import Point, Search, Settings
+from pounding_cli.study.edit import with_values
 from pounding_cli.study.expand import expand
 from pounding_cli.study.expression import Expression
-from pounding_cli.study.load import Study
+from pounding_cli.study.load import Study, validated
 from pounding_cli.study.optimise_keys import OptimiseSpec
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.problems import Problems, nearest
@@ -22,6 +25,7 @@ from pounding_cli.study.sampled import at_points
 from pounding_cli.study.sensitivity import expressions
 from pounding_cli.study.source import Node
 from pounding_cli.study.varied import Factor, read_searched
+from pounding_cli.study.yaml_file import parse
 
 MOST_POINTS = 200_000
 
@@ -37,7 +41,8 @@ class Question:
     expression : the number that is optimised least, or most
     factors : the keys that vary
     case, analysis : that are looked at, by number from 0
-    written : the point that the file itself stands for; None where it lies outside the ranges or a key is not written
+    written : the point that the file itself stands for; None where it lies outside the ranges or a key is not written:
+        a plan then has one point more, its last, for the study as it is written
     """
 
     spec: OptimiseSpec
@@ -67,6 +72,7 @@ class Hunt:
     points : of the present round
     first : the plan of the first round
     void : points whose number has no meaning
+    built : what the search would be told of the study as it is written; NaN where it has no number
     """
 
     question: Question
@@ -76,6 +82,7 @@ class Hunt:
     first: Plan | None = None
     is_done: bool = False
     void: set[Point] = field(default_factory=set)
+    built: float = np.nan
 
 
 class Rounds(Placed):
@@ -137,7 +144,7 @@ def plan_of(hunt: Hunt) -> Plan:
     question, study = hunt.question, hunt.study
     case, analysis = list(study.model.cases)[question.case], study.model.analyses[question.analysis]
     plan = expand(
-        at_points(study, question.factors, np.array(hunt.points)),
+        at_points(study, question.factors, np.array(hunt.points), and_written=question.written is None),
         asks=lambda _point, name, kind, _record: (name, kind) == (case, analysis),
     )
     ahead = hunt.search.ahead * len(plan.scenes) // len(hunt.points)
@@ -174,6 +181,46 @@ def question_of(study: Study) -> Question:
     problems.refuse()
     (expression,) = found
     return Question(spec, expression, tuple(factors), case, analysis, _written(factors, root))
+
+
+def text_at(study: Study, question: Question, point: Point) -> str:
+    """The text of the study with the keys at a point; everything else stays as it is written.
+
+    Raises
+    ------
+    InputError : a key stands where an anchor or alias of YAML makes it part of something else
+    """
+    nodes = {factor.key: factor.node(u) for factor, u in zip(question.factors, point, strict=True)}
+    return with_values(study.text, nodes, study.path)
+
+
+def check_written(study: Study, path: Path) -> None:
+    """Make sure that the study with other values can be written to `path`: its text takes them, and its motions are
+    found from there.
+
+    Raises
+    ------
+    InputError : as `question_of` and `text_at`; or the study would be another one there
+    """
+    question = question_of(study)
+    text = text_at(study, question, tuple((0.5 + options // 2) / (options or 1) for options in _options(question)))
+    try:
+        found, why = validated(path, text, parse(text, path)), "its motions would be others"
+        first = (0,) * len(study.axes)
+        is_same = _digests(found, first) == _digests(study, first)
+    except InputError as error:
+        is_same, why = False, error.problems[0].message
+    if not is_same:
+        hint = "write it beside the study: motions are sought there" if path.parent != study.path.parent else ""
+        raise InputError(Problem(f"the study would not run from there: {why}", hint or "change the study", str(path)))
+
+
+def _options(question: Question) -> list[int]:
+    return [factor.options for factor in question.factors]
+
+
+def _digests(study: Study, point: tuple[int, ...]) -> dict[str, str]:
+    return {name: used.use.digest for name, used in study.motions(point).items()}
 
 
 def _one(name: str | None, names: Sequence[str], what: str, root: Node, problems: Problems) -> int:

@@ -14,7 +14,7 @@ from pounding_cli.study.inherit import inherited, refuse_alternatives
 from pounding_cli.study.motions import MotionReader
 from pounding_cli.study.problems import Problems, Tree
 from pounding_cli.study.schema import StudyModel
-from pounding_cli.study.source import Node
+from pounding_cli.study.source import UNWRITTEN, Node
 from pounding_cli.study.sweep import SweepAxis
 
 Point = tuple[int, ...]
@@ -160,7 +160,7 @@ class Sections:
             if place < 0:
                 continue
             for path, node in zip(axis.paths, axis.nodes[place], strict=True):
-                if path[0] == section:
+                if path[0] == section and node is not UNWRITTEN:
                     root = root.replaced(path, node)
         found = root.get(section)
         return inherited(found, problems) if section == "buildings" and found is not None else found

@@ -85,3 +85,7 @@ class Node:
             items[int(step)] = items[int(step)].replaced(rest, new)
             return Node(items, self.mark, self.text)
         raise KeyError(step)
+
+
+UNWRITTEN = Node(None, (0, 0), "default")
+"""What stands at a point of an axis for a key that the file leaves to its default."""

@@ -1,6 +1,11 @@
-"""`pound optimise`: what it prints, its page, and a bad question."""
+"""`pound optimise`: what it prints, its page, the study that it writes, and a bad question."""
 
 from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
 
 from pounding_cli.store import open_results
 
@@ -36,7 +41,7 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     row = table.iloc[0]
     assert f"Least of largest V_ratio: {row['optimum']:.5g} ± {row['error']:.1g}" in out
     assert 0 < row["error"] < 1e-5
-    assert f"with the study as written: {row['as_written']:.5g}" not in out  # the file says no e
+    assert f"with the study as written: {row['as_written']:.5g}" in out  # though the file says no e
     assert f"{row['value']:.4g}" in out
     assert "cases.joined.link.1.stiffness [x mean storey of A]" in out
     assert "The search ended after 4 generations" in out
@@ -47,7 +52,7 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     assert (folder / "optimise.png").stat().st_size > 10_000
     assert "Least of largest V_ratio" in (folder / "report.html").read_text(encoding="utf-8")
     assert sorted(path.name for path in (folder / "tables").iterdir()) == [
-        "optimise.csv", "optimise_points.csv", "records.csv",
+        "optimise.csv", "optimise_design.csv", "optimise_points.csv", "records.csv",
     ]  # fmt: skip
     assert "Storn" in pound("cite", "results/two-optimise.h5")[1]
 
@@ -69,3 +74,275 @@ def test_a_range_without_a_unit_is_refused_at_its_place(pound, tmp_path):
     assert code == 2
     assert "two.yaml:17:40: 'cases.joined.gap': 3 has no unit" in err
     assert not (tmp_path / "results").exists()
+
+
+# The best study
+
+FEW = """\
+# Two buildings.
+title: Two small buildings   # its title
+records: {use: [weak.txt, strong.txt], scale: 1}
+buildings:
+  # left to right
+  A: {storeys: 2, period: 0.3 s}
+  B: {like: A, storeys: 1, period: 0.5 s}   # the soft one
+group: [A, B]
+# What stands between them.
+cases:
+  joined:
+    gap: 3 mm   # narrow
+    link: [pounding, {link: connector, stiffness: 1/5 mean storey of A, damping_ratio: 0.1}]   # both
+    floors:
+      - 1   # the lower one
+  other: {link: pounding, gap: 1 cm}
+optimise:
+  least: largest drift
+  case: joined
+  analysis: inelastic
+  over:
+    cases.joined.gap: {choice: [3 mm, 4.5 mm]}   # a comment
+    cases.joined.link.1.stiffness: {choice: [1/5 mean storey of A, 1/50 mean storey of A]}
+    KEY: {choice: [FIRST, SECOND]}
+"""
+
+
+def few(key: str, first: str, second: str) -> str:
+    return FEW.replace("KEY", key).replace("FIRST", first).replace("SECOND", second)
+
+
+def test_the_best_study_runs_to_the_numbers_that_were_told(pound):
+    """Fails if a value is rounded on its way into the file, or if a number of another case, point or motion is told."""
+    Path("two.yaml").write_text(
+        STUDY.replace("  B: {like: A,", "  B: {like: A, # soft\n     ").replace("A]", "A]  # here")
+    )
+    text = Path("two.yaml").read_text()
+    code, out, _ = pound("optimise", "two.yaml", "--write", "best.yaml")
+    assert code == 0
+    assert "Best study: best.yaml; simulate it with: pound run best.yaml" in out
+    best = Path("best.yaml").read_text()
+    assert best != text
+    assert re.findall("#.*", best) == re.findall("#.*", text)
+    code, out, err = pound("check", "best.yaml")
+    assert (code, err) == (0, "")
+    results = open_results("results/two-optimise.h5")
+    told = results.table("optimise").iloc[0]
+    design = results.table("optimise_design").set_index("quantity")
+    assert design.loc["largest V_ratio", "optimum"] == told["optimum"]
+    assert design.loc["largest V_ratio", "as_written"] == told["as_written"]
+    for study, column in (("best", "optimum"), ("two", "as_written")):
+        assert pound("run", f"{study}.yaml", "-q", "-o", f"{study}.h5")[0] == 0
+        run = open_results(f"{study}.h5")
+        storey, floor, link = run.storey(), run.floor(), run.link()
+        shear = storey.groupby(["building", "storey"])["V_ratio"].mean()
+        assert told[column] == shear.max()
+        for name in "AB":
+            assert design.loc[f"largest V_ratio in {name}", column] == shear[name].max()
+            drift = storey[storey["building"] == name].groupby("storey")["drift"].mean()
+            assert design.loc[f"largest drift in {name}", column] == drift.max()
+            moved = floor[floor["building"] == name].groupby("floor")["acceleration"].mean()
+            assert design.loc[f"largest acceleration in {name}", column] == moved.max()
+        assert design.loc["contacts, all motions", column] == link["impacts"].sum()
+        contact = link.groupby("record")["impacts"].sum() > 0
+        assert design.loc["scenes with contact", column] == contact.sum()
+        assert design.loc["scenes with contact", "of"] == len(contact) == 2
+        flagged = run.flagged()
+        for flag, rows in flagged.groupby("flag"):
+            assert design.loc[f"scenes flagged: {flag}", column] == len(rows)
+        assert (design.loc[[name for name in design.index if "flagged" in name], column] > 0).sum() == flagged[
+            "flag"
+        ].nunique()
+
+
+def test_the_page_says_what_is_left(pound, tmp_path):
+    Path("few.yaml").write_text(few("impact.restitution", "0.4", "0.65"))
+    code, out, _ = pound("optimise", "few.yaml")
+    assert code == 0
+    design = open_results("results/few-optimise.h5").table("optimise_design").set_index("quantity")
+    left = int(design.loc["scenes with contact", "optimum"])
+    said = f"contact is left in {left} of 2 scenes" if left else "no contact is left"
+    assert f"At the optimum {said}; nothing is flagged." in out
+    assert re.search(r"^ scenes with contact +\d of 2 +\d of 2 *$", out, re.MULTILINE)
+    pound("report", "results/few-optimise.h5", "-q", "--format", "png")
+    page = Path("results/few-optimise/report.html").read_text(encoding="utf-8")
+    assert f"At the optimum {said}" in page
+    assert "largest acceleration in B" in page
+    assert "quantity" in pound("show", "results/few-optimise.h5", "optimise_design")[1]
+
+
+@pytest.mark.parametrize(
+    ("key", "first", "second", "place"),
+    [
+        ("impact.restitution", "0.4", "0.4000001", r"^impact: {restitution: 0\.4(000001)?}$"),
+        ("buildings.B.mass", "150 t", "151 t", r"period: 0\.5 s, mass: 15[01] t}   # the soft one$"),
+        ("buildings.B.yield.code", "UBC-1988", "UBC-1994", r"yield: {code: UBC-19(88|94)}}   # the soft one$"),
+        ("cases.joined.floors", "[1]", "[1, 2]", r"^    floors: \[1(, 2)?\]   # the lower one$"),
+        ("cases.joined.restitution", "0.5", "0.7", r"^    restitution: 0\.[57]\n    gap: [34](\.5)? mm   # narrow$"),
+    ],
+)
+def test_keys_that_the_file_lacks_are_added_where_they_belong(pound, key, first, second, place):
+    """Values from left-out keys, too: what is written there now is the default."""
+    text = few(key, first, second)
+    if key == "cases.joined.floors":
+        text = text.replace("storeys: 1", "storeys: 2")
+    Path("few.yaml").write_text(text)
+    code, _, err = pound("optimise", "few.yaml", "-q", "--write", "best.yml")
+    assert (code, err) == (0, "")
+    best = Path("best.yml").read_text()
+    assert re.search(place, best, re.MULTILINE), best
+    assert best.count("#") == text.count("#")
+    assert pound("check", "best.yml")[0] == 0
+    pound("run", "best.yml", "-q", "-o", "best.h5")
+    pound("run", "few.yaml", "-q", "-o", "few.h5")
+    told = open_results("results/few-optimise.h5").table("optimise").iloc[0]
+    for file, column in (("best.h5", "optimum"), ("few.h5", "as_written")):
+        rows = open_results(file).storey().query("case == 'joined' and analysis == 'inelastic'")
+        assert rows.groupby(["building", "storey"])["drift"].mean().max() == told[column]
+    assert told["optimum"] <= told["as_written"] or "restitution" in key or key.endswith("mass")
+
+
+def test_as_written_stands_outside_the_ranges(pound):
+    """A key whose default is another key's value, and one outside its range. Fails if as written means nearest."""
+    over = "cases.other.restitution: {from: 0.3, to: 0.4}\n    buildings.B.period: {from: 0.2 s, to: 0.3 s}"
+    text = FEW[: FEW.index("    cases.joined.gap: {choice")] + f"    {over}\n  population: 5\n  generations: 1\n"
+    Path("few.yaml").write_text(text.replace("case: joined", "case: other") + "  slice_points: 5\n  map_points: 5\n")
+    code, _out, _ = pound("optimise", "few.yaml")
+    assert code == 0
+    results = open_results("results/few-optimise.h5")
+    keys = results.table("optimise").set_index("key")
+    assert keys.loc["buildings.B.period", "written"] == 0.5
+    pound("run", "few.yaml", "-q", "-o", "few.h5")
+    rows = open_results("few.h5").storey().query("case == 'other' and analysis == 'inelastic'")
+    assert keys["as_written"].iloc[0] == rows.groupby(["building", "storey"])["drift"].mean().max()
+    assert pound("report", "results/few-optimise.h5", "-q", "--format", "png")[0] == 0
+
+
+@pytest.mark.parametrize("over", ["worst", "mean"])
+def test_over_a_sweep(pound, over):
+    """Fails if what is told is of the first point of the sweep, or of the wrong point of the search."""
+    text = few("impact.restitution", "0.4", "0.65").replace(
+        "analysis: inelastic", f"analysis: inelastic\n  over_sweep: {over}"
+    )
+    sweep = "sweep: {buildings.B.period: [0.4 s, 0.5 s], records.scale: [1, 3]}\n"
+    Path("few.yaml").write_text(
+        text.replace("least: largest drift", "least: largest drift\n  over_motions: largest") + sweep
+    )
+    assert pound("optimise", "few.yaml", "-q", "--write", "best.yaml")[0] == 0
+    design = open_results("results/few-optimise.h5").table("optimise_design").set_index("quantity")
+    for study, column in (("best", "optimum"), ("few", "as_written")):
+        pound("run", f"{study}.yaml", "-q", "-o", f"{study}.h5")
+        run, keys = open_results(f"{study}.h5"), ["buildings.B.period", "records.scale"]
+        rows = run.storey().query("case == 'joined' and analysis == 'inelastic' and building == 'B'")
+        found = rows.groupby(keys)["drift"].max()
+        whole = found.mean() if over == "mean" else found.max()
+        assert design.loc["largest drift in B", column] == pytest.approx(whole, rel=1e-14)
+        link = run.link().query("case == 'joined' and analysis == 'inelastic'")
+        contact = link.groupby([*keys, "record"])["impacts"].sum() > 0
+        assert design.loc["scenes with contact", [column, "of"]].tolist() == [contact.sum(), 8]
+
+
+def test_many_buildings_and_no_links(pound):
+    text = few("impact.restitution", "0.4", "0.65").replace("group: [A, B]", "group: [A, B, A, B, A]")
+    Path("few.yaml").write_text(
+        re.sub(r"cases:\n.*?  other: .*?\n", "cases: {joined: {link: none}}\n", text, flags=re.DOTALL)
+    )
+    text = (
+        Path("few.yaml")
+        .read_text()
+        .replace("cases.joined.gap: {choice: [3 mm, 4.5 mm]}", "buildings.B.mass: {choice: [1 t, 2 t]}")
+    )
+    Path("few.yaml").write_text(re.sub(r".*link\.1\.stiffness.*\n", "", text))
+    code, out, _ = pound("optimise", "few.yaml")
+    assert code == 0
+    assert "no contact is left" in out
+    assert re.search(r"^ largest drift +[\d.]+ m", out, re.MULTILINE)
+
+
+def test_flags_are_counted_on_both_sides(pound):
+    """A connector that closes more than its gap as written, and less at the optimum."""
+    link = "link: [pounding, {link: connector, stiffness: 1/5 mean storey of A, damping_ratio: 0.1}]"
+    text = (
+        few("impact.restitution", "0.4", "0.65")
+        .replace(link, "link: connector")
+        .replace("[3 mm, 4.5 mm]", "[3 mm, 9 m]")
+    )
+    text = re.sub(r".*link\.1\.stiffness.*\n", "", text)
+    Path("few.yaml").write_text(text)
+    code, out, _ = pound("optimise", "few.yaml", "--write", "best.yaml")
+    assert code == 0
+    design = open_results("results/few-optimise.h5").table("optimise_design").set_index("quantity")
+    pound("run", "few.yaml", "-q", "-o", "few.h5")
+    flagged = open_results("few.h5").flagged().query("case == 'joined' and analysis == 'inelastic'")
+    assert len(flagged) >= 1
+    for flag, rows in flagged.groupby("flag"):
+        assert design.loc[f"scenes flagged: {flag}", ["optimum", "as_written"]].tolist() == [0, len(rows)]
+        assert re.search(rf"scenes flagged: {flag} +0 of 2 +{len(rows)} of 2", out)
+    assert "nothing is flagged" in out
+    assert "gap: 9 m   # narrow" in Path("best.yaml").read_text()
+
+
+def test_a_study_that_is_there_is_not_replaced_unless_told(pound):
+    Path("few.yaml").write_text(few("impact.restitution", "0.4", "0.65"))
+    Path("best.yaml").write_text("mine")
+    code, _, err = pound("optimise", "few.yaml", "-q", "--write", "best.yaml")
+    assert code == 2
+    assert "best.yaml: is there already" in err
+    assert "--replace" in err
+    assert Path("best.yaml").read_text() == "mine"
+    assert not Path("results").exists()
+    assert pound("optimise", "few.yaml", "-q", "--write", "best.yaml", "--replace")[0] == 0
+    assert Path("best.yaml").read_text().startswith("# Two buildings.")
+    before = Path("few.yaml").read_text()
+    for name in ("few.yaml", "./few.yaml"):
+        code, _, err = pound("optimise", "few.yaml", "-q", "--write", name, "--replace")
+        assert code == 2
+        assert "the output is the file that this command reads" in err
+        assert "--write" in err
+    assert Path("few.yaml").read_text() == before
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("best.h5", "a study file ends in .yaml"),
+        ("best", "a study file ends in .yaml"),
+        ("folder.yaml", "the output is a folder"),
+        ("weak.txt/best.yaml", "cannot be written"),
+        ("elsewhere/best.yaml", "write it beside the study: motions are sought there"),
+        ("other/best.yaml", "its motions would be others"),
+        ("a" * 300 + ".yaml", "cannot be written"),
+    ],
+)
+def test_places_that_cannot_take_the_best_study_are_refused_first(pound, name, words):
+    Path("few.yaml").write_text(few("impact.restitution", "0.4", "0.65"))
+    Path("folder.yaml").mkdir()
+    Path("other").mkdir()
+    for motion in ("weak.txt", "strong.txt"):
+        Path("other", motion).write_text(Path("weak.txt").read_text())
+    code, out, err = pound("optimise", "few.yaml", "--write", name)
+    assert (code, out) == (2, "")
+    assert words in err
+    assert "error: a fault" not in err
+    assert not Path("results").exists()
+
+
+def test_a_value_behind_an_anchor_is_refused_at_its_place(pound):
+    text = (
+        few("impact.restitution", "0.4", "0.65")
+        .replace("gap: 3 mm ", "gap: &g 3 mm ")
+        .replace("gap: 1 cm}", "gap: *g}")
+    )
+    Path("few.yaml").write_text(text)
+    code, out, err = pound("optimise", "few.yaml", "--write", "best.yaml")
+    assert (code, out) == (2, "")
+    assert "few.yaml:12:10: 'cases.joined.gap' cannot be changed in this text" in err
+    assert "without & and *" in err
+    assert pound("optimise", "few.yaml", "-q")[0] == 0
+
+
+def test_no_optimum_writes_no_study(pound):
+    text = few("impact.restitution", "0.4", "0.65").replace("least: largest drift", "least: sqrt(-1 - largest drift)")
+    Path("few.yaml").write_text(text)
+    code, _out, err = pound("optimise", "few.yaml", "--write", "best.yaml")
+    assert code == 1
+    assert "best.yaml is not written: there is no optimum" in err
+    assert not Path("best.yaml").exists()
