@@ -43,8 +43,8 @@ LEFT_OUT = (
     "UBC 1997 and NZS 1170.5 have other rules. They are left out because no source of their clauses was available."
 )
 
-MOST_GAPS = 20
-"""Gaps of the cases in the table of a pair."""
+MOST_GAPS, FEW_GAPS = 20, 4
+"""Gaps of the cases in the table of a pair, and in sentences."""
 
 _LOOKS = {
     EXACT: ("#000000", "-", "o"),
@@ -89,7 +89,7 @@ def gap_page(results: Results, shown: Evidence, with_figures: bool = True) -> An
             more = f" (the first {MOST_GAPS} of {gaps}; all: tables/{CASES}.csv)" if gaps > MOST_GAPS else ""
             grid = Grid(_flat(case_headings(cases)), case_rows(cases, here), range(3, 7))
             tables.append((f"Gaps of the cases, {left} | {right}{more}", grid))
-            lead += case_sentences(cases, here)
+            lead += case_sentences(cases, cases_at(here, {}, left, right, FEW_GAPS)[0])
     grid = Grid(_flat(line_headings(line)), line_rows(line, shown.here(line.frame)), range(5, len(line_headings(line))))
     tables.append(("Distance to a property line, at the floors that move most", grid))
     notes = [*_notes(frame, answer), *case_notes(results, own), *code_notes(results), LEFT_OUT]
