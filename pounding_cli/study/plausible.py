@@ -267,8 +267,8 @@ def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Problems) -> None
         hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {_AS_MEANT}"
         if how == "read" and "assumed" in used[one].use.source:
             hint = (
-                f"the file states no unit, so g is assumed; if {one} is in m/s2, its peak is {peak / GRAVITY**2:.3g} g: "
-                f"write `unit: m/s2` beside `file:`. Otherwise leave it, {_AS_MEANT}"
+                f"the file states no unit, so g is assumed; if {one} is in m/s2, its peak is "
+                f"{peak / GRAVITY**2:.3g} g: write `unit: m/s2` beside `file:`. Otherwise leave it, {_AS_MEANT}"
             )
         scaled = used[one].use.scale != 1
         notes.at(root, ("records", "scale") if scaled else ("records", "use"), message, hint)

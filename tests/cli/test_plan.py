@@ -263,7 +263,7 @@ def test_of_a_large_sweep_some_points_are_looked_at(tmp_path, monkeypatch):
 
 
 def test_only_effects_that_a_scene_has_or_a_reader_may_expect_have_a_line(folder):
-    """Fails if every law of links that no case has takes a line of its own, or the names of what is left out are lost."""
+    """Fails if every law of links that no case has takes a line of its own, or what is left out loses its name."""
     (folder / "two.yaml").write_text(STUDY + "estimate: none\n")
     said = planned("--no-prove")
     lines = [line.strip() for line in said.split("\neffects ")[1].split("\nmotions ")[0].splitlines()[1:]]
