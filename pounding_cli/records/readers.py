@@ -14,7 +14,7 @@ from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
 
 FORMATS = tuple(READERS)
 
-ASSUMED = ", {} assumed"
+ASSUMED = ", unit {} assumed"
 """What the label of a motion says where nobody states its unit."""
 
 _LARGEST = 5.0 * GRAVITY

@@ -42,7 +42,7 @@ def citations(
     ----------
     kind : the workflow, a key of WORKFLOWS
     resolved : the study with every default filled in
-    sources : motion -> its label: "real", "stand-in" or "user", and ", g assumed" behind it
+    sources : motion -> its label: "real", "stand-in" or "user", and ", unit g assumed" behind it
     methods : where scenes are rows of buildings, the keys in METHODS that solve its scenes, buildings alone included
     """
     uses: dict[str, dict[str, None]] = {}

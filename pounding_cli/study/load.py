@@ -210,9 +210,7 @@ def _refuse_unnamed(root: Node, problems: Problems) -> None:
         if node.value[needed].is_mapping:
             continue
         name = next((path[1] for path in varied if path[0] == section and len(path) > 2), name)
-        whole = node.text or f"{{{next(iter(node.value))}: ...}}"
-        if not whole.startswith("{"):
-            whole = f"{{{whole}}}"
+        whole = f"{{{', '.join(f'{key}: {each.text or each.plain()}' for key, each in node.value.items())}}}"[:200]
         message = f"the {what} under `{section}:` has no name"
         problems.add(node.mark, message, f"write e.g. `{section}: {{{name}: {whole}}}`; '{name}' names the {what}")
     problems.refuse()

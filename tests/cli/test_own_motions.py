@@ -72,14 +72,14 @@ def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path,
 
 def test_a_unit_that_is_assumed_is_said_wherever_the_motion_is_shown(motion, pound, tmp_path) -> None:
     motion("a.csv")
-    assert "a                user, g assumed, first 3.98 s" in pound("plan", "[a.csv]").stdout
-    assert "Motions, user, g assumed: a\n" in pound("run", "[a.csv]").stdout
+    assert "a                user, unit g assumed, first 3.98 s" in pound("plan", "[a.csv]").stdout
+    assert "Motions, user, unit g assumed: a\n" in pound("run", "[a.csv]").stdout
     results = pounding_cli.open_results(tmp_path / "results" / "study.h5")
-    assert list(results.records()["source"]) == ["user, g assumed"]
+    assert list(results.records()["source"]) == ["user, unit g assumed"]
     shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
-    assert "motion            a.csv (user, g assumed)\n" in shown
+    assert "motion            a.csv (user, unit g assumed)\n" in shown
     assert "in g (assumed: the file states no unit)" in shown
-    assert "user, g assumed" not in pound("plan", "[{file: a.csv, unit: g}]").stdout
+    assert "user, unit g assumed" not in pound("plan", "[{file: a.csv, unit: g}]").stdout
 
 
 @pytest.mark.parametrize("command", ["check", "plan", "run"])
@@ -140,5 +140,5 @@ def test_the_summary_of_a_run_and_the_plan_name_all_motions(motion, pound) -> No
     for name in names:
         motion(f"set/{name}.txt")
     run, plan = flat(pound("run", "[set/]").stdout), pound("plan", "[set/]").stdout
-    assert f"Motions, user, g assumed: {', '.join(names)}" in run
+    assert f"Motions, user, unit g assumed: {', '.join(names)}" in run
     assert [name for name in names if f"\n  {name} " not in plan] == []

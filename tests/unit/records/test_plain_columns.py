@@ -101,7 +101,7 @@ def test_a_unit_in_the_heading_is_the_files(read, head: str, unit: float) -> Non
 def test_a_unit_that_nobody_states_is_assumed_and_said(read, head: str, why: str) -> None:
     reading = read(table(",", 2, head))
     assert reading.words == f"in g (assumed: {why})"
-    assert reading.motion.source == "user, g assumed"
+    assert reading.motion.source == "user, unit g assumed"
     assert reading.motion.acceleration == pytest.approx(A * GRAVITY)
     given = read(table(",", 2, head), unit="gal")
     assert (given.words, given.motion.source) == ("in gal (as given)", "user")

@@ -67,6 +67,15 @@ SLIPS = {
         CASES, "§{link: pounding, gap: 5 cm}\nbracket: {cases.gap.gap: [1 cm, 2 cm, 3 cm]}",
         "the case under `cases:` has no name", "`cases: {",
     ),
+    "a case without a name, in lines of its own": (
+        "cases: " + CASES, "cases:\n  §link: pounding\n  gap: 5 cm", "the case under `cases:` has no name",
+        "write e.g. `cases: {pair: {link: pounding, gap: 5 cm}}`",
+    ),
+    "a building without a name": (
+        "buildings:\n  stiff: {storeys: 2, period: 0.36 s}\n  soft: {like: stiff, period: 0.60 s}\n",
+        "buildings: §{storeys: 2, period: 0.36 s}\n", "the building under `buildings:` has no name",
+        "write e.g. `buildings: {A: {storeys: 2, period: 0.36 s}}`; 'A' names the building",
+    ),
     "a unit behind a list": (
         STIFF, "{stiffness: [696194, 650000] §kN/m}",
         "YAML ends the list at its bracket: 'kN/m' behind it belongs to no value",

@@ -47,7 +47,7 @@ def warned(study: Callable[..., Study], use: str) -> list[str]:
 def test_a_folder_stands_for_its_motion_files(study, folder) -> None:
     found = used(study, "[motions]")
     assert list(found) == ["a", "b"]
-    assert found["a"].use.source == "user, g assumed"
+    assert found["a"].use.source == "user, unit g assumed"
     assert list(used(study, "[{file: motions/, unit: m/s2}]")) == ["a", "b"]
     assert used(study, "[{file: motions/, unit: m/s2}]")["a"].use.source == "user"
     assert used(study, "[{file: motions/, unit: m/s2}]")["a"].motion.pga == pytest.approx(0.2, rel=5e-3)
