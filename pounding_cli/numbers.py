@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,19 @@ from typing import Any
 def counted(number: int, one: str, many: str = "") -> str:
     """A number with what is counted: `1 scene`, `2 scenes`; `many` where an s does not make the plural."""
     return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+def listed(words: Iterable[str], room: int = 1600) -> str:
+    """All words in a row, `a, b, c`; of more than fill a screen (`room` characters), how many are left."""
+    words = list(words)
+    used, shown = 0, len(words)
+    for place, word in enumerate(words):
+        used += len(word) + 2
+        if used > room:
+            shown = place
+            break
+    left = len(words) - shown
+    return ", ".join(words[:shown]) + (f" and {left} more" if left else "")
 
 
 @dataclass(frozen=True)

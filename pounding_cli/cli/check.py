@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from pounding_cli.cli import streams
 from pounding_cli.numbers import counted
 
 MOST_ROWS = 50_000
@@ -34,7 +35,7 @@ def command(study: Path) -> None:
     read = load_for(study, kind)
     if WORKFLOWS[kind].solve:
         for warning in read.warnings:
-            click.echo(f"warning: {warning}", err=True)
+            streams.echo_warning(warning)
         count = counted(len(read.points), "point")
         click.echo(f"OK: {name}: a study of `pound {kind}`, {count} to compute")
         return
@@ -47,7 +48,7 @@ def command(study: Path) -> None:
     rows = points * len(model.cases) * len(model.analyses) * records
     scenes = f" from {counted(len(expand(read).scenes), 'scene')}" if rows <= MOST_ROWS else ""
     for warning in read.warnings:
-        click.echo(f"warning: {warning}", err=True)
+        streams.echo_warning(warning)
     factors = [
         counted(len(model.cases), "case"),
         counted(len(model.analyses), "analysis", "analyses"),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pounding_cli.cli import streams
 from pounding_cli.cli.solving import time_text
 from pounding_cli.numbers import counted
 
@@ -60,7 +61,7 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
     read = load_for(study, kind)
     if WORKFLOWS[kind].solve:
         for warning in read.warnings:
-            click.echo(f"warning: {warning}", err=True)
+            streams.echo_warning(warning)
         points = expansion(kind)(read)
         count = counted(len(points.scenes), "point")
         for line in (read.title, *_sweep(points.axes), f"points     {len(points.rows)}: pound {kind} solves {count}"):
@@ -68,7 +69,7 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
         return
     some = read if math.prod(len(axis.values) for axis in read.axes) <= MOST_POINTS else thinned(read, FEW_POINTS)
     for warning in read.warnings:
-        click.echo(f"warning: {warning}", err=True)
+        streams.echo_warning(warning)
     plan = dataclasses.replace(expand(some), all_effects=all_effects)
     asked = _questions(read, some, all_effects)
     for line in [*_lines(read, plan, prove), *asked]:
@@ -198,10 +199,14 @@ def _factors(study: Study, plan: Plan) -> str:
 
 
 def _effects(found: Forecast) -> list[str]:
-    """In how many scenes each effect is simulated, and why it is left out in the others."""
+    """In how many scenes each effect is simulated, and why it is left out in the others; those that no scene has and
+    nobody expects in one sentence."""
+    from pounding_cli.model.effects import EXPECTED, others
+
     names = dict.fromkeys((*found.kept, *(text.split(": ", 1)[0] for text in found.dropped)))
     lines = []
-    for name in names:
+    told = [name for name in names if name in found.kept or name in EXPECTED]
+    for name in told:
         reasons = [
             f"left out in {round(count)}: {text.split(': ', 1)[1]}"
             for text, count in found.dropped.items()
@@ -209,7 +214,8 @@ def _effects(found: Forecast) -> list[str]:
         ]
         kept = [f"simulated in {round(found.kept[name])}"] if name in found.kept else []
         lines.append(f"  {name:<30} {'; '.join(kept + reasons)}")
-    return lines
+    rest = others([name for name in names if name not in told])
+    return [*lines, f"  {rest}"] if rest else lines
 
 
 def _links(plan: Plan, case: str, width: Unit, strength: Unit) -> str:

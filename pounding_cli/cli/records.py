@@ -145,8 +145,7 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
     else:
         reading = read_file(motion, **options)
         found, title, place = reading.motion, Path(motion).name, motion
-        who = {"the file": "as the file says", "you": "as given", "nobody": "assumed: the file states no unit"}
-        read_as = f"{reading.format}, in {reading.unit} ({who[reading.unit_from]})"
+        read_as = f"{reading.format}, {reading.words}"
     if window is not None:
         if not window > 0:
             raise InputError(Problem(f"the window is {window:g} s", "give a window above 0 s"))
@@ -180,13 +179,14 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
       pound records import parkfield.txt --as parkfield --dt 0.01
     """
     from pounding_cli.errors import InputError, Problem
-    from pounding_cli.records import entry, locate, read_motion
+    from pounding_cli.records import entry, locate, read_file
     from pounding_cli.records.catalogue import user_folder
     from pounding_cli.records.importing import differences, imported_text
     from pounding_cli.records.writers import write_text
 
     known = entry(name)
-    motion = read_motion(file, name=name, source="real", **options)
+    reading = read_file(file, name=name, source="real", **options)
+    motion = reading.motion
     target = user_folder() / f"{name}.txt"
     if target.exists() and not force:
         raise InputError(
@@ -195,6 +195,8 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     write_text(target, imported_text(known, motion, file))
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
     click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, digest {motion.digest[:16]}")
+    if reading.unit_from == "nobody" or reading.stated:
+        click.echo(f"Read {reading.words}; another unit: --unit cm/s2 --force")
     told = differences(known, motion)
     if told:
         click.echo("Differences from the catalogue:")

@@ -9,7 +9,7 @@ import click
 
 from pounding_cli.cli import streams
 from pounding_cli.cli.solving import Solving, output_option, solve_study, solving_options, time_text
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import counted, listed
 
 if TYPE_CHECKING:
     import numpy as np
@@ -87,7 +87,7 @@ def _print(found: Overview, outcome: Outcome) -> None:
     many = f" at {count} points of the sweep" if count > 1 else ""
     for number, point in enumerate(found.points if 1 < count <= FEW_POINTS else (), start=1):
         click.echo(f"Line {number}, {point}")
-    motions = "; ".join(f"{source}: {', '.join(names)}" for source, names in found.motions.items())
+    motions = "; ".join(f"{source}: {listed(names)}" for source, names in found.motions.items())
     click.echo(f"Means over {counted(found.records, 'motion')}{many}.\nMotions, {motions}")
     _print_trust(found.trust)
     for sentence in found.unknown:

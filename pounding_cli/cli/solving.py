@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.cli import streams
+
 if TYPE_CHECKING:
     from pounding_cli.batch import Outcome
     from pounding_cli.batch.progress import JsonLines
@@ -107,7 +109,7 @@ def solve_study(
         if log:
             log.tell("warning", text=str(warning))
         elif not how.quiet:
-            click.echo(f"warning: {warning}", err=True)
+            streams.echo_warning(warning)
     path = output or default_output(study, workflow)
     outcome = None
     if path.exists() and not how.replace:

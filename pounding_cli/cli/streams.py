@@ -6,6 +6,7 @@ import codecs
 import io
 import os
 import sys
+import textwrap
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ import click
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from pounding_cli.errors import Problem
 
 _PLAIN = {
     "±": "+-", "×": "x", "·": "*", "–": "-", "−": "-", "—": "-", "→": "->", "≤": "<=", "≥": ">=",
@@ -23,6 +26,10 @@ _PLAIN = {
 
 _WIDTH = 250
 """Characters of a line where no terminal sets them."""
+
+
+_LONG = 300
+"""Characters of a warning that stand in one line."""
 
 
 class _Ascii(io.TextIOWrapper):
@@ -45,6 +52,16 @@ def prepare() -> None:
             setattr(sys, name, _Ascii(stream.buffer, "ascii", "plain", line_buffering=stream.line_buffering))
         else:
             stream.reconfigure(errors="plain")
+
+
+def echo_warning(problem: Problem) -> None:
+    """Print a warning to standard error; a long list in it takes several lines."""
+    text = f"warning: {problem}"
+    if len(problem.message) > _LONG:
+        first, *rest = text.split("\n")
+        lines = textwrap.wrap(first, 100, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+        text = "\n".join([*lines, *rest])
+    click.echo(text, err=True)
 
 
 def echo_table(table: Table) -> None:

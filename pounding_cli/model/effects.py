@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,17 @@ from pounding_cli.laws import link_laws
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import APART, Link
 from pounding_cli.model.scene import Analysis, Scene
+
+EXPECTED = ("yielding storeys", "foundation motions", "P-Delta")
+"""Effects that a reader may expect in any study: where none of its scenes has one, the reason is told."""
+
+
+def others(names: Collection[str]) -> str:
+    """Effects that no scene of a study calls for, in one sentence."""
+    links = [name.removesuffix(" links") for name in names if name.endswith(" links")]
+    rest = [name for name in names if not name.endswith(" links")]
+    rest += [f"links of the kinds {', '.join(links)}"] if links else []
+    return f"nothing in the study calls for: {', '.join(rest)}" if rest else ""
 
 
 @dataclass(frozen=True)

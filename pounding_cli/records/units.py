@@ -19,8 +19,14 @@ UNITS: dict[str, float] = {
 }
 """The common units, and one of each in m/s2; other spellings and multiples are read too (`acceleration_unit`)."""
 
-_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6, "ft": 0.3048, "feet": 0.3048, "in": 0.0254, "inch": 0.0254}
-_OTHERS = {"%g": 0.01 * GRAVITY, "ug": 1e-6 * GRAVITY, "mgal": 1e-5, "millig": 0.001 * GRAVITY}
+_LENGTHS = {
+    "m": 1.0, "meter": 1.0, "metre": 1.0, "meters": 1.0, "metres": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6,
+    "ft": 0.3048, "feet": 0.3048, "in": 0.0254, "inch": 0.0254,
+}  # fmt: skip
+_OTHERS = {
+    "%g": 0.01 * GRAVITY, "ug": 1e-6 * GRAVITY, "mgal": 1e-5, "millig": 0.001 * GRAVITY, "milli-g": 0.001 * GRAVITY,
+    "g's": GRAVITY, "gals": 0.01, "ms2": 1.0, "mps2": 1.0, "cms2": 0.01, "cmps2": 0.01,
+}  # fmt: skip
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
 _MULTIPLE = re.compile(rf"(?P<top>{_NUMBER})(?:/(?P<bottom>{_NUMBER}))?(?P<unit>[^\d.].*)\Z")
 _PART = re.compile(rf"g/(?P<part>{_NUMBER})\Z")
@@ -74,7 +80,7 @@ def _plain(text: str) -> str:
     """Lower case, no blanks, `s` for second, plain powers: `CM/SEC**2.` becomes `cm/s2`."""
     plain = text.strip().lower().replace("µ", "u").replace("μ", "u").replace("²", "2").replace("⁻", "-")
     plain = re.sub(r"(?<![a-z])sec(?:ond)?s?(?![a-z])", "s", plain)
-    return re.sub(r"[\s*^·()\[\]]|\.+\Z", "", plain)
+    return re.sub(r"[\s*^·()\[\]]|\.+\Z|(?<=[a-z])\.(?=[a-z])", "", plain)
 
 
 def _order(per: str) -> int:

@@ -26,7 +26,7 @@ class Citation:
 
 @dataclass(frozen=True)
 class Source:
-    """Where a motion comes from: its name in the tables, "real", "stand-in" or "user", and in words."""
+    """Where a motion comes from: its name in the tables, its label (`Motion.source`), and in words."""
 
     name: str
     kind: str
@@ -42,7 +42,7 @@ def citations(
     ----------
     kind : the workflow, a key of WORKFLOWS
     resolved : the study with every default filled in
-    sources : motion -> "real", "stand-in" or "user"
+    sources : motion -> its label: "real", "stand-in" or "user", and ", unit g assumed" behind it
     methods : where scenes are rows of buildings, the keys in METHODS that solve its scenes, buildings alone included
     """
     uses: dict[str, dict[str, None]] = {}
@@ -67,12 +67,12 @@ def motions(sources: Mapping[str, str]) -> list[Source]:
 
 
 def _origin(kind: str, entry: Entry | None) -> str:
-    if kind == "user" or entry is None:
+    if kind.startswith("user") or entry is None:
         return "your own file: cite its source"
     what = (
         f"{entry.title}: {entry.event}, {entry.date}, magnitude {entry.magnitude}, {entry.station}, {entry.component}"
     )
-    if kind == "real":
+    if kind.startswith("real"):
         return f"{what}; your own file: cite its source"
     return f"{what}; synthesized by pounding_cli from: {'; '.join(entry.sources)}"
 

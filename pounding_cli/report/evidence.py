@@ -272,7 +272,8 @@ def motion_label(records: pd.DataFrame) -> str:
     if set(kinds) == {"stand-in"}:
         return "stand-in motions"
     known = ("real", "user", "stand-in")
-    order = sorted(kinds, key=lambda kind: known.index(kind) if kind in known else len(known))
+    rank = {kind: str(kind).partition(",")[0] for kind in kinds}  # "user, unit g assumed"
+    order = sorted(kinds, key=lambda kind: known.index(rank[kind]) if rank[kind] in known else len(known))
     return "; ".join(f"{kind}: {', '.join(kinds[kind])}" for kind in order)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from pounding_cli.digests import DigestList, runs
 from pounding_cli.model.placed import among
+from pounding_cli.model.scene import Analysis
 from pounding_cli.solve.response import COLLAPSED, DONE
 from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, empty
@@ -128,11 +129,19 @@ def _filled(plan: Plan, some: slice, responses: PartStore, shape: Shape) -> Arra
             value, alone = variable.ratio
             arrays[variable.name][:] = ratio(arrays[value], arrays[alone])
             zero = (arrays[alone] == 0).any(axis=(-2, -1))
+            if alone == "mu0":  # no storey of an elastic analysis yields: nobody asks for its ductility
+                zero &= _inelastic(plan, some)
             _flag(arrays["flags"], np.flatnonzero(zero).tolist(), f"{alone} = 0: ratio refused")
         elif variable.formula is not None:
             with np.errstate(all="ignore"):
                 arrays[variable.name][:] = variable.formula(arrays)
     return arrays | _statistics(arrays, alone_errors, shape)
+
+
+def _inelastic(plan: Plan, some: slice) -> np.ndarray:
+    """Which of some rows are of an inelastic analysis, shape (rows,)."""
+    number = np.arange(some.start, some.stop) // len(plan.records) % len(plan.analyses)
+    return np.array([analysis == Analysis.INELASTIC for analysis in plan.analyses])[number]
 
 
 def _taken(plan: Plan, some: slice, responses: PartStore) -> tuple[list[Alike], np.ndarray, np.ndarray, np.ndarray]:

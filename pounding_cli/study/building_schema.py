@@ -162,6 +162,27 @@ Base = Annotated[
 ]
 
 
+class StiffnessAt(Model):
+    """Storey stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
+
+    period: Period = Field(
+        description="fundamental period of the fixed-base building with these masses [s]", examples=["0.42 s"]
+    )
+    mass: Masses = Field(
+        description="floor masses at which the building has this period [kg], one or a list", examples=["300 t"]
+    )
+
+
+def _list_or_mapping(value: Any) -> str:
+    return "mapping" if isinstance(value, dict | StiffnessAt) else "list"
+
+
+Stiffnesses = Annotated[
+    Annotated[tuple[StoreyStiffness, ...], EACH_STOREY, Tag("list")] | Annotated[StiffnessAt, Tag("mapping")],
+    Discriminator(_list_or_mapping),
+]
+
+
 class _BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
@@ -175,8 +196,10 @@ class _BuildingSpec(Model):
     mass: Masses = optional("200 t", description="floor mass [kg], one or a list")
     height: Heights = optional("3 m", description="storey height [m], one or a list")
     taper: Taper = optional("1/3", description="top over bottom storey stiffness [-], linear in between")
-    stiffness: Annotated[tuple[StoreyStiffness, ...], EACH_STOREY] | None = optional(
-        None, description="storey stiffnesses [N/m], instead of period and taper"
+    stiffness: Stiffnesses | None = optional(
+        None,
+        description="storey stiffnesses [N/m], instead of period and taper; or {period: 0.42 s, mass: 300 t}: those of "
+        "a building with this period and these masses, which stay when the mass is varied",
     )
     damping: DampingShare = optional("5 %", description="damping ratio of the first two modes [-]")
     rayleigh: Rayleigh | None = optional(None, description="Rayleigh factors, instead of damping")

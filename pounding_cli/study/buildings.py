@@ -14,7 +14,7 @@ from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.separation import ASCE7, EN1998, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.numbers import counted
-from pounding_cli.study.building_schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec
+from pounding_cli.study.building_schema import BaseShear, BuildingSpec, CodeDesign, FoundationSpec, StiffnessAt
 from pounding_cli.study.law_keys import own_parameters
 from pounding_cli.study.problems import Path, Problems, Tree
 from pounding_cli.study.source import Node
@@ -59,11 +59,13 @@ def _storeys(spec: BuildingSpec, root: Node | Tree, path: Path, problems: Proble
     storeys = spec.storeys if spec.storeys is not None else next(iter(lengths.values()), None)
     if storeys is None:
         problems.at(root, path, "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`")
+    if isinstance(spec.stiffness, StiffnessAt) and isinstance(spec.stiffness.mass, tuple):
+        lengths["stiffness.mass"] = len(spec.stiffness.mass)
     for key, length in lengths.items():
         if storeys is not None and length != storeys:
             problems.at(
                 root,
-                (*path, key),
+                (*path, *key.split(".")),
                 f"{key} has {counted(length, 'value')} for {counted(storeys, 'storey')}",
                 f"write {counted(storeys, 'value')} from the ground up, or "
                 + ("`true` for the weight of the floors above" if key == "p_delta" else "one for all"),
@@ -150,7 +152,7 @@ def _derived(
 ) -> Building:
     mass, height, hardening = (_filled(getattr(spec, key), storeys) for key in ("mass", "height", "hardening"))
     if spec.stiffness is not None:
-        stiffness = np.array(spec.stiffness)
+        stiffness = _stiffness(spec, storeys)
         period = 2 * np.pi / float(frequencies(mass, stiffness)[0])
     else:
         assert spec.period is not None
@@ -174,6 +176,13 @@ def _derived(
         name, mass, height, stiffness, yield_shear, hardening, alpha, beta, foundation, law, parameters, load, collapse,
         spec.slab, spec.columns,
     )  # fmt: skip
+
+
+def _stiffness(spec: BuildingSpec, storeys: int) -> np.ndarray:
+    """The storey stiffnesses that are given [N/m], shape (n,): as a list, or by a period at certain masses."""
+    if isinstance(spec.stiffness, StiffnessAt):
+        return stiffness_for_period(_filled(spec.stiffness.mass, storeys), spec.stiffness.period, spec.taper)
+    return np.array(spec.stiffness)
 
 
 def _filled(value: Any, storeys: int) -> np.ndarray:

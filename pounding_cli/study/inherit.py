@@ -27,11 +27,19 @@ ALTERNATIVES: dict[str, tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
 """Keys of which one mapping may give one side only; an inherited key is replaced by its alternative."""
 
 
+def _alternatives(kind: str, stiffness: Node | None) -> tuple[tuple[frozenset[str], frozenset[str]], ...]:
+    """Those of a mapping; a `stiffness` that is itself made from a period takes the taper."""
+    pairs = ALTERNATIVES.get(kind, ())
+    if kind == "building" and stiffness is not None and stiffness.is_mapping:
+        return ((frozenset({"stiffness"}), frozenset({"period"})), *pairs[1:])
+    return pairs
+
+
 def refuse_alternatives(node: Node, kind: str, problems: Problems) -> None:
     """Note every pair of keys in this one mapping that say the same thing in two ways."""
     if not node.is_mapping:
         return
-    for one, other in ALTERNATIVES[kind]:
+    for one, other in _alternatives(kind, node.get("stiffness")):
         first = [key for key in node.value if key in one]
         second = [key for key in node.value if key in other]
         if first and second:
@@ -53,7 +61,7 @@ def inherited(buildings: Node, problems: Problems) -> Node:
     for name in own:
         chain = _chain(name, own, done, problems)
         for each in reversed(chain):
-            like = _like(own[each]) or ""
+            like = like_of(own[each]) or ""
             parent = done.get(like, own.get(like))  # as it is written only where that is told as a fault
             done[each] = own[each] if parent is None else merged(parent, own[each], "building")
     return Node({name: done[name] for name in own}, buildings.mark, keys=buildings.keys)
@@ -73,9 +81,12 @@ def _own(node: Node, problems: Problems) -> Node:
     return node.replaced(("yield",), Node(kept, below.mark, below.text, below.keys))
 
 
-def _like(node: Node) -> str | None:
+def like_of(node: Node) -> str | None:
+    """The building that one is like, which a number may name too; None where it stands on its own."""
     like = node.get("like")
-    return like.value if like is not None and isinstance(like.value, str) else None
+    if like is None or isinstance(like.value, bool) or not isinstance(like.value, str | int | float):
+        return None
+    return str(like.value)
 
 
 def _chain(name: str, own: dict[str, Node], done: dict[str, Node], problems: Problems) -> list[str]:
@@ -83,7 +94,7 @@ def _chain(name: str, own: dict[str, Node], done: dict[str, Node], problems: Pro
     chain: list[str] = []
     while name not in done:
         chain.append(name)
-        like = _like(own[name])
+        like = like_of(own[name])
         if like is None:
             break
         mark = own[name].value["like"].mark
@@ -110,7 +121,7 @@ def merged(parent: Node, child: Node, kind: str = "") -> Node:
         return child
     given = set(child.value)
     gone: set[str] = {"like"}
-    for one, other in ALTERNATIVES.get(kind, ()):
+    for one, other in _alternatives(kind, child.get("stiffness") or parent.get("stiffness")):
         gone |= other if given & one else set()
         gone |= one if given & other else set()
     values = {key: node for key, node in parent.value.items() if key not in gone}

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from pounding_cli import records
 from pounding_cli.errors import Problem
@@ -18,12 +19,15 @@ from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import buildings as building_room
 from pounding_cli.study.bracket import with_brackets
+from pounding_cli.study.building_schema import BuildingSpec
+from pounding_cli.study.case_schema import CaseSpec
+from pounding_cli.study.held import tell_held
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.motion_reader import MotionReader
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis
-from pounding_cli.study.plausible import few
+from pounding_cli.study.plausible import doubt_accelerations, few, swept_keys
 from pounding_cli.study.problems import Problems, nearest
 from pounding_cli.study.resolve import Resolver, places, shown
 from pounding_cli.study.schema import StudyModel
@@ -157,6 +161,7 @@ def validated(
     file = shortened(path)
     refuse_other_kinds(root, file)
     problems = Problems(file)
+    _refuse_unnamed(root, problems)
     root = with_brackets(root, problems)
     axes = read_axes(root, problems)
     _check_uncertain(root, problems)
@@ -188,6 +193,27 @@ def validated(
         model,
         resolver,
     )
+
+
+def _refuse_unnamed(root: Node, problems: Problems) -> None:
+    """Raise `InputError` where the keys of one case, or of one building, stand where names belong."""
+    varied = [key.split(".") for key in swept_keys(root)]
+    sections: tuple[tuple[str, type[BaseModel], str, str, str], ...] = (
+        ("cases", CaseSpec, "link", "case", "pair"),
+        ("buildings", BuildingSpec, "storeys", "building", "A"),
+    )
+    for section, kind, needed, what, name in sections:
+        node = root.get(section)
+        known = {info.alias or key for key, info in kind.model_fields.items()}
+        if node is None or not node.is_mapping or needed not in node.value or not known.issuperset(node.value):
+            continue
+        if node.value[needed].is_mapping:
+            continue
+        name = next((path[1] for path in varied if path[0] == section and len(path) > 2), name)
+        whole = f"{{{', '.join(f'{key}: {each.text or each.plain()}' for key, each in node.value.items())}}}"[:200]
+        message = f"the {what} under `{section}:` has no name"
+        problems.add(node.mark, message, f"write e.g. `{section}: {{{name}: {whole}}}`; '{name}' names the {what}")
+    problems.refuse()
 
 
 def _check_uncertain(root: Node, problems: Problems) -> None:
@@ -325,6 +351,8 @@ def _whole_study(model: StudyModel, root: Node, problems: Problems) -> None:
 
 def _warnings(model: StudyModel, root: Node, resolver: Resolver) -> tuple[Problem, ...]:
     notes = resolver.warnings
+    doubt_accelerations(root, notes)
+    tell_held(model, root, resolver, notes)
     if model.impact.dashpot == "printed":
         notes.at(
             root,

@@ -30,12 +30,13 @@ class Item:
     """One motion of a study.
 
     name : what tables call it; known : whether it is in the catalogue, with durations and scales of Table 1
-    read : reads it whole; vertical : whether a file taken with others looks like a vertical component
+    read : reads it whole, and says how where it is a file of one's own
+    vertical : whether a file taken with others looks like a vertical component
     """
 
     name: str
     known: bool
-    read: Callable[[], Motion]
+    read: Callable[[], Motion | records.Reading]
     vertical: bool = False
 
 
@@ -45,7 +46,7 @@ class MotionReader:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._items: dict[str | RecordFile, list[Item] | InputError] = {}
-        self._read: dict[tuple[str | RecordFile, str], Motion | InputError] = {}
+        self._read: dict[tuple[str | RecordFile, str], Motion | records.Reading | InputError] = {}
 
     def items(self, record: str | RecordFile) -> list[Item]:
         """The motions an entry of `use` stands for; raises `InputError` where there is none."""
@@ -61,6 +62,11 @@ class MotionReader:
 
     def take(self, record: str | RecordFile, item: Item) -> Motion:
         """The whole motion; raises `InputError` where it cannot be read."""
+        found = self.reading(record, item)
+        return found.motion if isinstance(found, records.Reading) else found
+
+    def reading(self, record: str | RecordFile, item: Item) -> Motion | records.Reading:
+        """The whole motion, with how it was read where it is a file of one's own; raises as `take`."""
         key = (record, item.name)
         if key not in self._read:
             try:
@@ -75,7 +81,8 @@ class MotionReader:
     @property
     def digests(self) -> list[str]:
         """Of all motions that were read so far."""
-        return [found.digest for found in self._read.values() if isinstance(found, Motion)]
+        read = [found.motion if isinstance(found, records.Reading) else found for found in self._read.values()]
+        return [found.digest for found in read if isinstance(found, Motion)]
 
     def named(self, name: str) -> Motion:
         """The whole catalogue motion `name`."""
@@ -135,8 +142,8 @@ def _held(name: str) -> Item:
 
 
 def _item(record: RecordFile, path: Path, name: str, vertical: bool = False) -> Item:
-    def read() -> Motion:
-        return records.read_motion(
+    def read() -> records.Reading:
+        return records.read_file(
             path,
             name=name,
             unit=record.unit,

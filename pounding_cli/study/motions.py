@@ -7,6 +7,7 @@ from functools import partial
 
 from pounding_cli import records
 from pounding_cli.errors import InputError
+from pounding_cli.numbers import listed
 from pounding_cli.records import Motion
 from pounding_cli.study.motion_reader import MotionReader
 from pounding_cli.study.plan import MotionUse
@@ -33,6 +34,8 @@ def motions_of(
     sound = True
     for place, record in enumerate(spec.use):
         path = ("records", "use", place)
+        vertical: list[str] = []
+        readings: list[records.Reading] = []
         try:
             items = reader.items(record)
         except InputError as refused:
@@ -47,8 +50,7 @@ def motions_of(
                 sound = False
                 continue
             if item.vertical:
-                message = f"'{item.name}' looks like a vertical component; it will shake the buildings sideways"
-                warnings.at(root, path, message, "name the horizontal ones, e.g. `{file: motions/*.NS}`")
+                vertical.append(item.name)
             if item.known:
                 names.add(item.name)
             try:
@@ -56,22 +58,24 @@ def motions_of(
             except InputError as refused:
                 _pass_on(refused, root, (*path, "file"), problems)
                 sound = False
+                continue
+            read = reader.reading(record, item)
+            if isinstance(read, records.Reading):
+                readings.append(read)
+        _tell_vertical(vertical, root, path, warnings)
+        _tell_units(readings, root, path, warnings)
     if not sound:
         return {}
     cut: dict[str, Motion] = {}
+    short: dict[str, Motion] = {}
     for name, motion in found.items():
         seconds = _seconds(spec.duration, name, name in names, motion, root, ("records", "duration"), problems)
         if seconds is None:
             return {}
         if isinstance(spec.duration, float) and seconds > motion.duration + motion.dt:
-            message = f"'{name}' lasts {motion.duration:g} s, shorter than the {seconds:g} s asked for"
-            warnings.at(
-                root,
-                ("records", "duration"),
-                message,
-                "its whole length is used; `tail:` adds free vibration",
-            )
+            short[name] = motion
         cut[name] = motion.windowed(seconds)
+    _tell_short(short, spec.duration, root, warnings)
     target = None
     if isinstance(spec.scale, SpectrumScale):
         try:
@@ -95,6 +99,53 @@ def motions_of(
         )
         used[name] = Used(motion, use, target)
     return used
+
+
+def _tell_vertical(names: list[str], root: Node | Tree, path: tuple[str | int, ...], warnings: Problems) -> None:
+    """Warn of files that are named like vertical components."""
+    if not names:
+        return
+    what = f"'{names[0]}' looks like a vertical component; it will"
+    if len(names) > 1:
+        what = f"{len(names)} motions look like vertical components and will"
+    whole = f": {listed(names)}" if len(names) > 1 else ""
+    hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
+    warnings.at(root, path, f"{what} shake the buildings sideways{whole}", hint)
+
+
+def _tell_units(
+    readings: list[records.Reading], root: Node | Tree, path: tuple[str | int, ...], warnings: Problems
+) -> None:
+    """Warn of headings from which no unit can be read, and of those that state another one than the study."""
+    unclear: dict[str, list[str]] = {}
+    against: dict[tuple[str, str], list[str]] = {}
+    for each in readings:
+        if each.heading:
+            unclear.setdefault(each.heading, []).append(each.motion.name)
+        if each.stated:
+            against.setdefault((each.unit, each.stated), []).append(each.motion.name)
+    for heading, names in unclear.items():
+        message = f"{listed(names)}: '{heading}' in the file is no unit of acceleration, so g is assumed"
+        warnings.at(root, path, message, "write the unit in the study, e.g. `{file: motions/a.csv, unit: m/s2}`")
+    for (unit, stated), names in against.items():
+        message = f"{listed(names)}: read in {unit}, as the study says, although the file says {stated}"
+        warnings.at(root, path, message, "remove `unit:` if the file is right")
+
+
+def _tell_short(motions: dict[str, Motion], seconds: float | str, root: Node | Tree, warnings: Problems) -> None:
+    """Warn of motions shorter than the duration asked for [s]."""
+    if not motions:
+        return
+    asked = f"shorter than the {seconds:g} s asked for"
+    hint = "its whole length is used; `tail:` adds free vibration"
+    if len(motions) == 1:
+        ((name, motion),) = motions.items()
+        message = f"'{name}' lasts {motion.duration:g} s, {asked}"
+    else:
+        hint = hint.replace("its", "their")
+        all_of = listed(f"{name} ({motion.duration:g} s)" for name, motion in motions.items())
+        message = f"{len(motions)} motions are {asked}: {all_of}"
+    warnings.at(root, ("records", "duration"), message, hint)
 
 
 def _pass_on(refused: InputError, root: Node | Tree, path: tuple[str | int, ...], problems: Problems) -> None:

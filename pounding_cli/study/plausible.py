@@ -11,12 +11,15 @@ import numpy as np
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
-from pounding_cli.numbers import counted
-from pounding_cli.study.building_schema import BaseShear, BuildingSpec
+from pounding_cli.numbers import counted, listed
+from pounding_cli.study.building_schema import BaseShear, BuildingSpec, StiffnessAt
+from pounding_cli.study.distributions import lacks_unit
 from pounding_cli.study.motions import Used
 from pounding_cli.study.problems import Path, Problems, Tree
+from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.source import Node
-from pounding_cli.study.units import GRAVITY, NUMBER
+from pounding_cli.study.units import ACCELERATION, GRAVITY, NUMBER
+from pounding_cli.study.written import quantity_of
 
 _LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
 _MASSES = {"t": 1e3, "kg": 1.0}
@@ -72,6 +75,10 @@ RANGES = {
     "peak ground acceleration asked for": Plausible(
         0.04 * GRAVITY, 3 * GRAVITY, "damage begins near 0.05 g, recorded peaks reach 3 g", _ACCELERATIONS
     ),
+    "peak of a motion as read and as used": Plausible(
+        0.0, 2 * GRAVITY, "few motions were ever recorded with more than 2 g; above, the unit is often wrong",
+        _ACCELERATIONS,
+    ),
     "peak of a motion as used": Plausible(
         0.001 * GRAVITY, 5 * GRAVITY, "below 0.001 g a motion is not felt; above 5 g the unit is wrong", _ACCELERATIONS
     ),
@@ -80,6 +87,9 @@ RANGES = {
 
 MOST_ALIKE = 3
 """Warnings told one by one that differ in their numbers alone, as along a swept axis."""
+
+_MOST_IN_G = 3.0
+# Of a number without unit: recorded peaks reach 3 g.
 
 _AS_MEANT = "the study runs as it is"
 _PARTED = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*\Z")
@@ -145,6 +155,11 @@ def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path
         meant = _meant(_text(root, at), period, fits, lambda value: value / storeys)
         notes.at(root, at, f"a {words}", _hint(meant))
     else:
+        if isinstance(spec.stiffness, StiffnessAt):
+            at = (*path, "stiffness", "period")
+            meant = _meant(_text(root, at), period, fits, lambda value: value / storeys)
+            notes.at(root, at, f"this stiffness gives a {words}", _hint(meant))
+            return
         at = (*path, "stiffness", 0)
         stiffness = replace(fits, units=_STIFFNESSES)
         first = float(building.stiffness[0])
@@ -182,20 +197,81 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, pa
         )
 
 
+def doubt_accelerations(root: Node, notes: Problems) -> None:
+    """Note numbers without a unit that stand for an acceleration and would be plausible in g: 0.4 is 0.4 m/s2."""
+    swept = swept_keys(root)
+    found = [pair for key, node in swept.items() for pair in _accelerations(tuple(key.split(".")), node)]
+    scale = root.get("records", "scale")
+    if scale is not None and "records.scale" not in swept:
+        own = _accelerations(("records", "scale"), scale)
+        found += [(path, node) for path, node in own if ".".join(path) not in swept]
+    bare: dict[Path, list[Node]] = {}
+    for path, node in found:
+        bare.setdefault(path[:3], []).append(node)
+    for place, nodes in bare.items():
+        first = nodes[0]
+        value = ACCELERATION.read(first.plain())
+        all_of, what = listed((node.text for node in nodes), 60), "has no unit: it"
+        if len(nodes) > 1:
+            what = f"have no unit: {first.text}"
+        message = f"{place[-1]}: {all_of} {what} is {value:.4g} m/s2 = {value / GRAVITY:.3f} g"
+        notes.add(first.mark, message, f"write `{first.text} g`, or `{first.text} m/s2` if that is meant")
+
+
+def swept_keys(root: Node) -> dict[str, Node]:
+    """The swept keys, dotted, with what stands there."""
+    sweep = root.get("sweep")
+    holders = [] if sweep is None else sweep.value if sweep.is_list else [sweep]
+    return {key: node for holder in holders if holder.is_mapping for key, node in holder.value.items()}
+
+
+def _accelerations(path: tuple[str, ...], node: Node) -> list[tuple[tuple[str, ...], Node]]:
+    """The numbers without unit at or below a key that are accelerations and would be plausible in g, with their
+    keys."""
+    if node.is_list:
+        below = [(path, each) for each in node.value]
+    elif node.is_mapping and "from" in node.value and "spectrum" not in node.value:  # a range
+        below = [(path, node.value[end]) for end in ("from", "to") if end in node.value]
+    elif node.is_mapping:
+        below = [((*path, name), each) for name, each in node.value.items()]
+    else:
+        quantity = quantity_of(StudyModel, path)
+        is_one = quantity is not None and quantity.si == "m/s2" and lacks_unit(node, quantity)
+        return [(path, node)] if is_one and 0 < ACCELERATION.read(node.plain()) <= _MOST_IN_G else []
+    return [each for pair in below for each in _accelerations(*pair)]
+
+
 def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Problems) -> None:
     """Note peaks of the ground that are unlikely, asked for or as they come out."""
     asked = root.get("records", "scale", "pga")
     if asked is not None:
         pga = next((each.use.pga for each in used.values()), None)
-        if pga is not None and not _in_plausible_range(root.get("sweep", "records.scale.pga")):
+        swept = swept_keys(root.node).get("records.scale.pga")
+        told = _accelerations(("records", "scale", "pga"), swept or asked)  # without unit
+        if pga is not None and not told and not _in_plausible_range(swept):
             _note("peak ground acceleration asked for", pga, root, ("records", "scale", "pga"), notes)
         return
-    for name, each in used.items():
-        fits = RANGES["peak of a motion as used"]
-        if each.use.pga and not fits.holds(each.use.pga):
-            message = f"'{name}' peaks at {each.use.pga / GRAVITY:.3g} g as it is used: {fits.reason}"
-            hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {_AS_MEANT}"
-            notes.at(root, ("records", "scale") if each.use.scale != 1 else ("records", "use"), message, hint)
+    read, fits = RANGES["peak of a motion as read and as used"], RANGES["peak of a motion as used"]
+    peaks = {name: each.use.pga for name, each in used.items() if each.use.pga}
+    as_read = {name: peak / used[name].use.scale for name, peak in peaks.items()}
+    strong = {name: peak for name, peak in as_read.items() if min(peak, peaks[name]) > read.high}
+    unlikely = {name: peak for name, peak in peaks.items() if not fits.holds(peak) and name not in strong}
+    for how, reason, found in (("read", read.reason, strong), ("used", fits.reason, unlikely)):
+        if not found:
+            continue
+        names = [f"{name} ({peak / GRAVITY:.3g} g)" for name, peak in found.items()]
+        one, peak = next(iter(found.items()))
+        message = f"'{one}' peaks at {peak / GRAVITY:.3g} g as it is {how}: {reason}"
+        if len(found) > 1:
+            message = f"{len(found)} motions have unlikely peaks as they are {how}: {reason}: {listed(names)}"
+        hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {_AS_MEANT}"
+        if how == "read" and "assumed" in used[one].use.source:
+            hint = (
+                f"the file states no unit, so g is assumed; if {one} is in m/s2, its peak is "
+                f"{peak / GRAVITY**2:.3g} g: write `unit: m/s2` beside `file:`. Otherwise leave it, {_AS_MEANT}"
+            )
+        scaled = used[one].use.scale != 1
+        notes.at(root, ("records", "scale") if scaled else ("records", "use"), message, hint)
 
 
 def _in_plausible_range(swept: Node | None) -> bool:

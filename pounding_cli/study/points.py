@@ -56,7 +56,7 @@ def read_point_axes(root: Node, model: type[BaseModel], problems: Problems) -> t
         columns: list[list[Node]] = []
         for name in names:
             known = _is_axis(name, holder, root, model, problems)
-            values = axis_values(name, holder.value[name], model, problems)
+            values = axis_values(name, holder.value[name], model, problems) if known else None
             if name in names_seen:
                 problems.add((holder.keys or {})[name], f"'{name}' is an axis twice", "remove one of the two")
             elif known and values is not None:

@@ -240,8 +240,9 @@ def _example(model: type[BaseModel], path: Path) -> str:
                 level = info.annotation
             else:
                 _, items, values = options(kind)
-                if items or values:
-                    level, info = (items or values)[0], None
+                below = (items if str(step).isdigit() else []) or values
+                if below:
+                    level, info = below[0], None
     if info is None:
         return ""
     example = f", e.g. `{path[-1]}: {_flow(info.examples[0])}`" if info.examples else ""

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from pounding_cli.errors import Problem
-from pounding_cli.study.inherit import inherited, refuse_alternatives
+from pounding_cli.study.inherit import inherited, like_of, refuse_alternatives
 from pounding_cli.study.motions import MotionReader
 from pounding_cli.study.problems import Problems, Tree
 from pounding_cli.study.schema import StudyModel
@@ -240,10 +240,11 @@ def _inherits(name: str, path: tuple[str, ...], buildings: Node) -> bool:
         if name in seen or buildings.get(name, *path[1:]) is not None:
             return False
         seen.add(name)
-        like = buildings.get(name, "like")
-        if like is None or not isinstance(like.value, str):
+        building = buildings.get(name)
+        like = None if building is None else like_of(building)
+        if like is None:
             return False
-        name = like.value
+        name = like
     return True
 
 

@@ -85,7 +85,7 @@ def read_axes(root: Node, problems: Problems) -> tuple[SweepAxis, ...]:
         for name in names:
             mark = (holder.keys or {})[name]
             known = is_sweepable(name, mark, root, problems)
-            values = axis_values(name, holder.value[name], StudyModel, problems)
+            values = axis_values(name, holder.value[name], StudyModel, problems) if known else None
             if name in seen:
                 problems.add(mark, f"'{name}' is an axis twice; first in line {seen[name]}", "remove one of the two")
             elif known and values is not None:
@@ -124,6 +124,10 @@ def is_sweepable(name: str, mark: Mark, root: Node, problems: Problems, what: st
     whole = path[0] in ("records", "buildings", "impact", "cases", "laws") and len(path) < (
         3 if path[0] in ("buildings", "cases", "laws") else 2
     )
+    meant = _meant(path, root)
+    if path[0] in FIXED and len(path) > 1 and meant:  # a case or a building called as a section, e.g. gap
+        problems.add(mark, f"{what} '{name}': no such key", f"did you mean '{meant}'?")
+        return False
     if path[0] in FIXED or path[:2] == ("records", "use") or path[-1] == "like":
         cannot = "be an axis" if what == "sweep axis" else "vary"
         problems.add(mark, f"'{name}' cannot {cannot}: it is one for the whole study", "run one study for each value")
@@ -133,10 +137,17 @@ def is_sweepable(name: str, mark: Mark, root: Node, problems: Problems, what: st
         above = root.get(*path[:place])
         if above is not None and above.is_list and step.isdigit() and int(step) < len(above.value):
             continue
+        if above is not None and above.value is not None and not above.is_mapping and step in known:
+            before = ".".join(path[:place])
+            said = "a list" if above.is_list else f"'{above.text}'"
+            hint = f"give '{before}' as a mapping with '{step}' in it, or remove it there"
+            problems.add(mark, f"{what} '{name}': '{before}' is {said} in this study and has no key '{step}'", hint)
+            return False
         if step not in known:
             before = ".".join(path[:place])
             where = f" under '{before}'" if before else ""
-            problems.add(mark, f"{what} '{name}': no key '{step}'{where}", nearest(step, known))
+            hint = f"did you mean '{meant}'?" if meant and not place else nearest(step, known)
+            problems.add(mark, f"{what} '{name}': no key '{step}'{where}", hint)
             return False
     if whole:
         problems.add(
@@ -146,6 +157,21 @@ def is_sweepable(name: str, mark: Mark, root: Node, problems: Problems, what: st
         )
         return False
     return True
+
+
+def _meant(path: tuple[str, ...], root: Node) -> str:
+    """The key that ends in what was written where its beginning was left out: soft.period, restitution, pga; or ""."""
+    named = [
+        (section, name)
+        for section in ("buildings", "cases")
+        if (node := root.get(section)) is not None and node.is_mapping
+        for name in node.value
+    ]
+    for before in (("buildings",), ("cases",), ("impact",), *named, ("records", "scale"), ("records",)):
+        whole = (*before, *path)
+        if all(step in keys_at(StudyModel, whole[:place], root) for place, step in enumerate(whole)):
+            return ".".join(whole)
+    return ""
 
 
 def _first(name: str, root: Node) -> str:

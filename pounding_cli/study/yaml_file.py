@@ -38,6 +38,8 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]+\Z")
 # YAML 1.1, as PyYAML reads it, takes 1e10 for text, `no` for false, 0:36 for 36. Here numbers look like it.
 _NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
+_LIST = re.compile(r"(?P<key>[\w.-]{1,60}: +)?\[(?P<values>[^\[\]{}]{1,2000})\]\s*\Z")
+_UNIT = re.compile(r"[A-Za-z%°µ][\w/^*².() -]{0,30}?(?=\s*(?:[,}\]#\n]|\Z))")
 _WORDS: dict[str, Any] = {"": None, "~": None, "null": None, "true": True, "false": False}
 _TAGS = {f"tag:yaml.org,2002:{kind}" for kind in ("str", "int", "float", "bool", "null", "map", "seq")} | {"!", None}
 _AFTER_COMMA = re.compile(r"[0-9]{1,15}(?:\s{0,9}[A-Za-z%][^,]{0,30})?\Z")
@@ -108,6 +110,8 @@ def _syntax(path: Path, error: yaml.MarkedYAMLError, text: str) -> Problem:
     if begin != line:
         what += f" ({error.context} that begins in line {begin})"
     lines = text.split("\n")
+    if (unit := _unit_behind_list(lines, line, column)) is not None:
+        return Problem(*unit, shortened(path), line, column)
     slip = _slip(lines, begin, line, "flow" in str(error.context))
     if slip is not None:
         message, hint, line, column = slip
@@ -121,6 +125,21 @@ def _syntax(path: Path, error: yaml.MarkedYAMLError, text: str) -> Problem:
     else:
         hint = "check brackets, quotes, commas and the indentation around this place"
     return Problem(f"this is not YAML: {what}", hint, shortened(path), line, column)
+
+
+def _unit_behind_list(lines: list[str], line: int, column: int) -> tuple[str, str] | None:
+    """Message and hint for `[1, 2] kN/m`, where the reading ended at the unit; None for anything else."""
+    before = "\n".join([*lines[max(0, line - 50) : line - 1], "".join(lines[line - 1 : line])[: column - 1]])[-4000:]
+    unit = _UNIT.match("".join(lines[line - 1 : line])[column - 1 :])
+    found = _LIST.search(before)
+    if unit is None or found is None:
+        return None
+    values = [value.strip() for value in found["values"].split(",")]
+    if not all(_NUMBER.match(value.split(" ")[0]) for value in values):
+        return None
+    whole = ", ".join(f"{value} {unit[0].strip()}" if _NUMBER.match(value) else value for value in values)
+    message = f"YAML ends the list at its bracket: '{unit[0].strip()}' behind it belongs to no value"
+    return message, f"write the unit at each value: `{found['key'] or ''}[{whole}]`"
 
 
 def _slip(lines: list[str], begin: int, line: int, in_brackets: bool) -> tuple[str, str, int, int] | None:

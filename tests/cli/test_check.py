@@ -19,7 +19,7 @@ CONFIGS = sorted(Path("configs").rglob("*.yaml"))
 def test_shipped_studies_are_sound(path):
     result = CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
     assert result.exit_code == 0
-    assert result.output.startswith(f"OK: {path}: ")
+    assert result.stdout.startswith(f"OK: {path}: ")
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ def test_a_study_and_its_results_cite_the_same(folder, pound):
     assert of_study.startswith("Two small buildings\n\nThe pounding_cli authors (2026).")
     assert "\nUniform Building Code" not in of_study
     assert "Uniform Building Code, 1991 edition. Whittier, California.\n    for the yield shears of stiff" in of_study
-    assert "\nMotions\n  weak (user): your own file" in of_study
+    assert "\nMotions\n  weak (user, unit g assumed): your own file" in of_study
 
 
 @pytest.mark.parametrize(

@@ -260,3 +260,16 @@ def test_of_a_large_sweep_some_points_are_looked_at(tmp_path, monkeypatch):
     assert re.search(r"pounding links +simulated in 144; left out in 12", some)
     assert "other combinations of swept values are checked when the run begins" in some
     assert seconds(some) == pytest.approx(seconds(whole), rel=0.1)
+
+
+def test_only_effects_that_a_scene_has_or_a_reader_may_expect_have_a_line(folder):
+    """Fails if every law of links that no case has takes a line of its own, or what is left out loses its name."""
+    (folder / "two.yaml").write_text(STUDY + "estimate: none\n")
+    said = planned("--no-prove")
+    lines = [line.strip() for line in said.split("\neffects ")[1].split("\nmotions ")[0].splitlines()[1:]]
+    names = [re.split(r"  +", line)[0] for line in lines[:-1]]
+    assert {"yielding storeys", "foundation motions", "P-Delta", "pounding links"} <= set(names)
+    assert not [name for name in names if name in ("collapse", "hertz links", "viscous links")]
+    assert lines[-1].startswith("nothing in the study calls for: collapse")
+    for law in ("infill", "connector", "hertz-damp", "bilinear"):
+        assert law in lines[-1]

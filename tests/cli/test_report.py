@@ -67,7 +67,7 @@ def test_page_carries_the_numbers_of_the_file(folder, pound):
     row = page.split(" connected 1.30 storey 1 ")[1]
     assert row.count(", 13.8×") >= 4  # both buildings, both analyses
     assert "Flags connected, elastic, 2 of 2 scenes (all): connector closed beyond its gap" in page
-    assert "Motions: user: weak, strong." in page
+    assert "Motions: user, unit g assumed: weak, strong." in page
     # 1 - (1.4 / 1.5)^10 = 49.8 %, short of 80 %.
     assert "misses its threshold: reduction of accelerations, infill against touching, elastic, mean over the" in page
     assert "over the floors 50 %" in page

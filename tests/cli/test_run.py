@@ -38,7 +38,7 @@ def test_summary_shows_ratios_motions_flags_counts_and_times(folder, pound):
     assert 0 < float(touching[6]) < 1
     soft = next(line for line in lines if line[:1] == ["soft"])
     assert soft[:5] == ["soft", "2.000", "2.000", "(2)", "1e-08"]
-    assert "Motions, user: weak, strong" in out
+    assert "Motions, user, unit g assumed: weak, strong" in out
     assert "Note: gap, elastic, 2 of 2 scenes (all): a sentence to know\n" in out
     assert "Note: gap, inelastic, 2 of 2 scenes (all): a sentence to know\n" in out
     assert re.search(r"Scenes: 16 solved, 0 reused, 0 failed(, \d side by side)?; solver 2 ms, in all", out)

@@ -12,7 +12,7 @@ from itertools import islice, pairwise
 from pounding_cli.numbers import counted
 from pounding_cli.records.formats.text import Asked, Samples, Text, number, one_blank, tokens
 from pounding_cli.records.formats.times import even_step
-from pounding_cli.records.units import quantity_of
+from pounding_cli.records.units import acceleration_unit, quantity_of
 
 _BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 _WORD = re.compile(r"[^\s(\[]+(?:\s*[(\[][^()\[\]]*[)\]])?")
@@ -21,10 +21,19 @@ _STEP = re.compile(
     r"\b(?:dt|time[ _-]?step|delta[ _-]?t|sampling[ _-]?interval)\b[^\d.+-]{0,12}([\d.]+(?:e[-+]?\d+)?)\s*(ms)?",
     re.IGNORECASE,
 )
+_PARTS = re.compile(r"[,;:=]")
+_BEFORE_UNIT = re.compile(r"\b(?:in|of|units?)\b\s*[:=]?", re.IGNORECASE)
+_NAME = re.compile(r"^\s*(?:acc[a-z]*|ag?)(?![a-z])\.?\s*[_/]?", re.IGNORECASE)
+_ACCELERATION = re.compile(r"\bacc(?:el[a-z]*|n)?\b", re.IGNORECASE)
+_ONLY_ACCELERATION = re.compile(r"(?:(?:ground|base|input)\s+)?(?:acc[a-z]*|ag?)\.?|", re.IGNORECASE)
+_TIME = re.compile(r"t(?:ime)?(?![a-z])|s(?:ec)?(?![a-z])", re.IGNORECASE)
+_PEAK = re.compile(r"\b(?:peaks?|max[a-z]*|pga)\b|[)\]]\s*[:=]\s*[-+.\d]", re.IGNORECASE)
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
 _TOP = 60
 # Lines of a header searched for units and a time step.
+_ROWS_OF_HEADINGS = 3
+# Lines over the columns that may hold their headings: names and units stand in one line or in two.
 
 
 def kind_of(text: Text, asked: Asked) -> str:
@@ -78,8 +87,7 @@ def read_column(text: Text, asked: Asked) -> Samples:
     said = text.header.get("samples", "")
     if re.fullmatch(r"\d{1,9}", said):
         text.count(said, len(values), 1, "samples")
-    unit, unit_line = _unit(text, start, 1, 0)
-    return Samples(step, values, start + 1, unit, unit_line)
+    return Samples(step, values, start + 1, *_unit(text, start, 1, 0))
 
 
 def _table(text: Text, asked: Asked, wanted: int | None) -> Samples:
@@ -97,23 +105,23 @@ def _table(text: Text, asked: Asked, wanted: int | None) -> Samples:
                 "write as many values on every line; for values printed row by row say format 'column' and dt",
                 index + 1,
             )
-    unit, unit_line = _unit(text, start, width, place)
+    unit = _unit(text, start, width, place)
     values = [row[place] for _, row in rows]
     times = [row[0] for _, row in rows]
     rising = all(one < other for one, other in pairwise(times))
     if asked.dt is not None and (place == 0 or not rising) and wanted is None:
-        return Samples(text.step(asked.dt, 0), values, start + 1, unit, unit_line)
+        return Samples(text.step(asked.dt, 0), values, start + 1, *unit)
     if place == 0:
         raise text.refuse(
             "column 1 is the time, unless dt is given", "write the acceleration's column, or give dt", start + 1
         )
-    scale = 1e-3 if _time_unit(text, start, width) == "ms" else 1.0
+    scale = 1e-3 if _in_milliseconds(text, start, width) else 1.0
     decimals = max(_decimals(text.lines[index]) for index, _ in rows[: min(len(rows), 1000)])
     step = even_step(
         text, [time * scale for time in times], [index for index, _ in rows], asked.dt,
         digits=decimals if scale == 1.0 else decimals + 3,
     )  # fmt: skip
-    return Samples(step, values, start + 1, unit, unit_line)
+    return Samples(step, values, start + 1, *unit)
 
 
 def _first_row(text: Text) -> int:
@@ -150,40 +158,75 @@ def _above(text: Text, start: int) -> list[tuple[int, str]]:
 def _headings(text: Text, start: int, width: int) -> list[str]:
     """What stands over the columns, one text each; empty texts where nothing does."""
     above = _above(text, start)
-    if above:
-        line = above[0][1]
-        for separator in (";", "\t", ","):
-            parts = [part.strip() for part in line.split(separator)]
-            if len(parts) == width > 1:
-                return parts
-        found = _WORD.findall(line)
-        if len(found) == width or (width == 1 and _BRACKETS.search(line)):
-            return found if len(found) == width else [line]
+    return _cells(above[0][1], width) if above else [""] * width
+
+
+def _cells(line: str, width: int) -> list[str]:
+    """A header line as one text a column; empty texts where it is none of headings."""
+    for separator in (";", "\t", ","):
+        parts = [part.strip() for part in line.split(separator)]
+        if len(parts) == width > 1:
+            return parts
+    found = _WORD.findall(line)
+    if len(found) == width or (width == 1 and _BRACKETS.search(line)):
+        return found if len(found) == width else [line]
     return [""] * width
 
 
-def _unit(text: Text, start: int, width: int, place: int) -> tuple[str | None, int]:
-    """The unit of a column as the file states it, and the line that does.
+def _unit(text: Text, start: int, width: int, place: int) -> tuple[str | None, int, str]:
+    """The unit of a column as the file states it, the line that does, and a heading from which none can be read.
 
     Raises `InputError` where the file says that it holds something else.
     """
     if "unit" in text.header:
         said = (i for i, words in enumerate(text.lines, 1) if re.match(r"\s*[#%!]\s*unit\s*[:=]", words, re.IGNORECASE))
         where = next(said, 1)
-        return _sound(text, text.header["unit"], where), where
+        return _sound(text, text.header["unit"], where), where, ""
     above = _above(text, start)
-    heading = _headings(text, start, width)[place]
-    if heading:
-        bracket = _BRACKETS.search(heading)
-        if bracket and quantity_of(bracket[1]):
-            return _sound(text, bracket[1], above[0][0] + 1), above[0][0] + 1
-        if quantity_of(heading) in ("velocity", "displacement", "counts"):
-            return _sound(text, heading, above[0][0] + 1), above[0][0] + 1
+    headings = [(index, cells[place]) for index, words in above[:_ROWS_OF_HEADINGS] if (cells := _cells(words, width))]
+    for index, heading in headings:
+        if unit := _unit_in(heading):
+            return unit, index + 1, ""
+    for index, heading in headings[:1]:
+        for words in (heading, *_BRACKETS.findall(heading), *_PARTS.split(heading)[1:]):
+            if quantity_of(words) in ("velocity", "displacement", "counts"):
+                return _sound(text, words, index + 1), index + 1, ""
     for index, words in above:
         found = _IN_UNITS.search(one_blank(words))
         if found and quantity_of(found[1]):
-            return _sound(text, found[1], index + 1), index + 1
-    return None, 0
+            return _sound(text, found[1], index + 1), index + 1, ""
+        if unit := _unit_in_text(words):
+            return unit, index + 1, ""
+    unclear = headings[0][1] if headings and _TIME.match(_cells(above[0][1], width)[0]) else ""
+    bracketed = (words for _, words in above if _ACCELERATION.search(words) and _BRACKETS.search(words))
+    unclear = unclear or next((words for words in bracketed if not _PEAK.search(words)), "")
+    return None, 0, "" if _ONLY_ACCELERATION.fullmatch(unclear) else unclear[:60]
+
+
+def _unit_in(heading: str) -> str | None:
+    """The unit of acceleration that a heading states: `m/s2`, `a [m/s^2]`, `Accel, mg`, `acc in gal`, `acc_g`."""
+    plain = _BRACKETS.sub(" ", heading)
+    parts = [plain, *_PARTS.split(plain)]
+    parts += [piece for part in parts for piece in _BEFORE_UNIT.split(part)[1:]]
+    parts += [_NAME.sub("", part) for part in parts]
+    words = [*_BRACKETS.findall(heading), *parts, *(part.replace("_", "/") for part in parts)]
+    words += [re.split(r"[\s_]", part.strip())[-1] for part in parts]
+    return next((word.strip() for word in words if acceleration_unit(word) is not None), None)
+
+
+def _unit_in_text(line: str) -> str | None:
+    """The unit of acceleration that a line of words states: `Acceleration (cm/s/s)`, `ACCELERATION IN G AT 50 HZ`, or
+    the unit alone. A line that gives a peak speaks of that number."""
+    if acceleration_unit(line) is not None:
+        return line.strip()
+    named = _ACCELERATION.search(line)
+    if not named or _PEAK.search(line):
+        return None
+    rest = line[named.end() :]
+    words = [*_BRACKETS.findall(rest), *_PARTS.split(rest), *_PARTS.split(_BRACKETS.sub(" ", rest))]
+    words += [piece.split()[0] for piece in _BEFORE_UNIT.split(rest)[1:] if piece.split()]
+    found = (word.strip() for word in words if acceleration_unit(word) is not None)
+    return next((word for word in found if not word[0].isdigit()), None)
 
 
 def _sound(text: Text, unit: str, line: int) -> str:
@@ -195,9 +238,11 @@ def _sound(text: Text, unit: str, line: int) -> str:
     return unit
 
 
-def _time_unit(text: Text, start: int, width: int) -> str:
-    found = _BRACKETS.search(_headings(text, start, width)[0])
-    return found[1].strip().lower() if found else ""
+def _in_milliseconds(text: Text, start: int, width: int) -> bool:
+    """Whether the headings say so of the times."""
+    cells = [_cells(words, width)[0] for _, words in _above(text, start)[:_ROWS_OF_HEADINGS]]
+    words = [word.lower() for cell in cells for word in (*_BRACKETS.findall(cell), re.split(r"[\s,_/]", cell)[-1])]
+    return any(word.strip() in ("ms", "msec", "msecs", "milliseconds") for word in words)
 
 
 def _stated_step(text: Text, start: int) -> tuple[str | None, int]:

@@ -42,6 +42,7 @@ class Samples:
 
     dt : time step [s]; values : the samples, in `unit`; line : where they begin (from 1)
     unit : as the file or its format states it, None where neither does; unit_line : the line that does, or 0
+    heading : what stands over the values, or speaks of their unit, where no unit can be read from it, else ""
     """
 
     dt: float
@@ -49,6 +50,7 @@ class Samples:
     line: int
     unit: str | None = None
     unit_line: int = 0
+    heading: str = ""
 
 
 @dataclass

@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from pounding_cli.model.effects import EXPECTED, others
 from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.evidence import Evidence, Tables, names, split
@@ -122,7 +123,8 @@ def _floors(links: pd.DataFrame) -> str:
 
 
 def effects(scene: pd.DataFrame) -> Grid:
-    """Every effect: in how many runs it was simulated, in how many dropped, and why."""
+    """The effects: in how many runs each was simulated, in how many dropped, and why; those that no run has and nobody
+    expects in one row."""
     kept: Counter[str] = Counter()
     dropped: dict[str, Counter[str]] = {}
     for cell in scene["effects"]:
@@ -132,7 +134,9 @@ def effects(scene: pd.DataFrame) -> Grid:
             effect, _, reason = line.partition(": ")
             dropped.setdefault(effect, Counter())[reason] += 1
     rows = []
-    for effect in dict.fromkeys((*kept, *dropped)):
+    names = dict.fromkeys((*kept, *dropped))
+    told = [effect for effect in names if kept[effect] or effect in EXPECTED]
+    for effect in told:
         reasons = dropped.get(effect, Counter())
         words = [
             f"{reason} ({count})" if len(reasons) > 1 else reason for reason, count in reasons.most_common(MOST_REASONS)
@@ -141,6 +145,8 @@ def effects(scene: pd.DataFrame) -> Grid:
         if more > 0:
             words.append(f"and {counted(more, 'further reason')}")
         rows.append([effect, str(kept[effect] or "–"), str(sum(reasons.values()) or "–"), "; ".join(words)])
+    if rest := others([effect for effect in names if effect not in told]):
+        rows.append(["all others", "–", str(len(scene)), rest])
     return Grid(("effect", "simulated in", "left out in", "reason"), rows, (1, 2))
 
 

@@ -60,6 +60,20 @@ def test_commas_between_whole_numbers_separate_them(read, separator: str) -> Non
         ("Units: cm/sec/sec\ntime, value\n", 0.01),
         ("ACCELERATION IN UNITS OF G\n", GRAVITY),
         ("# unit: in/s2\n", 0.0254),
+        ("time, m/s2\n", 1.0),
+        ("time,gal\n", 0.01),
+        ("time, cm/s2\n", 0.01),
+        ("time;mg\n", 1e-3 * GRAVITY),
+        ("t [s]; a [m/s^2]\n", 1.0),
+        ("Acceleration (cm/s/s)\n", 0.01),
+        ("time,acc (gal)\n", 0.01),
+        ("# units: g\n", GRAVITY),
+        ("Time;Accel, mg\n", 1e-3 * GRAVITY),
+        ("Time, Accel m / s2\n", 1.0),
+        ("time_s,acc_g\n", GRAVITY),
+        ("t/s, a/(m/s^2)\n", 1.0),
+        ("time,acc\ns,m/s2\n", 1.0),
+        ("DT=0.01 SEC, ACC IN CM/SEC/SEC\n", 0.01),
     ],
 )
 def test_a_unit_in_the_heading_is_the_files(read, head: str, unit: float) -> None:
@@ -67,8 +81,30 @@ def test_a_unit_in_the_heading_is_the_files(read, head: str, unit: float) -> Non
     assert reading.unit_from == "the file"
     assert reading.motion.acceleration == pytest.approx(A * unit)
     assert read(table(",", 2, head), unit=f"{unit} m/s2").motion.digest == reading.motion.digest
-    with pytest.raises(InputError, match="the unit is given as 3 g, but the file says"):
-        read(table(",", 2, head), unit="3 g")
+    other = read(table(",", 2, head), unit="3 g")
+    assert other.motion.acceleration == pytest.approx(A * 3 * GRAVITY)
+    assert other.words == f"in 3 g (as given, although the file says {reading.unit})"
+
+
+@pytest.mark.parametrize(
+    ("head", "why"),
+    [
+        ("", "the file states no unit"),
+        ("time,acc\n", "the file states no unit"),
+        ("PEAK ACCELERATION = 0.35 G\n", "the file states no unit"),  # the peak is in g; the values need not be
+        ("El Centro 1940\n", "the file states no unit"),
+        ("time,furlongs\n", "'furlongs' in the file is no unit"),
+        ("time, acc [xyz]\n", "'acc [xyz]' in the file is no unit"),
+        ("Acceleration [xyz]\n", "'Acceleration [xyz]' in the file is no unit"),
+    ],
+)
+def test_a_unit_that_nobody_states_is_assumed_and_said(read, head: str, why: str) -> None:
+    reading = read(table(",", 2, head))
+    assert reading.words == f"in g (assumed: {why})"
+    assert reading.motion.source == "user, unit g assumed"
+    assert reading.motion.acceleration == pytest.approx(A * GRAVITY)
+    given = read(table(",", 2, head), unit="gal")
+    assert (given.words, given.motion.source) == ("in gal (as given)", "user")
 
 
 def test_a_column_of_a_table(read) -> None:
@@ -106,6 +142,11 @@ def test_only_plain_numbers_are_read(read, word: str) -> None:
         read(f"0.1 0.2\n0.3 {word}\n", column=1, dt=0.02)
 
 
+@pytest.mark.parametrize("head", ["t, ms; a, g", "time (msec); acc", "time; acc\nms; g"])
+def test_times_in_milliseconds_in_any_spelling(read, head: str) -> None:
+    assert read(f"{head}\n0; 0.1\n5; 0.2\n10; 0.1\n").motion.dt == 0.005
+
+
 def test_times_in_milliseconds(read) -> None:
     assert read("t (ms), a (g)\n0, 0.1\n5, 0.2\n10, 0.1\n").motion.dt == 0.005
 
@@ -134,6 +175,7 @@ def test_a_time_step_in_the_heading_of_one_column(read, line: str) -> None:
         ("t (s), v (cm/s)\n0,1\n0.01,2\n", {}, "1:1: the file holds velocity"),
         ("time, velocity\n0,1\n0.01,2\n", {}, "1:1: the file holds velocity"),
         ("t (s), u (cm)\n0,1\n0.01,2\n", {}, "1:1: the file holds displacement"),
+        ("time, cm/s\n0,1\n0.01,2\n", {}, "1:1: the file holds velocity"),
         ("# unit: counts\n0 1\n0.01 2\n", {}, "1:1: the file holds recorder counts"),
         ("# unit: furlong\n0 1\n0.01 2\n", {}, "1:1: unknown unit 'furlong'"),
         ("0 8009\n0.01 8007\n", {}, "recorder counts need their scale"),
@@ -161,7 +203,7 @@ def test_refused(read, text: str, options: dict, said: str) -> None:
         ("M/S2", 1.0), ("m/s/s", 1.0), ("m/s^2", 1.0), ("m s-2", 1.0), ("m/sec**2", 1.0), ("m/s²", 1.0),
         ("cm/sec/sec", 0.01), ("CM/SEC2.", 0.01), ("cm/s**2", 0.01), ("Gal", 0.01), ("mGal", 1e-5), ("mm/s2", 1e-3),
         ("in/sec^2", 0.0254), ("ft/s/s", 0.3048), ("3920/6182761 gal", 39.2 / 6182761),
-        ("6.34e-4 gal", 6.34e-6), ("µg", 9.80665e-6),
+        ("6.34e-4 gal", 6.34e-6), ("µg", 9.80665e-6), ("g's", 9.80665), ("meters/sec2", 1.0), ("m.s-2", 1.0),
     ],
 )  # fmt: skip
 def test_units_in_any_spelling(written: str, in_si: float) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pounding_cli.errors import InputError
-from pounding_cli.records import GRAVITY, Motion, read_motion
+from pounding_cli.records import GRAVITY, Motion, read_file, read_motion
 from pounding_cli.records.readers import UNITS
 from pounding_cli.records.writers import motion_text, write_text
 
@@ -104,9 +104,10 @@ def test_units(file, unit: str, in_si: float) -> None:
     assert UNITS[unit] == in_si
 
 
-def test_a_unit_against_the_files_own_is_refused_and_one_that_says_the_same_is_not(file) -> None:
-    said = refusal(file("# unit: g\n1\n2\n"), unit="m/s2", dt=0.1)
-    assert said == "1:1: the unit is given as m/s2, but the file says g"
+def test_a_unit_given_comes_before_the_one_in_the_file(file) -> None:
+    other = read_file(file("# unit: g\n1\n2\n"), unit="m/s2", dt=0.1)
+    assert other.motion.acceleration == pytest.approx([1.0, 2.0])
+    assert other.words == "in m/s2 (as given, although the file says g)"
     motion = read_motion(file("# unit: cm/s2\n1\n2\n"), unit="gal", dt=0.1)
     assert motion.acceleration == pytest.approx([0.01, 0.02])
 

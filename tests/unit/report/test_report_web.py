@@ -239,14 +239,24 @@ def test_effects_are_counted_with_their_reasons():
     scene = pd.DataFrame(
         {
             "effects": ["damping\npounding links", "damping", "damping: 5 %"],
-            "dropped": ["yielding: elastic", "yielding: strong\nrocking: fixed", ""],
+            "dropped": [
+                "yielding storeys: elastic\nhertz links: none",
+                "yielding storeys: strong\nP-Delta: no building has it",
+                "infill links: none\ncollapse: no",
+            ],
         }
     )
     rows = {row[0]: row[1:] for row in story.effects(scene).rows}
     assert rows["damping"] == ["3", "–", ""]
     assert rows["pounding links"] == ["1", "–", ""]
-    assert rows["yielding"] == ["–", "2", "elastic (1); strong (1)"]
-    assert rows["rocking"] == ["–", "1", "fixed"]
+    assert rows["yielding storeys"] == ["–", "2", "elastic (1); strong (1)"]
+    assert rows["P-Delta"] == ["–", "1", "no building has it"]
+    assert rows["all others"] == [
+        "–",
+        "3",
+        "nothing in the study calls for: collapse, links of the kinds hertz, infill",
+    ]
+    assert len(rows) == 5
 
 
 class Kept:

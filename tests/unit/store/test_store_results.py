@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
+from pounding_cli import run
 from pounding_cli.errors import InputError
 from pounding_cli.store import open_results, write_results
 from pounding_cli.store.keys import FORMAT_VERSION
@@ -309,3 +310,23 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(plain, monkeypatch)
         write_results(plain, plan, solved(plan))
     assert plain.read_bytes() == before
     assert [path.name for path in plain.parent.iterdir()] == ["plain.h5"]
+
+
+def test_elastic_scenes_of_buildings_that_never_yield_have_no_flag_about_ductility(tmp_path):
+    """Fails if an elastic scene is flagged for a ductility that nobody asks of it; an inelastic one is: its ratio of
+    ductilities is what the tables show."""
+    text = """\
+records: {use: [elcentro], duration: 2 s}
+buildings:
+  stiff: {storeys: 1, period: 0.3 s, yield_shear: never}
+  soft: {like: stiff, period: 0.5 s}
+group: [stiff, soft]
+cases: {gap: {link: pounding, gap: 2 cm}}
+analyses: [elastic, inelastic]
+estimate: none
+"""
+    path = tmp_path / "never.yaml"
+    path.write_text(text)
+    scene = run(path, tmp_path / "never.h5").scene().set_index("analysis")
+    assert scene.loc["elastic", "flags"] == ""
+    assert "mu0 = 0" in scene.loc["inelastic", "flags"]

@@ -35,6 +35,7 @@ MODELS = {
     "`buildings.NAME`": building_schema.BuildingSpec,
     "`yield`": building_schema.CodeDesign,
     "`yield`: a base-shear coefficient": building_schema.BaseShear,
+    "`stiffness`: by a period and masses": building_schema.StiffnessAt,
     "`rayleigh`": building_schema.Rayleigh,
     "`foundation`": building_schema.FoundationSpec,
     "`impact`": case_schema.Impact,

