@@ -87,7 +87,7 @@ def _void(question: Question, plan: Plan, get: Get) -> np.ndarray:
     return np.asarray(found.reshape(-1, len(plan.axes[-1].values)).any(axis=0))
 
 
-def optimise_tables(plan: Plan, read: Read) -> list[Table]:
+def optimise_tables(plan: Plan, read: Read, _responses: object) -> list[Table]:
     """The tables of a plan of `pound optimise`."""
     hunt: Hunt = plan.state
     return [Table(OPTIMUM, [_optimum(hunt)]), Table(POINTS, [_points(hunt)])]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
-from scipy.stats import binom, norm
+from scipy.stats import CensoredData, binom, lognorm, norm
 
 from pounding_cli.fragility import Brackets, Outcome, fit, of_counts
 
@@ -46,6 +46,24 @@ def test_motions_that_never_passed_are_counted():
     assert (curve.median, curve.spread) == pytest.approx(tuple(found), rel=1e-4)
     alone = fit(Brackets.of(np.arange(4), capacity, capacity, 4))
     assert curve.median > 1.1 * alone.median  # left out, they would make the building look weaker
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_capacities_censored_at_intensities_of_their_own(seed):
+    """Brackets, known capacities, and motions known to hold up to some intensity only: scipy's maximum."""
+    random = np.random.default_rng(seed)
+    capacity, top = np.exp(random.normal(-1.0, 0.5, 40)), np.exp(random.normal(-0.8, 0.4, 40))
+    lost, bracketed = top < capacity, random.random(40) < 0.5
+    low = np.where(lost, top, np.where(bracketed, 0.8 * capacity, capacity))
+    high = np.where(lost, np.inf, np.where(bracketed, 1.1 * capacity, capacity))
+    assert 5 < lost.sum() < 25
+    curve = fit(Brackets.of(np.arange(40), low, high, 40))
+    both = bracketed & ~lost
+    data = CensoredData(
+        uncensored=capacity[~bracketed & ~lost], interval=np.stack([low, high], axis=1)[both], right=top[lost]
+    )
+    spread, _, median = lognorm.fit(data, floc=0)
+    assert (curve.median, curve.spread) == pytest.approx((median, spread), rel=2e-4)
 
 
 def test_a_narrow_bracket_is_a_known_capacity():
