@@ -229,7 +229,7 @@ def _panel(
 
 
 def _right(rows: pd.DataFrame, motions: pd.DataFrame) -> float:
-    """Where an axis of intensities ends: beyond nearly all of every curve, but not far beyond what was solved; where
+    """Where an axis of intensities ends: beyond nearly all of every curve, but not far beyond where motions pass; where
     there is no curve, beyond what was solved.
 
     rows, motions : of the curves
@@ -242,7 +242,7 @@ def _right(rows: pd.DataFrame, motions: pd.DataFrame) -> float:
     for suffix in both:
         median, spread = rows["median" + suffix].to_numpy(float), rows["spread" + suffix].to_numpy(float)
         median, spread = median[np.isfinite(median)], spread[np.isfinite(median)]
-        ends += np.minimum(median * np.exp(1.8 * spread), np.maximum(top, 1.2 * median)).tolist()
+        ends += np.minimum(median * np.exp(1.8 * spread), np.maximum(2 * top, 1.2 * median)).tolist()
     return 1.1 * max(ends, default=top) or 1.0
 
 
