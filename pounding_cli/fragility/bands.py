@@ -51,7 +51,12 @@ def resamples(motions: int, draws: int = DRAWS, seed: int = _SEED) -> np.ndarray
 
 def draw(brackets: Brackets, times: np.ndarray) -> Fits:
     """The fit of every draw; `times` : `resamples` of as many motions as `brackets` has."""
-    return fit_many(brackets, brackets.weights(times))
+    # observations alike are one of more weight: of stripes there are few different ones
+    ends, which = np.unique(np.stack([brackets.low, brackets.high]), axis=1, return_inverse=True)
+    alike = np.zeros((brackets.count.size, ends.shape[1]))
+    alike[np.arange(brackets.count.size), which.ravel()] = 1.0
+    different = Brackets(np.zeros(ends.shape[1], int), ends[0], ends[1], np.ones(ends.shape[1]), brackets.motions)
+    return fit_many(different, brackets.weights(times) @ alike)
 
 
 def bands(fits: Fits, intensity: np.ndarray, confidence: float = CONFIDENCE) -> Bands:

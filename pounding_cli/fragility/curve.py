@@ -18,6 +18,7 @@ class Outcome(StrEnum):
     SEPARATED = "no overlap"
     FLAT = "no trend"
     FEW = "too few"
+    UNDECIDED = "undecided"
 
     @property
     def meaning(self) -> str:
@@ -32,6 +33,8 @@ _MEANINGS = {
     Outcome.SEPARATED: "below one intensity all hold, above it all pass: the spread is too small to be seen",
     Outcome.FLAT: "the limit is not passed more often at higher intensities: no rising curve fits",
     Outcome.FEW: "too few motions or intensities to tell the median from the spread",
+    Outcome.UNDECIDED: "in half of the motions or more a collapse ended the scenes before the limit was passed: "
+    "there is no curve",
 }
 
 

@@ -14,11 +14,18 @@ from itertools import pairwise
 
 import numpy as np
 
+UNDECIDED = float("-inf")
+"""Demand over limit of a scene that a collapse ended before the limit was passed: the whole motion might have passed
+it or not."""
+
 _OVERSHOOT = 1.1
 """By how much the first step beyond a capacity aims too high: a bracket from above is worth more than another below."""
 
 _LONGEST_STEP = 4.0
 """The intensity grows at most by this factor from one level to the next while none has passed."""
+
+_STEP_UNDECIDED = 2.0
+"""The intensity grows by this factor from one level to the next while a collapse leaves all undecided."""
 
 _NARROW = 8
 """A bracket of more levels is halved too, for the case that the demand misleads."""
@@ -41,11 +48,13 @@ class Found:
 def found(seen: Mapping[int, float], levels: int) -> Found:
     """What is known from some levels.
 
-    seen : number of a level -> demand over limit there; above 1 where the limit is passed, NaN where the scene failed
+    seen : number of a level -> demand over limit there; above 1 where the limit is passed, UNDECIDED where a collapse
+        left that open, NaN where the scene failed
     levels : how many there are
     """
     passed = min((level for level, demand in seen.items() if demand > 1), default=levels)
-    holds = [level for level, demand in seen.items() if demand <= 1]  # fault: failed-scene-of-ida
+    # fault: failed-scene-of-ida
+    holds = [level for level, demand in seen.items() if demand <= 1 and demand != UNDECIDED]
     held = max((level for level in holds if level < passed), default=-1)
     return Found(held, passed, any(level > passed for level in holds))
 
@@ -57,16 +66,41 @@ def next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> 
     ----------
     intensity : of the levels, rising, shape (levels,)
     seen : as in `found`
-    fill : below the bracket no more than 1 / (fill + 1) of its levels follow each other without being looked at
+    fill : of the levels below the bracket, and of those between the lowest and the highest undecided one, no more than
+        1 / (fill + 1) follow each other without being looked at
     """
     top = len(intensity) - 1
     if not seen:
         return {0}
     known = found(seen, top + 1)
+    undecided = [level for level, demand in seen.items() if demand == UNDECIDED and known.held < level < known.passed]
+    below = _fill(seen, -1, known.held, fill) if known.held >= 1 else set()
+    if undecided:
+        return below | _around(intensity, seen, known, undecided, fill)
     if known.passed > top:
         step = _step_up(intensity, seen, known.held)
         return {step} if step is not None else set()
-    return _close(intensity, seen, known) | _fill(seen, known, fill)
+    return below | _close(intensity, seen, known)
+
+
+def _around(
+    intensity: np.ndarray, seen: Mapping[int, float], known: Found, undecided: list[int], fill: int
+) -> set[int]:
+    """Levels around those that a collapse leaves undecided, then among them.
+
+    Around: between the highest at which the motion holds and the lowest undecided one, and between the highest
+    undecided one and the lowest that passes, or up to the top.
+    """
+    lowest, highest = min(undecided), max(undecided)
+    below = [level for level in range(known.held + 1, lowest) if level not in seen]
+    above = [level for level in range(highest + 1, known.passed) if level not in seen]
+    wanted = {below[len(below) // 2]} if below else set()
+    if above and known.passed == len(intensity):
+        step = int(np.searchsorted(intensity, _STEP_UNDECIDED * intensity[highest]))
+        wanted.add(_nearest(above, step))
+    elif above:
+        wanted.add(above[len(above) // 2])
+    return wanted or _fill(seen, lowest, highest, fill)
 
 
 def _step_up(intensity: np.ndarray, seen: Mapping[int, float], held: int) -> int | None:
@@ -104,14 +138,14 @@ def _close(intensity: np.ndarray, seen: Mapping[int, float], known: Found) -> se
     return wanted
 
 
-def _fill(seen: Mapping[int, float], known: Found, fill: int) -> set[int]:
-    """Levels below the bracket, so that none of the stretches between those looked at is too long."""
-    if known.held < 1 or fill < 1:
+def _fill(seen: Mapping[int, float], low: int, high: int, fill: int) -> set[int]:
+    """Levels between two, so that none of the stretches between those looked at is too long."""
+    if fill < 1 or high <= low:
         return set()
-    longest = max(1, -(-known.held // (fill + 1)))
-    stops = sorted({-1, *(level for level in seen if level <= known.held)})
+    longest = max(1, -(-(high - max(low, 0)) // (fill + 1)))
+    stops = sorted({low, *(level for level in seen if low <= level <= high)})
     wanted: set[int] = set()
-    for low, high in pairwise(stops):
-        pieces = -(-(high - low) // longest)
-        wanted |= {low + round(piece * (high - low) / pieces) for piece in range(1, pieces)}
+    for one, other in pairwise(stops):
+        pieces = -(-(other - one) // longest)
+        wanted |= {one + round(piece * (other - one) / pieces) for piece in range(1, pieces)}
     return wanted - set(seen)

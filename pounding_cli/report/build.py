@@ -59,6 +59,7 @@ def write_report(
     judgements = judge(shown) if own is None else []
     try:
         files += write_csv(everything, folder / "tables", ("records",) if is_sampled else TABLES)
+        files += own.beside(folder) if own is not None and own.beside else []
         columns = claim_tables.judge_points(evidences) if own is None else [(shown.label, judgements)]
         if own is None:
             files.append(folder / "tables" / "claims.csv")

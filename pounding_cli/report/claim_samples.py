@@ -63,7 +63,7 @@ class Judged:
         return Series(self.point, "", "", f"claim {self.claim.key}", "", values)
 
 
-def sensitivity_and_claims(plan: Plan, read: Read) -> list[Table]:
+def sensitivity_and_claims(plan: Plan, read: Read, _responses: object) -> list[Table]:
     """The tables of a plan of `pound sensitivity`, with those of the claims it asks for."""
     question = question_of(plan.study)
     judged = list(judge_samples(plan, read, question)) if question.claims else []

@@ -32,21 +32,23 @@ def table(answer: Answer, rows: pd.DataFrame) -> tuple[list[str], list[list[str]
     """
     words = [name for name in _WORDS if name in _WORDS[:2] or len(set(rows[name])) > 1]
     unit = f" [{name}]" if (name := intensity_unit(answer).name) else ""
-    heads = [
-        *words,
-        f"alone\nmedian{unit}",
-        "\nspread",
-        f"with pounding\nmedian{unit}",
-        "\nspread",
-        "ratio of\nmedians",
-    ]
+    both = ((ALONE, "alone"), ("", "with pounding"))
+    lost = [
+        alone for alone, _ in both
+        if ((rows[f"undecided_motions{alone}"] > 0) & (rows[f"outcome{alone}"] != Outcome.UNDECIDED)).any()
+    ]  # fmt: skip
+    heads = list(words)
+    for alone, what in both:
+        heads += [f"{what}\nmedian{unit}", "\nspread", *["undecided\nmotions"] * (alone in lost)]
     found = []
     for row in rows.to_dict("records"):
         cells = [str(row[name]) for name in words]
-        for alone in (ALONE, ""):
+        for alone, _ in both:
             cells += [median_text(answer, row, alone), _between(row, "spread", alone, Unit())]
+            if alone in lost:
+                cells.append("-" if not row["outcome" + alone] else undecided_text(row, alone))
         found.append([*cells, _between(row, "ratio", "", Unit())])
-    return heads, found, len(words)
+    return [*heads, "ratio of\nmedians"], found, len(words)
 
 
 def subject(building: str, limit: str) -> str:
@@ -57,7 +59,7 @@ def subject(building: str, limit: str) -> str:
 def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "", named: bool = False) -> str:
     """A median with its interval; where there is none, outcome of the fit and what is known.
 
-    named : with the unit
+    named : with the unit, in a sentence
     """
     unit = intensity_unit(answer)
     name = f" {unit.name}" if named and unit.name else ""
@@ -66,6 +68,8 @@ def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "", named: 
         return "-"
     if row["median" + alone] == row["median" + alone]:
         return _between(row, "median", alone, unit, name)
+    if outcome == Outcome.UNDECIDED and not named:  # a sentence says more
+        outcome += f" in {undecided_text(row, alone)} motions"
     low, high = row["low" + alone], row["high" + alone]
     if low > 0 and high < np.inf:
         return f"{outcome}: {_text(low, unit)} to {_text(high, unit)}{name}"
@@ -74,6 +78,11 @@ def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "", named: 
             f"{outcome}: above {_text(low, unit)}{name}" if low > 0 else f"{outcome}: below {_text(high, unit)}{name}"
         )
     return outcome
+
+
+def undecided_text(row: Mapping[Any, Any], alone: str = "") -> str:
+    """How many motions are undecided, of how many: "5 of 8"."""
+    return f"{int(row['undecided_motions' + alone])} of {int(row['motions' + alone])}"
 
 
 def _between(row: Mapping[Any, Any], name: str, alone: str, unit: Unit, unit_name: str = "") -> str:
@@ -132,15 +141,15 @@ def notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
     if asked.method == "ida":
         said.append(
             "Every motion that passes is bracketed between two neighbouring intensities of the study, further apart "
-            "only where a scene failed; the fit is of maximum likelihood over these brackets."
+            "only where a scene failed or is undecided; the fit is of maximum likelihood over these brackets."
         )
         returns = sum(int(rows[f"returns{name}"].fillna(0).sum()) for name in both if f"returns{name}" in rows)
         if returns:
             which = counted(returns, "motion holds", "motions hold")
             said.append(f"{which} again above the first intensity that passes; the first one counts.")
-    undecided = "ended with a collapse before the limit was decided"
+    undecided = "ended with a collapse before the limit was passed"
     if asked.method == "cloud":
-        undecided += ", or gave a demand that has no logarithm"
+        undecided = "ended with a collapse, or gave a demand that has no logarithm"
     for column, what, more in (("failed", "failed", " The table `scene` names them."), ("undecided", undecided, "")):
         number = sum(int(rows[f"{column}{name}"].fillna(0).sum()) for name in both if f"{column}{name}" in rows)
         if number:
@@ -148,6 +157,15 @@ def notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
                 f"{counted(number, 'scene')} {what} (a scene that several rows need counts in each): counted neither "
                 f"as holding nor as passing.{more}"
             )
+    if any(rows[f"undecided_motions{name}"].fillna(0).max() > 0 for name in both):
+        known = {
+            "ida": "a motion counts as holding up to the highest intensity at which it is decided",
+            "stripes": "undecided scenes are left out of the counts",
+        }.get(asked.method, "undecided scenes are left out of the line")
+        said.append(
+            "Undecided motions: a collapse ended their scenes before the limit was passed, and the rest of the motion "
+            f"might have passed it; {known}, as if undecided motions were like the others."
+        )
     outcomes = dict.fromkeys(value for name in both for value in rows["outcome" + name] if value not in ("", "fitted"))
     said += [f"{outcome}: {Outcome(outcome).meaning}." for outcome in outcomes]
     return said

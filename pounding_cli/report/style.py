@@ -13,9 +13,11 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
+from matplotlib.textpath import text_to_path
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.texts import file_name
@@ -131,14 +133,15 @@ def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside ri
 
 def caption(figure: Figure, text: str) -> None:
     """A caption under the figure, wrapped to its width."""
-    characters = int(figure.get_figwidth() * 18.5)
-    figure.supxlabel(
-        textwrap.fill(text, characters, break_on_hyphens=False),
-        x=0.015,
-        ha="left",
-        fontsize=7.5,
-        color="0.25",
-    )
+    left, font = 0.015, FontProperties(size=7.5)
+    room, characters = (1 - 2 * left) * 72 * figure.get_figwidth(), int(figure.get_figwidth() * 18.5)
+    while True:
+        lines = textwrap.wrap(text, characters, break_on_hyphens=False)
+        widths = [text_to_path.get_text_width_height_descent(line, font, ismath=False)[0] for line in lines]
+        if max(widths, default=0.0) <= room or characters < 20:
+            break
+        characters -= 1
+    figure.supxlabel("\n".join(lines), x=left, ha="left", fontsize=7.5, color="0.25")
 
 
 _FORMULAS = MathTextParser("path")

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 GROUP = "answer"
 """Group of the results file that holds them, one group for each table."""
 
+MEANING = 2
+"""Raised whenever tables of a workflow say something else of the same scenes: their files are then written again."""
+
 CHUNK = 4096
 """Rows of a compressed piece."""
 

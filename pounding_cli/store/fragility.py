@@ -7,16 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.fragility import (
-    Bands,
-    Fits,
-    bands,
-    median_ratio,
-    resamples,
-)
+from pounding_cli.fragility import Bands, Fits, bands, median_ratio, resamples
+from pounding_cli.fragility.hunt import UNDECIDED
 from pounding_cli.store.answers import Column, Read, Table, place_columns
 from pounding_cli.study.fragility import intensity_unit, question_of
-from pounding_cli.study.fragility_rounds import Layout
+from pounding_cli.study.fragility_rounds import Layout, Responses
 
 if TYPE_CHECKING:
     from pounding_cli.numbers import Unit
@@ -29,12 +24,12 @@ CURVES, MOTIONS = "fragility", "fragility_motions"
 """Names of the tables."""
 
 
-def fragility_tables(plan: Plan, read: Read) -> list[Table]:
+def fragility_tables(plan: Plan, read: Read, responses: Responses) -> list[Table]:
     """The tables of a plan of `pound fragility`."""
     question = question_of(plan.study)
     layout = Layout.of(plan, question.axis)
     places, with_pounding, alone = [], [], []
-    for place, one, other in samples_of(plan, read, question, layout):
+    for place, one, other in samples_of(plan, responses, question, layout):
         places.append(place)
         with_pounding.append(one)
         alone.append(other)
@@ -90,7 +85,8 @@ def _fitted(sample: Sample, times: np.ndarray, confidence: float) -> tuple[dict[
         "motions": curve.motions,
         "scenes": int(sample.asked.sum()),
         "failed": sample.failed,
-        "undecided": sample.undecided,
+        "undecided": int(sample.undecided.sum()),
+        "undecided_motions": sample.undecided_motions,
     }
     if sample.method == "ida":
         row["returns"] = int(sample.held_and_passed()[2].sum())
@@ -111,8 +107,10 @@ _MEANINGS = {
     "motions": "motions of the curve",
     "scenes": "scenes asked for",
     "failed": "scenes that failed; they widen brackets and are counted neither as holding nor as passing",
-    "undecided": "scenes that ended with a collapse before the limit was decided or, of a cloud, whose demand has no "
-    "logarithm; counted neither as holding nor as passing",
+    "undecided": "scenes that a collapse ended before the limit was passed or, of a cloud, whose demand is not known "
+    "or has no logarithm; counted neither as holding nor as passing",
+    "undecided_motions": "motions not known to pass, nor to hold at the highest intensities, since a collapse ended "
+    "their scenes; from half of the motions on there is no curve",
     "returns": "motions that hold at an intensity above their first pass",
     "unfitted": "draws of the bootstrap without a fit; they count with what a fit would tend to",
     "ratio": "median with pounding over median alone",
@@ -173,11 +171,22 @@ def _motions(
             ):
                 data = np.concatenate([pair[column] for pair in pairs])
                 columns.append(Column(name + suffix, data, meaning + words, si, unit))
+            none = np.full(motions, np.nan)
+            lost = [none if sample is None else sample.undecided.sum(axis=1) for sample in samples]
+            what = "scenes that a collapse ended before the limit was passed"
+            columns.append(Column("undecided" + suffix, np.concatenate(lost).astype(float), what + words, "1"))
         return Table(MOTIONS, [columns])
     columns.append(Column("intensity", np.concatenate([s.intensity.ravel() for s in with_pounding]), "", si, unit))
     for suffix, samples in (("", with_pounding), (ALONE, alone)):
         data = np.concatenate([(nothing if s is None else s.demand).ravel() for s in samples])
-        columns.append(Column("demand" + suffix, data, "demand over limit; empty where the scene failed", "1"))
+        lost = data == UNDECIDED
+        what = (
+            "demand over limit; inf where a collapse ended the scene after the limit was passed; empty where one did "
+            "before, and where the scene failed"
+        )
+        columns.append(Column("demand" + suffix, np.where(lost, np.nan, data), what, "1"))
+        what = "1 where a collapse ended the scene before the limit was passed"
+        columns.append(Column("undecided" + suffix, lost.astype(float), what, "1"))
     return Table(MOTIONS, [columns])
 
 

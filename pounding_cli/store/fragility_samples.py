@@ -1,4 +1,4 @@
-"""What each curve of `pound fragility` rests on: demand over limit of every motion and intensity, from the tables."""
+"""What each curve of `pound fragility` rests on: demand over limit of every motion and intensity."""
 
 from __future__ import annotations
 
@@ -9,21 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.digests import DigestList, pieces
-from pounding_cli.fragility import (
-    Brackets,
-    Curve,
-    Fits,
-    cloud,
-    cloud_draw,
-    draw,
-    fit,
-)
-from pounding_cli.fragility.hunt import found
+from pounding_cli.fragility import Brackets, Curve, Fits, Outcome, cloud, cloud_draw, draw, fit
+from pounding_cli.fragility.hunt import UNDECIDED, found
 from pounding_cli.model.placed import among
-from pounding_cli.store.answers import Read
-from pounding_cli.store.fragility_demand import Demands
 from pounding_cli.study.fragility import intensities
-from pounding_cli.study.fragility_rounds import Layout
+from pounding_cli.study.fragility_rounds import Demands, Layout, Responses
+from pounding_cli.study.limits import TAKES_NEIGHBOUR
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,29 +33,40 @@ class Sample:
 
     method : ida, stripes or cloud
     intensity : [SI]
-    demand : over limit [-], above 1 where the limit is passed; NaN where the scene failed, was not asked for or ended
-        with a collapse that leaves it unknown
+    demand : over limit [-], above 1 where the limit is passed; inf where a collapse ended the scene after that,
+        UNDECIDED where it did before; NaN where the scene failed or was not asked for
     asked : whether the scene was
-    ended : whether a collapse ended the scene
     """
 
     method: str
     intensity: np.ndarray
     demand: np.ndarray
     asked: np.ndarray
-    ended: np.ndarray
 
     @property
     def failed(self) -> int:
         """Scenes that failed."""
-        return int((self.asked & np.isnan(self.demand) & ~self.ended).sum())  # fault: failed-scenes-counted
+        return int((self.asked & np.isnan(self.demand)).sum())  # fault: failed-scenes-counted
 
     @property
-    def undecided(self) -> int:
-        """Scenes that did not fail and tell nothing of the limit: a collapse ended them first or, of a cloud, their
-        demand has no logarithm."""
-        known = self._drawable if self.method == "cloud" else ~np.isnan(self.demand)
-        return int((self.asked & ~known).sum()) - self.failed
+    def undecided(self) -> np.ndarray:
+        """Scenes that did not fail and tell nothing of the limit: a collapse ended them before it was passed or, of a
+        cloud, their demand is not known to its end or has no logarithm; shape (motions, levels)."""
+        if self.method == "cloud":
+            return self.asked & ~np.isnan(self.demand) & ~self._drawable
+        return self.demand == UNDECIDED
+
+    @property
+    def undecided_motions(self) -> int:
+        """Motions not known to pass, nor to hold at the highest intensities, since a collapse ended their scenes there;
+        of a cloud motions that have no point because of that."""
+        undecided = self.demand == UNDECIDED
+        if self.method == "cloud":
+            return int((undecided.any(axis=1) & ~self._drawable.any(axis=1)).sum())
+        levels = np.arange(1, self.demand.shape[1] + 1)
+        held = np.where((self.demand <= 1) & ~undecided, levels, 0).max(axis=1)
+        lost = np.where(undecided, levels, 0).max(axis=1)
+        return int(((lost > held) & ~(self.demand > 1).any(axis=1)).sum())
 
     @property
     def _drawable(self) -> np.ndarray:
@@ -90,7 +92,7 @@ class Sample:
         if self.method == "ida":
             held, passed, _ = self.held_and_passed()
             return Brackets.of(np.arange(motions), held, passed, motions)
-        known = ~np.isnan(self.demand)  # fault: failed-scene-of-stripes
+        known = self.asked & ~np.isnan(self.demand) & ~self.undecided  # fault: failed-scene-of-stripes
         above = self.demand[known] > 1
         x = self.intensity[known]
         return Brackets.of(
@@ -98,11 +100,24 @@ class Sample:
         )  # fmt: skip
 
     def curve(self) -> Curve:
-        """The fit."""
+        """The fit; none where half of the motions or more are undecided."""
+        motions = len(self.demand)
+        if 2 * self.undecided_motions >= motions:  # fault: curve-of-undecided-motions
+            return Curve(Outcome.UNDECIDED, motions, None, None, self._middle())
         if self.method != "cloud":
             return fit(self.brackets())
         some = self._drawable
+        if 2 * some.any(axis=1).sum() <= motions:  # the others collapsed: a line through the rest would mislead
+            return Curve(Outcome.FEW, motions, None, None, (0.0, np.inf))
         return cloud(self.intensity[some], self.demand[some], 1.0, np.nonzero(some)[0]).curve
+
+    def _middle(self) -> tuple[float, float]:
+        """Intensities between which half of the motions pass, whatever the undecided ones would do."""
+        if self.method == "cloud":
+            return 0.0, np.inf
+        held, passed, _ = self.held_and_passed()
+        half = len(held) // 2
+        return float(np.sort(held)[len(held) - 1 - half]), float(np.sort(passed)[half])
 
     def draws(self, times: np.ndarray) -> Fits:
         """The fits of a bootstrap; `times` : `resamples` of the motions."""
@@ -123,24 +138,41 @@ class Place:
 
 
 def samples_of(
-    plan: Plan, read: Read, question: Question, layout: Layout
+    plan: Plan, responses: Responses, question: Question, layout: Layout
 ) -> Iterator[tuple[Place, Sample, Sample | None]]:
     """Every curve: with pounding, and alone (None: what takes a neighbour)."""
-    demands = Demands(plan, read, question, layout)
-    x, method = intensities(plan, question), question.spec.method
-    digests = DigestList(plan.rows.table.digests)
-    is_asked = np.concatenate([among(plan.scenes, some) for some in pieces(digests)])
-    asked, asked_alone = is_asked[layout.linked], is_asked[layout.alone]
-    for point, case, analysis in np.ndindex(*asked.shape[:3]):
-        for number, target in enumerate(question.targets):
-            with_pounding, free = demands.of(target, point, case, analysis)
-            alone = None
-            if free is not None:
-                mine = asked_alone[point, analysis, :, :, target.building]
-                alone = Sample(method, x[point], free.demand, mine, free.ended)
-            here = asked[point, case, analysis]
-            one = Sample(method, x[point], with_pounding.demand, here, with_pounding.ended)
-            yield Place(point, case, analysis, number), one, alone
+    demands, table = Demands(plan, layout), plan.rows.table
+    x, method, targets = intensities(plan, question), question.spec.method, question.targets
+    is_asked = np.concatenate([among(plan.scenes, some) for some in pieces(DigestList(table.digests))])
+
+    def looked_at(scenes: np.ndarray, point: int, case: int, alone: int | None) -> dict[int, Sample]:
+        """Of every target what its scenes say, shape of `scenes` (motions, levels); `alone` : the only building."""
+        mine = {
+            number: target for number, target in enumerate(targets)
+            if alone is None or (target.building == alone and target.limit.quantity not in TAKES_NEIGHBOUR)
+        }  # fmt: skip
+        if not mine:
+            return {}
+        asked = is_asked[scenes]
+        demand = {number: np.full(scenes.shape, np.nan) for number in mine}
+        read = responses.read(DigestList(table.digests, scenes[asked]))
+        for at, (_, response) in zip(np.argwhere(asked), read, strict=True):
+            for number, target in mine.items():
+                place = target.building if alone is None else 0
+                demand[number][*at] = demands.of(response, target, point, case, place)
+        return {number: Sample(method, x[point], each, asked) for number, each in demand.items()}
+
+    points, cases, analyses = layout.linked.shape[:3]
+    for point in range(points):
+        alone: list[dict[int, Sample]] = []
+        for analysis in range(analyses):
+            scenes = layout.alone[point, analysis]
+            each = [looked_at(scenes[..., place], point, 0, place) for place in range(scenes.shape[-1])]
+            alone.append({number: sample for some in each for number, sample in some.items()})
+        for case, analysis in np.ndindex(cases, analyses):
+            with_pounding = looked_at(layout.linked[point, case, analysis], point, case, None)
+            for number, sample in with_pounding.items():
+                yield Place(point, case, analysis, number), sample, alone[analysis].get(number)
 
 
 def fits_of(rows: pd.DataFrame, suffix: str, method: str, times: np.ndarray) -> Fits:

@@ -70,7 +70,7 @@ class Rule:
     needs_motions: bool = True
 
 
-def gap_tables(plan: Plan, read: Read) -> list[Table]:
+def gap_tables(plan: Plan, read: Read, _responses: object) -> list[Table]:
     """The tables of a plan of `pound gap`."""
     return [
         Table("gap", _blocks(plan, read, _block)),

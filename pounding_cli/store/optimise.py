@@ -96,7 +96,7 @@ def _void(question: Question, plan: Plan, get: Get) -> np.ndarray:
     return np.asarray(found.reshape(-1, len(plan.axes[-1].values)).any(axis=0))
 
 
-def optimise_tables(plan: Plan, read: Read) -> list[Table]:
+def optimise_tables(plan: Plan, read: Read, _responses: object) -> list[Table]:
     """The tables of a plan of `pound optimise`."""
     hunt: Hunt = plan.state
     built = plan.axes[-1].values[-1] if hunt.question.written is None else None

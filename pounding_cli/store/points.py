@@ -102,7 +102,7 @@ def _padded(variable: Variable, values: np.ndarray | None, shape: Shape) -> np.n
     return whole
 
 
-def point_tables(plan: Plan, read: Read) -> list[Table]:
+def point_tables(plan: Plan, read: Read, _responses: object) -> list[Table]:
     """One table, named like the workflow: of every point of the sweep what is one number."""
     columns = place_columns(plan.axes, [row.point for row in plan.rows])
     for variable in variables_of(plan.workflow).values():

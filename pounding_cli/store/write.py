@@ -120,7 +120,7 @@ def content_digest(plan: Plan) -> str:
     ):
         sha.update(part.encode() + b"\0")
     if plan.workflow != "run":
-        sha.update("\0".join((plan.workflow, *WORKFLOWS[plan.workflow].shows, "")).encode())
+        sha.update("\0".join((plan.workflow, answers.MEANING, *WORKFLOWS[plan.workflow].shows, "")).encode())
     sha.update(plan.rows.table.digests.ravel().data)
     sha.update(plan.rows.scenes.ravel().data)
     return sha.hexdigest()
@@ -145,7 +145,7 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
     datasets.tie()
     tables = WORKFLOWS[plan.workflow].part("tables")
     if tables is not None:
-        answers.write_tables(file, tables(plan, lambda name: file[name][()]))
+        answers.write_tables(file, tables(plan, lambda name: file[name][()], responses))
         check()
     for name, quantity in WRITTEN.items():
         if name in file:  # where no case has a link, no gap is; points of a model of its own have none of them

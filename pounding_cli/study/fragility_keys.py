@@ -78,7 +78,8 @@ class FragilitySpec(Model):
     )
     fill: Annotated[int, whole_number(0, 1000)] = optional(
         4,
-        description="intensities solved below the one at which a motion passes (`ida`), in case it passes there too",
+        description="intensities solved below the one at which a motion passes, and among those that a collapse leaves "
+        "undecided (`ida`), in case it passes there too",
     )
     confidence: Annotated[float, CONFIDENCE] = optional("90 %", description="confidence of all intervals")
     draws: Annotated[int, whole_number(100, 100_000)] = optional(

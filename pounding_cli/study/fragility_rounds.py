@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from pounding_cli.digests import DigestList
-from pounding_cli.fragility.hunt import next_levels
+from pounding_cli.fragility.hunt import UNDECIDED, next_levels
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
@@ -94,11 +94,18 @@ def over_limit(limit: Limit, peaks: np.ndarray, height: np.ndarray) -> np.ndarra
     return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
 
 
-def demand_of_collapse(limit: Limit, own: bool | np.ndarray) -> np.ndarray:
-    """Demand over limit of a scene that ended with a collapse: beyond any limit of a peak, in every building, since the
-    row is lost. Whether gaps would have closed is unknown, and whether another building than its `own` would fall."""
-    known = own if limit.quantity == COLLAPSE else limit.quantity != CONTACT
-    return np.where(known, np.inf, np.nan)  # fault: demand-of-collapse
+def demand_of_collapse(limit: Limit, reached: float, storey: int) -> float:
+    """Demand over limit of a scene that a collapse ended [-]: inf where the limit was passed, else UNDECIDED.
+
+    Passed are limits that were passed before the scene ended, the collapse itself, and limits on the drift or the
+    ductility of the storey that collapsed: its drift has no bound.
+
+    reached : demand over limit until the scene ended [-]; storey : of the limit's building that collapsed, from 1; 0
+        where another building did
+    """
+    of_drift = limit.quantity in ("mu", "drift") and limit.level in (0, storey)  # fault: other-storeys
+    passed = reached > 1 or (storey > 0 and (of_drift or limit.quantity == COLLAPSE))
+    return np.inf if passed else UNDECIDED  # fault: demand-of-collapse
 
 
 def over_gap(closing: np.ndarray, gap: np.ndarray) -> np.ndarray:
@@ -156,7 +163,8 @@ class Asked(Placed):
     table of the plan's rows.
 
     known : scenes whose responses were looked at, in the order in which they were asked
-    demands : of every scene, asked or not, demand over limit of every target, shape (scenes, targets)
+    demands : of every scene, asked or not, demand over limit of every target as `Demands` has it, shape
+        (scenes, targets)
     going : series whose search goes on
     waiting : scenes whose responses have not been looked at, and the series each belongs to
     """
@@ -267,40 +275,61 @@ def _series(layout: Layout, targets: tuple[Target, ...]) -> Iterator[Series]:
                     yield Series(scenes, point, 0, building, mine)
 
 
+class Demands:
+    """Demand over limit of the scenes of a plan, from their responses."""
+
+    def __init__(self, plan: Plan, layout: Layout) -> None:
+        self._plan, self._layout = plan, layout
+        self._storeys: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}  # of a building there may be many
+
+    def of(self, response: Response, target: Target, point: int, case: int, place: int) -> float:
+        """Demand over limit [-], above 1 where the limit is passed; inf where a collapse ended the scene after that,
+        UNDECIDED where it did before; NaN where the scene failed.
+
+        point, case : of the layout; place : of the target's building in the scene, from 0
+        """
+        if not response.has_result:
+            return float("nan")
+        reached = self._reached(response, target, point, case, place)
+        if not response.collapse_storey:  # fault: collapse-in-rounds
+            return reached
+        fell = response.collapse_building == place  # fault: collapse-of-a-neighbour
+        return demand_of_collapse(target.limit, reached, response.collapse_storey if fell else 0)
+
+    def _reached(self, response: Response, target: Target, point: int, case: int, place: int) -> float:
+        """Demand over limit by the largest values of a response, whatever ended it; 0 of collapse."""
+        limit = target.limit
+        if limit.quantity == COLLAPSE:
+            return 0.0
+        links = self._layout.links(point, case)
+        if limit.quantity == CONTACT:
+            mine = [number for number, link in enumerate(links) if link.left == target.building]
+            gaps = np.array([links[number].gap for number in mine])
+            return float(over_gap(response.links.max_closing[mine], gaps))
+        height, yield_shear = self._of_storeys(point, target.building)
+        if limit.quantity == SHEAR_DEMAND:
+            demand = np.full(len(links), np.nan)
+            demand[response.columns.link] = response.columns.demand
+            return float(over_demand(limit, demand[struck_columns(target, links, yield_shear)]))
+        return float(over_limit(limit, getattr(response.buildings[place], FIELDS[limit.quantity]), height))
+
+    def _of_storeys(self, point: int, building: int) -> tuple[np.ndarray, np.ndarray]:
+        """Height [m] and yield shear [N] of the storeys of a building."""
+        key = point, building
+        if key not in self._storeys:
+            own = self._plan.study.building(self._layout.points[point], building)
+            self._storeys[key] = own.height, own.yield_shear
+        return self._storeys[key]
+
+
 def _demands(plan: Plan, asked: Asked, responses: Responses) -> np.ndarray:
     """Demand over limit of every target in the scenes whose responses were waited for, shape (scenes, targets)."""
-    # height [m] and yield shear [N] of the storeys, not the buildings: there may be many
-    storeys: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
+    demands = Demands(plan, asked.layout)
     found = np.full((len(asked.waiting), len(asked.targets)), np.nan)
     read = responses.read(asked.digests(list(asked.waiting)))
     for demand, series, (_, response) in zip(found, asked.waiting.values(), read, strict=True):
-        for number in series.targets if response.has_result else ():
-            limit, building = asked.targets[number].limit, asked.targets[number].building
-            place = building if series.building < 0 else 0
-            if response.collapse_storey:  # fault: collapse-in-rounds
-                demand[number] = demand_of_collapse(limit, response.collapse_building == place)
-                continue
-            if limit.quantity == COLLAPSE:
-                demand[number] = 0.0
-                continue
-            if limit.quantity == CONTACT:
-                links = asked.layout.links(series.point, series.case)
-                mine = [place for place, link in enumerate(links) if link.left == building]
-                gaps = np.array([links[place].gap for place in mine])
-                demand[number] = over_gap(response.links.max_closing[mine], gaps)
-                continue
-            key = series.point, building
-            if key not in storeys:
-                own = plan.study.building(asked.layout.points[series.point], building)
-                storeys[key] = own.height, own.yield_shear
-            height, yield_shear = storeys[key]
-            if limit.quantity == SHEAR_DEMAND:
-                links = asked.layout.links(series.point, series.case)
-                shear_demand = np.full(len(links), np.nan)
-                shear_demand[response.columns.link] = response.columns.demand
-                struck = struck_columns(asked.targets[number], links, yield_shear)
-                demand[number] = over_demand(limit, shear_demand[struck])
-                continue
-            peaks = getattr(response.buildings[place], FIELDS[limit.quantity])
-            demand[number] = over_limit(limit, peaks, height)
+        for number in series.targets:
+            target = asked.targets[number]
+            place = target.building if series.building < 0 else 0
+            demand[number] = demands.of(response, target, series.point, series.case, place)
     return found

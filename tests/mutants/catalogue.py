@@ -37,7 +37,7 @@ STIFFNESS = f"{UNIT}/model/test_stiffness.py"
 SENSITIVITY = f"{UNIT}/sensitivity/test_sensitivity_runs.py"
 OPTIMISE = f"{UNIT}/optimise/test_optimise_runs.py"
 REQUIRED, GAP = f"{VERIFICATION}/test_required_gap.py", "tests/cli/test_gap.py"
-FRAGILE = f"{UNIT}/fragility"
+FRAGILE, FALLEN = f"{UNIT}/fragility", "tests/cli/test_fragility_undecided.py"
 
 LINKS = [
     Mutant("dashpot-mass", "eq. (7) with m' upside-down, as printed", ("is DashpotLaw", "is not DashpotLaw"), IMPACT),
@@ -1034,10 +1034,22 @@ FRAGILITY = [
         f"{FRAGILE}/test_fragility_runs.py::test_failed_scenes_of_stripes_count_neither_as_holding_nor_as_passing",
     ),
     Mutant(
+        "failed-scene-of-ida",
+        "a scene that a collapse left undecided counts as holding in a bracket",
+        (" and demand != UNDECIDED", ""),
+        f"{FRAGILE}/test_fragility_collapse.py::test_undecided_motions_are_censored",
+    ),
+    Mutant(
+        "failed-scene-of-stripes",
+        "a scene that a collapse left undecided counts as holding in a stripe",
+        (" & ~self.undecided", ""),
+        f"{FRAGILE}/test_fragility_collapse.py::test_undecided_scenes_of_stripes_are_left_out_of_the_counts",
+    ),
+    Mutant(
         "failed-scenes-counted",
         "a scene that a collapse left undecided counts as failed",
-        (" & ~self.ended", ""),
-        f"{FRAGILE}/test_fragility_collapse.py::test_a_collapse_leaves_contact_undecided",
+        ("np.isnan(self.demand)", "~(self.demand > UNDECIDED)"),
+        f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
     ),
     Mutant(
         "demand-of-collapse",
@@ -1046,16 +1058,34 @@ FRAGILITY = [
         f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
     ),
     Mutant(
-        "demand-over-a-collapse",
-        "a collapsed scene counts by the peaks it reached",
-        "both.append(Demand(demand, ended))",
-        f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
+        "collapse-of-a-neighbour",
+        "the collapse of a building counts as that of its neighbour",
+        "fell = True",
+        f"{FALLEN}::test_a_building_does_not_inherit_the_collapse_of_its_neighbour_nor_a_storey_that_of_another",
+    ),
+    Mutant(
+        "other-storeys",
+        "the collapse of a storey counts as that of every storey of its building",
+        (" and limit.level in (0, storey)", ""),
+        f"{FRAGILE}/test_fragility_collapse.py::test_one_building_passes_what_its_collapsed_storey_passes",
     ),
     Mutant(
         "collapse-in-rounds",
-        "a search goes by the peaks that a collapsed scene reached",
-        "if False:",
+        "a collapsed scene counts by the peaks it reached",
+        "if True:",
         f"{FRAGILE}/test_fragility_collapse.py::test_a_building_that_falls",
+    ),
+    Mutant(
+        "curve-of-undecided-motions",
+        "a curve is fitted though half of the motions are undecided",
+        ("2 * ", ""),
+        f"{FRAGILE}/test_fragility_collapse.py::test_half_of_the_motions_undecided_give_no_curve",
+    ),
+    Mutant(
+        "markers-of-undecided",
+        "markers count undecided motions as holding at all intensities",
+        ("(last >= x).sum()", "((last >= x) | np.isinf(passed)).sum()"),
+        f"{FRAGILE}/test_fragility_collapse.py::test_markers_are_those_of_kaplan_and_meier",
     ),
     Mutant(
         "never-passed",

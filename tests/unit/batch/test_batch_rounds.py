@@ -26,7 +26,7 @@ def refine(plan, responses):
     return three_motions(len(plan.records) + 1) if len(plan.records) < 3 and peak < 0.06 else None
 
 
-def tables(plan, read):
+def tables(plan, read, responses):
     number = np.arange(len(plan.records), dtype=float)
     largest = np.nanmax(read("drift"), axis=(0, 1, 3, 4))
     columns = [Column("number", number, "of the motion", "1"), Column("drift", largest, "largest", "m")]
@@ -83,7 +83,7 @@ def test_a_table_that_a_file_lacks_is_asked_of_its_command(workflow, tmp_path):
 
 
 def test_columns_of_two_lengths_are_refused(workflow, tmp_path, monkeypatch):
-    def uneven(plan, read):
+    def uneven(plan, read, responses):
         return [Table("test", [[Column("a", np.zeros(2), "", "1"), Column("b", np.zeros(3), "", "1")]])]
 
     monkeypatch.setattr(sys.modules[__name__], "tables", uneven)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pounding_cli.fragility.hunt import Found, found, next_levels
+from pounding_cli.fragility.hunt import UNDECIDED, Found, found, next_levels
 
 LEVELS = np.linspace(0.02, 2.0, 100)
 
@@ -65,6 +65,30 @@ def test_failed_scenes_widen_the_bracket_and_end_nothing():
     assert found(hunt(LEVELS, np.full(100, np.nan))[0], 100) == Found(-1, 100, False)
 
 
+def test_undecided_scenes_are_closed_in_with_few_scenes():
+    """A collapse leaves levels 40 to 69 undecided. Fails if all of them are looked at, or one counts as holding."""
+    demand = LEVELS / LEVELS[99]
+    demand[40:70] = UNDECIDED
+    demand[70:] = np.inf
+    seen, _ = hunt(LEVELS, demand)
+    assert found(seen, 100) == Found(39, 70, False)
+    assert len(seen) <= 26
+    demand[70:] = UNDECIDED
+    seen, _ = hunt(LEVELS, demand)
+    assert found(seen, 100) == Found(39, 100, False)
+    assert len(seen) <= 26
+    assert max(np.diff(sorted(level for level in seen if level >= 40))) <= 12  # one that passes there may be found
+    assert found(hunt(LEVELS, np.full(100, UNDECIDED))[0], 100) == Found(-1, 100, False)
+
+
+def test_a_pass_among_undecided_levels_is_found():
+    demand = LEVELS / LEVELS[99]
+    demand[40:] = UNDECIDED
+    demand[60:75] = np.inf
+    seen, _ = hunt(LEVELS, demand)
+    assert found(seen, 100) == Found(39, 60, False)
+
+
 def test_a_demand_without_bounds_is_bracketed_too():
     demand = np.where(LEVELS < 0.777, 0.2, np.inf)
     seen, _ = hunt(LEVELS, demand)
@@ -76,12 +100,15 @@ def test_a_demand_without_bounds_is_bracketed_too():
 def test_any_curve_ends_in_a_closed_bracket_filled_below(data):
     count = data.draw(st.integers(1, 60))
     fill = data.draw(st.integers(0, 6))
-    value = st.one_of(st.floats(0, 3), st.just(np.nan), st.just(np.inf))
+    value = st.one_of(st.floats(0, 3), st.just(np.nan), st.just(np.inf), st.just(UNDECIDED))
     demand = np.array(data.draw(st.lists(value, min_size=count, max_size=count)))
     intensity = np.cumsum(np.array(data.draw(st.lists(st.floats(0.01, 1), min_size=count, max_size=count))))
     seen, _ = hunt(intensity, demand, fill)
     known = found(seen, count)
-    assert all(np.isnan(demand[level]) and level in seen for level in range(known.held + 1, known.passed))
+    between = range(known.held + 1, known.passed)
+    lost = [level for level in between if seen.get(level) == UNDECIDED]
+    around = [level for level in between if not lost or not lost[0] < level < lost[-1]]
+    assert all((np.isnan(demand[level]) or level in lost) and level in seen for level in around)
     if known.passed < count and known.held > 0 and fill:
         looked = sorted({-1, *(level for level in seen if level <= known.held)})
         assert max(np.diff(looked)) <= max(1, -(-known.held // (fill + 1)))

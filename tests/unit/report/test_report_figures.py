@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from pounding_cli.errors import InputError
 from pounding_cli.report import figures, inset
 from pounding_cli.report.evidence import points
-from pounding_cli.report.style import looks, save
+from pounding_cli.report.style import caption, looks, new_figure, save
 from tests.helpers.figures import assert_no_overlap, panels
 from tests.helpers.report_tables import CASES, make
 
@@ -199,3 +199,14 @@ def test_storeys_of_several_heights_are_drawn_to_one_scale():
     assert len(ax.patches) - len(blocks) == 5
     ((x, y),) = ax.lines[0].get_xydata()
     assert (x, y / scale) == pytest.approx((inset.WIDTH + inset.SPACE, 3.0))
+
+
+@pytest.mark.parametrize("width", [3.0, 5.5, 12.0])
+@pytest.mark.parametrize("text", ["Of the motions, 90 % pass MMMM and WWW. " * 6, "m" * 300, "iii lll. " * 40])
+def test_a_caption_fits_its_figure(text, width):
+    """Fails if wide letters make a line longer than the figure."""
+    figure = new_figure(width, 2.0)
+    caption(figure, text)
+    figure.draw_without_rendering()
+    box = figure.findobj(lambda each: getattr(each, "get_text", str)().startswith(text[:3]))[0].get_window_extent()
+    assert 0 < box.x0 < box.x1 < figure.bbox.width

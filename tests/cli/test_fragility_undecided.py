@@ -1,0 +1,181 @@
+"""`pound fragility` where a building collapses: what it leaves undecided for its neighbour and its other storeys."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import lognorm
+
+from pounding_cli.report.answer_page import answer_page
+from pounding_cli.report.evidence import points
+from pounding_cli.store import open_results
+
+# A has a soft lower storey that collapses, and an upper one far too strong to yield much. B stays far from its limits.
+STUDY = """\
+title: A falls, B stands
+records: {use: [elcentro, taft, olympia, parkfield], duration: 5 s, scale: {pga: 0.4 g}}
+buildings:
+  A:
+    storeys: 2
+    mass: 100 t
+    height: 3 m
+    stiffness: [4000 kN/m, 40000 kN/m]
+    yield_shear: [100 kN, 4000 kN]
+    hardening: 0
+    p_delta: true
+  B: {storeys: 2, period: 0.2 s, yield: {base_shear: 3 W}}
+group: [A, B]
+cases: {touching: {link: pounding, gap: 1 cm}}
+analyses: [inelastic]
+estimate: none
+sweep: {records.scale.pga: {from: 0.1 g, to: 2 g, step: 0.1 g}}
+fragility:
+  limits:
+    - collapse in A
+    - mu > 4 in A
+    - mu > 30 in A
+    - mu > 30 in A storey 1
+    - mu > 4 in A storey 2
+    - mu > 12 in B
+    - acceleration > 60 g in B
+"""
+COLLAPSE, UPPER = "collapse in A", "mu > 4 in A storey 2"
+B_MU, B_ACCELERATION = "mu > 12 in B", "acceleration > 60 g in B"
+OTHERS = (B_MU, B_ACCELERATION, UPPER)
+
+
+def curves(path) -> pd.DataFrame:
+    return open_results(path).table("fragility").set_index("limit")
+
+
+def test_a_building_does_not_inherit_the_collapse_of_its_neighbour_nor_a_storey_that_of_another(pound, folder):
+    """Fails if a limit of B, or of the other storey of A, counts as passed where A collapses, or as held."""
+    code, out, _ = pound("fragility", "two.yaml", "-o", "a.h5")
+    assert code == 0
+    table, results = curves("a.h5"), open_results("a.h5")
+    assert 1 < table.loc[COLLAPSE, "median"] < 20  # 0.1 to 2 g: every motion brings A down
+    for limit in OTHERS:
+        curve = table.loc[limit]
+        assert curve["outcome"] == "undecided"
+        assert (curve["undecided_motions"], curve["motions"]) == (4, 4)
+        assert np.isnan([curve["median"], curve["spread"], curve["ratio"]]).all()
+        assert curve["undecided"] > 0
+        assert curve["failed"] == 0
+    for limit in (B_MU, B_ACCELERATION):
+        assert table.loc[limit, "outcome0"] == "never passed"
+        assert table.loc[limit, "undecided_motions0"] == table.loc[limit, "undecided0"] == 0
+    motions = results.table("fragility_motions").set_index(["limit", "record"])
+    for record in ("elcentro", "taft", "olympia", "parkfield"):
+        falls = motions.loc[COLLAPSE, record]
+        for limit in OTHERS:
+            mine = motions.loc[limit, record]
+            assert (mine["held"], mine["passed"]) == (falls["held"], np.inf)  # known to hold until A comes down
+    assert "undecided in 4 of 4 motions" in out
+    assert "a collapse ended the scenes before the limit was passed" in " ".join(out.split())
+    (row,) = [line for line in out.splitlines() if B_ACCELERATION in line]
+    assert row.split()[-1] == "-"  # no ratio
+    assert pound("report", "a.h5", "--no-figures", "-q")[0] == 0
+    page = " ".join((folder / "a" / "report.html").read_text(encoding="utf-8").split())
+    said = "With pounding, a collapse ended the scenes of 4 of 4 motions before the limit was passed, so there is no"
+    assert page.count(said) >= len(OTHERS)
+
+
+def test_the_storey_that_collapsed_passes_every_limit_of_its_drift(pound):
+    """Fails if the collapse of a storey leaves its own ductility undecided, or that of the building."""
+    pound("fragility", "two.yaml", "-o", "a.h5", "-q")
+    table = curves("a.h5")
+    falls = table.loc[COLLAPSE]
+    for limit in ("mu > 30 in A", "mu > 30 in A storey 1"):
+        for end in ("", "0"):  # ductility at the collapse is below 30
+            assert table.loc[limit, f"median{end}"] == falls[f"median{end}"]
+            assert table.loc[limit, f"undecided{end}"] == 0
+    assert table.loc["mu > 4 in A", "high"] < falls["median"]
+
+
+@pytest.mark.parametrize("method", ["stripes", "cloud"])
+def test_other_methods_leave_the_same_undecided(pound, folder, method):
+    """Fails if a stripe or a cloud counts a scene that A's collapse ended as one of B's."""
+    text = STUDY.replace("fragility:\n", f"fragility:\n  method: {method}\n")
+    (folder / "two.yaml").write_text(text.replace("{from: 0.1 g, to: 2 g, step: 0.1 g}", "[0.2 g, 1.5 g, 2 g]"))
+    assert pound("fragility", "two.yaml", "-o", "a.h5", "-q")[0] == 0
+    table, results = curves("a.h5"), open_results("a.h5")
+    fell = (results.scene()["status"] == "collapsed").sum()
+    assert fell >= 8
+    motions = results.table("fragility_motions")
+    for limit in OTHERS:
+        assert table.loc[limit, "undecided"] == fell
+        assert motions[motions["limit"] == limit]["demand"].isna().sum() == fell
+        assert motions[motions["limit"] == limit]["undecided"].sum() == fell
+    if method == "stripes":
+        assert set(table.loc[list(OTHERS), "outcome"]) == {"undecided"}
+        assert (motions[motions["limit"] == "mu > 30 in A storey 1"]["demand"] == np.inf).sum() == fell
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("method", ["ida", "stripes"])
+def test_limits_that_are_never_passed_leave_the_figure_as_it_is(pound, folder, method):
+    """Fails if a limit without a curve squeezes the panels, sets the axis of a limit that has curves, or writes over
+    its neighbour, or if the caption is cut."""
+    text = STUDY.replace("fragility:\n", f"fragility:\n  method: {method}\n")
+    (folder / "two.yaml").write_text(text)
+    pound("fragility", "two.yaml", "-o", "a.h5", "-q")
+    assert pound("report", "a.h5", "--format", "png", "-q")[0] == 0
+    results = open_results("a.h5")
+    page = answer_page(results, points(results)[0])
+    figure = page.figures["fragility-inelastic"].figure
+    with mpl.rc_context({"savefig.dpi": 100}):
+        figure.draw_without_rendering()
+    width, height = figure.bbox.width, figure.bbox.height
+    panels = {ax.get_title(loc="left"): ax for ax in figure.axes}
+    assert len(panels) == len(figure.axes) == 7
+    caption = figure.findobj(lambda each: getattr(each, "get_text", str)().startswith("Markers: "))
+    assert "Kaplan" in caption[0].get_text() or method == "stripes"
+    assert {"All are stand-in motions."} <= {caption[0].get_text()[-25:].replace("\n", " ")}
+    for text in (*caption, *(each for ax in panels.values() for each in ax.texts)):
+        box = text.get_window_extent()
+        assert 0 <= box.x0 < box.x1 <= width
+        assert 0 <= box.y0 < box.y1 <= height
+    table = curves("a.h5")
+    for limit, ax in panels.items():
+        assert ax.get_window_extent().height > 0.5 * height / 7
+        assert ax.get_window_extent().width > 0.4 * width
+        fitted = table.loc[limit, ["median", "median0"]].dropna()
+        if len(fitted):
+            assert ax.get_xlim()[1] < 5 * fitted.max() / 9.80665
+        for text in ax.texts:
+            assert text.get_window_extent().x0 > ax.get_window_extent().x0
+
+
+def test_the_points_of_curves_as_csv(pound, folder):
+    """In the unit of the study, with the swept keys in theirs; a building alone once. Fails if a point lies off its
+    curve, or a curve that there is none of is written."""
+    text = STUDY.replace("sweep: {", "sweep: {cases.touching.gap: [1 cm, 2 cm], ")
+    (folder / "two.yaml").write_text(text)
+    pound("fragility", "two.yaml", "-o", "a.h5", "-q")
+    assert pound("report", "a.h5", "--no-figures", "--no-page", "-q")[0] == 0
+    written = pd.read_csv(folder / "a" / "tables" / "fragility_curves.csv", keep_default_na=False)
+    assert list(written) == [
+        "cases.touching.gap [cm]", "analysis", "limit", "building", "case", "curve", "intensity [g]", "probability",
+        "probability_low", "probability_high",
+    ]  # fmt: skip
+    table = open_results("a.h5").table("fragility")
+    assert set(written["limit"]) == set(table[table["median"].notna()]["limit"])
+    checked = 0
+    for row in table.to_dict("records"):
+        here = written[(written["limit"] == row["limit"])]
+        here = here[np.isclose(here["cases.touching.gap [cm]"], 100 * row["cases.touching.gap"])]
+        for curve, case, end in (("alone", "", "0"), ("with pounding", "touching", "")):
+            mine = here[(here["curve"] == curve) & (here["case"] == case)]
+            if np.isnan(row[f"median{end}"]):
+                assert mine.empty
+                continue
+            x = mine["intensity [g]"].to_numpy()
+            assert len(x) == len(np.unique(x)) >= 100
+            likely = lognorm.cdf(x, row[f"spread{end}"], scale=row[f"median{end}"] / 9.80665)
+            assert mine["probability"].to_numpy() == pytest.approx(likely, abs=1e-9)
+            assert (mine["probability_low"] <= mine["probability_high"]).all()
+            assert mine["probability"].max() > 0.9
+            checked += 1
+    assert checked == 2 * 2 * 4
