@@ -120,7 +120,7 @@ def content_digest(plan: Plan) -> str:
     ):
         sha.update(part.encode() + b"\0")
     if plan.workflow != "run":
-        sha.update("\0".join((plan.workflow, answers.MEANING, *WORKFLOWS[plan.workflow].shows, "")).encode())
+        sha.update("\0".join((plan.workflow, str(answers.MEANING), *WORKFLOWS[plan.workflow].shows, "")).encode())
     sha.update(plan.rows.table.digests.ravel().data)
     sha.update(plan.rows.scenes.ravel().data)
     return sha.hexdigest()
