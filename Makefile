@@ -7,7 +7,7 @@ POUND := $(BIN)/pound
 STUDIES := fig5:connector fig6:run fig7:run fig8:wall
 PAGES := $(foreach study,$(STUDIES),results/$(firstword $(subst :, ,$(study)))/report.html)
 
-.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench mutants kills fuzz dist clean
+.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench kills fuzz dist clean
 
 all: figures
 
@@ -39,7 +39,7 @@ test: setup lint
 
 # Kernels by numba's own compile pipeline, as with a version of numba that is not known.
 plain-kernels: setup
-	POUND_PLAIN_KERNELS=1 $(BIN)/python -m pytest tests/unit/kernels/test_simd.py tests/unit/kernels/test_polynomial.py tests/unit/kernels/test_pieces.py tests/verification/test_impact.py tests/verification/test_hysteresis.py tests/verification/test_infill.py tests/verification/test_islands.py tests/verification/test_foundation.py
+	POUND_PLAIN_KERNELS=1 $(BIN)/python -m pytest tests/verification/test_impact.py tests/verification/test_hysteresis.py tests/verification/test_infill.py tests/verification/test_islands.py tests/verification/test_foundation.py
 
 lint: setup
 	$(BIN)/ruff check .
@@ -64,14 +64,9 @@ peers: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
 	$(BIN)/python -m pytest tests/peers
 
-# What it costs beside other programs and as scenes grow, into docs/performance.md (about six minutes on a quiet machine).
+# What it costs, by law and as scenes grow, into docs/performance.md (about two minutes on a quiet machine).
 bench: setup
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
 	$(BIN)/python -m tests.bench
-
-# Deliberate faults, each of which a named test must see (about 15 minutes).
-mutants: setup
-	nice -n 5 $(BIN)/python -m tests.mutants
 
 # A study killed with SIGKILL at fifty random moments, each time run again to the same tables (two minutes).
 kills: setup

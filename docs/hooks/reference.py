@@ -1,9 +1,8 @@
-"""What the site takes from the code: commands, the API, the notebooks and the deliberate faults."""
+"""What the site takes from the code: commands, the API and the notebooks."""
 
 from __future__ import annotations
 
 import json
-import sys
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
@@ -119,20 +118,3 @@ def on_files(files, config):
     for path, text in pages():
         files.append(File.generated(config, path, content=text))
     return files
-
-
-def on_page_markdown(text, page, **_):
-    """Called by mkdocs with every page: adds the tables of deliberate faults to the page that explains them."""
-    return f"{text}\n\n{fault_tables()}\n" if page.file.src_uri == "guards.md" else text
-
-
-def fault_tables() -> str:
-    """The deliberate faults by source file; they belong to the tests, which are not installed."""
-    sys.path.insert(0, str(ROOT))
-    try:
-        from tests.mutants.catalogue import MUTANTS
-        from tests.mutants.markers import markers
-        from tests.mutants.page import tables
-    finally:
-        sys.path.remove(str(ROOT))
-    return tables(MUTANTS, dict(markers(ROOT)))

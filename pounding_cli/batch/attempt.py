@@ -121,7 +121,7 @@ class Task:
             return response
         step = None if self.time_step is None else self.time_step * HARDER
         task = dataclasses.replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)
-        second: Response = task._caught(scene, task.respond, scene, False)  # fault: harder-try
+        second: Response = task._caught(scene, task.respond, scene, False)
         if second.status != "done":
             return response
         first = response.response() if isinstance(response, OneOf) else response

@@ -112,5 +112,5 @@ def response_ratios(pair: Oscillators, omega: np.ndarray) -> tuple[np.ndarray, n
     d2 = pair.k2 - pair.m2 * omega**2 + 2j * pair.zeta2 * pair.omega20 * pair.m2 * omega
     z = pair.stiffness + 1j * omega * pair.dashpot
     total = pair.m1 + pair.m2
-    determinant = d1 * d2 + z * (d1 + d2)  # fault: oscillators-determinant
+    determinant = d1 * d2 + z * (d1 + d2)
     return d1 * (d2 + z * total / pair.m1) / determinant, d2 * (d1 + z * total / pair.m2) / determinant

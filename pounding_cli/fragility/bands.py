@@ -82,7 +82,7 @@ def median_ratio(first: Fits, second: Fits, confidence: float = CONFIDENCE) -> t
 
 
 def _ends(confidence: float) -> tuple[float, float]:
-    return 0.5 - confidence / 2, 0.5 + confidence / 2  # fault: ends-of-a-band
+    return 0.5 - confidence / 2, 0.5 + confidence / 2
 
 
 def _quantiles(values: np.ndarray, ends: tuple[float, float]) -> np.ndarray:

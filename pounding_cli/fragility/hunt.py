@@ -53,7 +53,6 @@ def found(seen: Mapping[int, float], levels: int) -> Found:
     levels : how many there are
     """
     passed = min((level for level, demand in seen.items() if demand > 1), default=levels)
-    # fault: failed-scene-of-ida
     holds = [level for level, demand in seen.items() if demand <= 1 and demand != UNDECIDED]
     held = max((level for level in holds if level < passed), default=-1)
     return Found(held, passed, any(level > passed for level in holds))

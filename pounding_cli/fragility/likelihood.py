@@ -50,7 +50,7 @@ class Brackets:
         low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
         if not ((low >= 0) & (high > 0) & (low <= high)).all():
             raise ValueError("a bracket runs from 0 or more up to its high end")
-        told = (low > 0) | (high < np.inf)  # fault: never-passed
+        told = (low > 0) | (high < np.inf)
         return cls(np.asarray(motion, dtype=int)[told], low[told], high[told], np.ones(int(told.sum())), motions)
 
     def weights(self, times: np.ndarray) -> np.ndarray:
@@ -72,7 +72,7 @@ def of_counts(intensity: np.ndarray, motions: np.ndarray, passed: np.ndarray) ->
         raise ValueError("intensities are above 0, and no more motions pass than there are")
     low = np.concatenate([np.zeros_like(x), x])
     high = np.concatenate([x, np.full_like(x, np.inf)])
-    count = np.concatenate([k, n - k])  # fault: counts-of-stripes
+    count = np.concatenate([k, n - k])
     some = count > 0
     return Brackets(np.zeros(int(some.sum()), dtype=int), low[some], high[some], count[some], int(n.max(initial=0)))
 

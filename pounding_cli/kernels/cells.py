@@ -33,7 +33,7 @@ from pounding_cli.kernels.storey_law import energy_held
     V_CHORD_DEVIATION, DRIFT_CHORD_DEVIATION, DRIFT_RATE_CHORD_DEVIATION, TOTAL_ACCELERATION_CHORD_DEVIATION, GEOMETRIC,
 ) = np.arange(0, 8 * 61, 8)  # fmt: skip
 _SLOT_FIELDS = 61  # an odd number of cache lines spreads them over the cache
-SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, SPRING_FORCE  # fault: island-slots-restored
+SLOT_CHECKPOINT, SLOT_CHECKPOINT_END = STOREY_MEMORY, SPRING_FORCE
 """The fields of a checkpoint (`islands`), from the first to before the second; stencils follow from the branch."""
 
 # A link: what its law leaves out of the closing; what a step leaves to the next: the law of its branch (`link_series`),
@@ -51,7 +51,7 @@ LINK_CHECKPOINT, LINK_CHECKPOINT_END = LAW_LINEAR, CLOSING
 # A link in integers: its slots; what a step leaves to the next: branch, what the last event pinned, impacts.
 LEFT_SLOT, RIGHT_SLOT, BRANCH, PINNED_AT_EVENT, IMPACTS = np.arange(0, 8 * 5, 8)
 LINK_INTEGERS = 5  # integers a link
-LINK_INTEGER_CHECKPOINT, LINK_INTEGER_CHECKPOINT_END = BRANCH, 8 * LINK_INTEGERS  # fault: island-links-restored
+LINK_INTEGER_CHECKPOINT, LINK_INTEGER_CHECKPOINT_END = BRANCH, 8 * LINK_INTEGERS
 """Likewise."""
 
 # The series of a link, by order: closing [m], its rate [m/s], force [N]; the infill's v^2 and sqrt(s_cur).

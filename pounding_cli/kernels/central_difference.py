@@ -31,7 +31,7 @@ def _advance(scene, p, out, own, tally, h, ground, slope, inelastic):
         before = half[i] if kick == h else p.v[i]
         half[i] = before + kick * p.a[i]
         out.u[i] = p.u[i] + h * half[i]
-        out.v[i] = 1.5 * half[i] - 0.5 * before  # fault: central-difference-velocity
+        out.v[i] = 1.5 * half[i] - 0.5 * before
     begin_storeys(scene.slots, p, out, inelastic)
     fill_forces(scene, out, ground + h * slope, inelastic, False)
     return h, STEP_DONE

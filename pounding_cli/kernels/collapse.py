@@ -38,7 +38,7 @@ def _passes(run, i, limit):
         run.scratch[0] = limit + side * first
         s = first_crossing(run.scratch, order, min(1.0, run.clock[END]))
         if s < run.clock[END] and s <= 1.0:
-            run.clock[END] = s  # fault: where-it-collapses
+            run.clock[END] = s
             found = True
     return found
 

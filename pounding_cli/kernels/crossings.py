@@ -44,7 +44,7 @@ def storey_crossing(run, order, end, events):
     """`first_crossing` of the polynomial in `scratch` for a storey with so many events at this instant."""
     s = first_crossing(run.scratch, order, end)
     if events >= MAX_STOREY_EVENTS_AT_INSTANT and s < AT_ONCE and value(run.scratch, order, 1.0) > 0.0:
-        return NEVER  # fault: end-decides
+        return NEVER
     return s
 
 
@@ -121,7 +121,7 @@ def first_storey_event(run):
             i = b + lowest(suspects)
             suspects &= suspects - 1
             s, guard = _storey_crossing(run, i)
-            run.slots[of(i, c.EVENT_ROOT)] = s  # fault: storey-guard-root
+            run.slots[of(i, c.EVENT_ROOT)] = s
             run.storeys[of_storey(run, i, c.STOREY_GUARD)] = guard
             if s < run.clock[END] and s <= 1.0:
                 run.clock[END] = s
@@ -168,7 +168,7 @@ def _link_crossing(run, e, end):
                 scratch[k] = side * run.series[of_term(run, k, e, c.FORCE_TERM)]
             if run.link_integers[of_link_integer(e, c.PINNED_AT_EVENT)] == t.FORCE:
                 scratch[0] = 0.0
-        s = first_crossing(scratch, n, min(end, earliest))  # fault: contact-begins
+        s = first_crossing(scratch, n, min(end, earliest))
         if s < earliest:
             earliest = s
             first = g
@@ -186,7 +186,7 @@ def _may_leave(run, b, first, last, deviation):
     # Monotone, it may begin where the branch ends: it has just come from there.
     began = ~(greater(low, first) | greater(first, high))
     inside = greater(last, low) & greater(high, last)
-    stays |= ~may_turn_by_ends(first, last, deviation) & began & inside  # fault: closing-is-monotone
+    stays |= ~may_turn_by_ends(first, last, deviation) & began & inside
     return ~stays & 255
 
 

@@ -78,7 +78,7 @@ def _look(rows, bends, leapt, turned, total, wide, b, z, values, bows):
         bend = fused(load(bends, j * wide + b), x, bend)
     last = load(values, b)
     before_turn = bend - load(bends, (total - 1) * wide + b) * turned
-    just_before = before_turn - load(bends, (total - 2) * wide + b) * leapt  # fault: exact-leap
+    just_before = before_turn - load(bends, (total - 2) * wide + b) * leapt
     deviation = maximum(magnitude(load(bows, b)), magnitude(just_before)) * BEND
     store(values, b, value)
     store(bows, b, bend)
@@ -94,8 +94,8 @@ def _raise_peaks(powers, count, orders, total, b, value, last, deviation, before
     down = minimum(load(low, b), below)
     store(high, b, up)
     store(low, b, down)
-    turns = greater(deviation * 4.0, above - below)  # fault: exact-monotone
-    may_exceed = turns & greater(above + deviation, up)  # fault: exact-peaks
+    turns = greater(deviation * 4.0, above - below)
+    may_exceed = turns & greater(above + deviation, up)
     may_undercut = turns & greater(down, below - deviation)
     while may_exceed != 0:
         m = b + lowest(may_exceed)

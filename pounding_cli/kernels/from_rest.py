@@ -59,7 +59,7 @@ def _decide(run, e):
         links[of_link(e, c.CONTACT_TIME)] = 0.0
         links[of_link(e, c.UNDECIDED)] = time
     else:
-        links[of_link(e, c.CONTACT_TIME)] = time * links[of_link(e, c.ACTS)]  # fault: contact-from-rest
+        links[of_link(e, c.CONTACT_TIME)] = time * links[of_link(e, c.ACTS)]
         links[of_link(e, c.UNDECIDED)] = -1.0
 
 

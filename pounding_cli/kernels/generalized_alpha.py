@@ -132,7 +132,6 @@ def _lack(scene, p, out, own, a0, a, mass, right_side):
         place = scene.elements.unknown[i]
         if place < 0:
             continue
-        # fault: generalized-alpha-shares
         lack = (1.0 - alpha_m) * a[i] + alpha_m * (p.a[i] + a0[i]) - share * out.a[i] - alpha_f * p.a[i]
         right_side[place] = -mass[place] * lack
 

@@ -77,7 +77,6 @@ def may_touch(run, row, b):
     found = 0
     for e in range(row.first_link[b], row.first_link[b + 1], 8):
         rise = side_values(run, run.ends, 2 * run.padded, e, c.LEFT_SLOT)
-        # fault: neighbours-may-meet
         found |= _closes(run, e, rise - side_values(run, run.ends, 3 * run.padded, e, c.RIGHT_SLOT))
     return found != 0
 
@@ -146,7 +145,7 @@ def restore(run, row, building):
         for place in range(at(b, c.SLOT_CHECKPOINT), at(b, c.SLOT_CHECKPOINT_END), 8):
             store(run.slots, place, load(saved, place))
         store(run.W, b - run.padded, load(rows, b))
-        store(run.W, b, load(rows, run.padded + b))  # fault: island-velocities-restored
+        store(run.W, b, load(rows, run.padded + b))
     first = c.STOREY_INTEGER_CHECKPOINT * run.padded
     for b in range(run.link_start, run.link_stop, 8):
         for place in range(at_link(b, c.LINK_CHECKPOINT), at_link(b, c.LINK_CHECKPOINT_END), 8):
@@ -161,7 +160,7 @@ def restore(run, row, building):
     for i in range(run.slot_start, run.slot_stop):
         enter_storey_branch(run, i)
     for i in range(run.slot_start, run.slot_stop):
-        update_stencils(run, i)  # fault: island-stencils-restored
+        update_stencils(run, i)
     run.tally[EVENTS] -= row.notes[left * NOTE_COUNT + ISLAND_EVENTS]
     for b in range(left, right + 1):
         row.notes[b * NOTE_COUNT + SOLVED] = 0

@@ -151,7 +151,7 @@ def _account_slots(run, order, points):
             pushed, drag, dashed = _add_powers(rule, g, s0, v0, couple, ground, change, pushed, drag, dashed)
             pushed, drag, dashed = _add_powers(rule, g + 8, s1, v1, couple, ground, change, pushed, drag, dashed)
         mass = load(slots, at(b, c.MASS)) * load(slots, at(b, c.LOADED))
-        store(slots, at(b, c.INPUT_ENERGY), load(slots, at(b, c.INPUT_ENERGY)) - mass * pushed)  # fault: ground-input
+        store(slots, at(b, c.INPUT_ENERGY), load(slots, at(b, c.INPUT_ENERGY)) - mass * pushed)
         taken = fused(load(slots, at(b, c.DASHPOT)), dashed, load(slots, at(b, c.DASHPOT_ENERGY)))
         store(slots, at(b, c.DASHPOT_ENERGY), taken)
         taken = fused(load(slots, at(b, c.ALPHA)) * mass, drag, load(slots, at(b, c.DRAG_ENERGY)))
@@ -180,7 +180,7 @@ def _account_yielding(run):
     for b in range(run.slot_start, run.slot_stop, 8):
         first, last = load(slots, at(b, c.DRIFT0)), load(slots, at(b, c.DRIFT1))
         mean = fused(load(slots, at(b, c.LOST_SLOPE)), (first + last) * 0.5, load(slots, at(b, c.LOST)))
-        spent = mean * (last - first)  # fault: hysteresis
+        spent = mean * (last - first)
         store(slots, at(b, c.HYSTERESIS_ENERGY), load(slots, at(b, c.HYSTERESIS_ENERGY)) + spent)
 
 

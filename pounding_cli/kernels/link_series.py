@@ -221,7 +221,7 @@ def _cubic(run, k, b, v, known):
             roots = fused(root_i, load(series, other + c.ROOT_TERM), roots)
         third = fused(square, v_first, third)
         half = load(links, at_link(b, c.HALF_INVERSE_ROOT))
-        root = (3.0 * cubic * square - roots) * half  # fault: infill-slope-of-root
+        root = (3.0 * cubic * square - roots) * half
         drag = fused(root, load(series, first + c.RATE_TERM), drag)
     store(series, here + c.SQUARE_TERM, square)
     store(series, here + c.ROOT_TERM, root)
@@ -236,5 +236,5 @@ def link_forces_on(run, b):
     total = splat(0.0)
     for row in range(0, run.links_per_side * run.padded, run.padded):
         gain = gather(run.link_forces, 0, run.left_links, row + b)
-        total = total + gain - gather(run.link_forces, 0, run.right_links, row + b)  # fault: link-pushes-floors
+        total = total + gain - gather(run.link_forces, 0, run.right_links, row + b)
     return total

@@ -264,7 +264,7 @@ def _link_peaks(run, order, any_closed):
         reach = maximum(magnitude(first), magnitude(last))
         peak = load(links, at_link(b, c.PEAK_FORCE))
         held = duration * applied
-        store(links, at_link(b, c.IMPULSE), fused(impulse, held, load(links, at_link(b, c.IMPULSE))))  # fault: impulse
+        store(links, at_link(b, c.IMPULSE), fused(impulse, held, load(links, at_link(b, c.IMPULSE))))
         store(links, at_link(b, c.CONTACT_TIME), load(links, at_link(b, c.CONTACT_TIME)) + held)
         suspects = greater((reach + deviation) * applied, peak)
         if suspects != 0:

@@ -58,7 +58,7 @@ def _begin_step(run):
     run.clock[GROUND] = run.clock[SEGMENT_GROUND] + run.clock[GROUND_SLOPE] * elapsed
     run.clock[GROUND_CHANGE] = run.clock[GROUND_SLOPE] * h
     run.clock[END] = NEVER
-    return whole  # fault: step-is-whole
+    return whole
 
 
 @njit(**PART)
@@ -116,7 +116,7 @@ def plain_step(run, terms, settings, pinned_at_event):
     summarise(run, terms, order)
     storeys = inelastic and first_storey_event(run)
     link = linked and first_link_event(run)
-    if settings.watched > 0 and first_collapse(run):  # fault: collapse-in-time
+    if settings.watched > 0 and first_collapse(run):
         storeys, link = False, False
     if clock[END] < 1.0:
         end_at_event(run, terms, order)

@@ -145,7 +145,7 @@ def _march(c, first, n, end, bound, floor, last):
         if step <= 2e-16 * s:
             return s
         s += step
-    return _bracketed(c, first, n, s, end, p, last) if last <= 0.0 else s  # fault: root-search-gives-up
+    return _bracketed(c, first, n, s, end, p, last) if last <= 0.0 else s
 
 
 @njit(**CALLED)
@@ -187,7 +187,7 @@ def highest(c, n, end, best, absolute):
     the straight line between them, exceed `best`.
     """
     no_inline()
-    if n < 2 or end <= 0.0:  # fault: highest-within-step
+    if n < 2 or end <= 0.0:
         return best
     first = c[1]
     last = first

@@ -181,7 +181,7 @@ def _first_link(run, p):
 def _first_of_all(run, order, end):
     """`first_crossing` of the polynomial in `scratch`, in ever longer intervals: it may be by a closing far below the
     last digit of what the whole step brings."""
-    within = SOONEST * end  # fault: pressed-soon
+    within = SOONEST * end
     s = first_crossing(run.scratch, order, within)
     while s == NEVER and within < end:
         within = min(LATER * within, end)
@@ -229,7 +229,7 @@ def find_end(run, p, inelastic):
             run.scratch[k] = -p.T[k]
         run.scratch[0] = left_over
         run.clock[END] = min(first_crossing(run.scratch, order, 1.0), 1.0)
-    pressed = _presses(run, p)  # fault: pressed-from-rest
+    pressed = _presses(run, p)
     finished = finished and not pressed
     storeys = inelastic and _first_storey(run, p)
     link = _first_link(run, p)

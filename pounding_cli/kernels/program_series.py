@@ -86,7 +86,7 @@ def _memory(run, p, e, k):
     """Order k, from 1, of the memory of link e: B times its rate, integrated by s."""
     no_inline()
     rate = register(p, e, int(t.branch(run, branch_of(run, e), t.FLOW)))
-    register(p, e, MEMORY)[k] = product_term(p.B, rate, k - 1) * run.reciprocal[k]  # fault: memory-flows
+    register(p, e, MEMORY)[k] = product_term(p.B, rate, k - 1) * run.reciprocal[k]
 
 
 @njit(**CALLED)
@@ -134,7 +134,7 @@ def _accelerations(run, terms, p, k, has_terms):
         u, w = load(p.U, row + b), load(run.W, row + b)
         u_right = load(p.U, row + b + 8) if more else zero
         w_right = load(run.W, row + b + 8) if more else zero
-        total = load(slots, at(b, c.STENCIL_U)) * u - load(slots, at(b, c.LOADED)) * ground  # fault: program-ground
+        total = load(slots, at(b, c.STENCIL_U)) * u - load(slots, at(b, c.LOADED)) * ground
         total = fused(load(slots, at(b, c.STENCIL_U_BELOW)), from_left(u_left, u), total)
         total = fused(load(slots, at(b, c.STENCIL_U_ABOVE)), from_right(u, u_right), total)
         total = fused(load(slots, at(b, c.STENCIL_V)), w, total)

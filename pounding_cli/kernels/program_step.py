@@ -73,7 +73,7 @@ def program_step(run, terms, programs, settings):
         if has_terms:
             rescale_springs(run, terms, order, ratio)
     storeys, link, finished = find_end(run, p, inelastic)
-    if settings.watched > 0 and first_collapse_on_program(run, p):  # fault: collapse-on-program
+    if settings.watched > 0 and first_collapse_on_program(run, p):
         storeys, link, finished = False, False, False
     reach_end(run, terms, p)
     account(run, terms, p, settings.nodes, settings.weights, inelastic, has_terms)

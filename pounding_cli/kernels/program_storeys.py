@@ -84,7 +84,7 @@ def shear_terms(run, p, i, factor):
     if flows_on(run, i):
         series, per_memory = storey_register(p, i, MEMORY), factor * _per_memory(run, i)
         for k in range(1, order + 1):
-            run.scratch[k] += per_memory * series[k]  # fault: shear-flows
+            run.scratch[k] += per_memory * series[k]
 
 
 @njit(**CALLED)
@@ -162,7 +162,7 @@ def push_slots(run, p, k):
             shear = _per_memory(run, i) * storey_register(p, i, MEMORY)[k]
             p.A[row + i] -= shear * slots[of(i, c.INVERSE_MASS)]
             if slots[of(i, c.COUPLE)] != 0.0:
-                p.A[row + i - 1] += shear * slots[of(i - 1, c.INVERSE_MASS)]  # fault: storey-pushes-below
+                p.A[row + i - 1] += shear * slots[of(i - 1, c.INVERSE_MASS)]
 
 
 @njit(**CALLED)
@@ -216,7 +216,7 @@ def part_followed(run, p, tolerance, ratio):
                 defect = abs(_defect(run, p, i, ratio)) * ratio
                 if defect <= allowed:
                     break
-                ratio *= max(0.9 * (allowed / defect) ** (1.0 / order), 0.25)  # fault: memory-followed
+                ratio *= max(0.9 * (allowed / defect) ** (1.0 / order), 0.25)
     return ratio
 
 
@@ -249,4 +249,4 @@ def account_storeys(run, p, points):
             held = energy_held(run, b, slots[of(i, c.DRIFT0)], begin, np.int64(MEMORIES), np.int64(0), p.rows)
             place = of(i, c.STOREY_MEMORY)
             ends = energy_held(run, b, slots[of(i, c.DRIFT1)], slots, np.int64(MEMORIES), place, np.int64(8))
-            slots[of(i, c.HYSTERESIS_ENERGY)] += work - (ends - held)  # fault: storey-loses
+            slots[of(i, c.HYSTERESIS_ENERGY)] += work - (ends - held)

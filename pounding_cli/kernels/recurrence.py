@@ -48,7 +48,7 @@ def update_stencils(run, i):
     itself and its neighbours) and the push of the offsets [m/s2]. P-Delta acts on the difference of two displacements,
     so it is taken from the tangent here and nowhere else: shears are the law's."""
     slots = run.slots
-    below = slots[of(i, c.TANGENT)] - slots[of(i, c.GEOMETRIC)]  # fault: p-delta-below
+    below = slots[of(i, c.TANGENT)] - slots[of(i, c.GEOMETRIC)]
     above = 0.0
     above_dashpot = 0.0
     above_offset = 0.0
@@ -62,8 +62,8 @@ def update_stencils(run, i):
     couple = slots[of(i, c.COUPLE)]
     slots[of(i, c.STENCIL_U)] = -(below + above) * inverse
     slots[of(i, c.STENCIL_U_BELOW)] = couple * below * inverse
-    slots[of(i, c.STENCIL_U_ABOVE)] = above * inverse  # fault: stencil-right
-    slots[of(i, c.STENCIL_V)] = -(dashpot + above_dashpot) * inverse - slots[of(i, c.ALPHA)]  # fault: stencil-own-rate
+    slots[of(i, c.STENCIL_U_ABOVE)] = above * inverse
+    slots[of(i, c.STENCIL_V)] = -(dashpot + above_dashpot) * inverse - slots[of(i, c.ALPHA)]
     slots[of(i, c.STENCIL_V_BELOW)] = couple * dashpot * inverse
     slots[of(i, c.STENCIL_V_ABOVE)] = above_dashpot * inverse
     slots[of(i, c.OFFSET_ACCELERATION)] = (above_offset - slots[of(i, c.OFFSET)]) * inverse
@@ -79,7 +79,7 @@ def _floor_accelerations(slots, b, k, before, ground, u_left, u, u_right, w_left
     total = fused(load(slots, at(b, c.STENCIL_U_BELOW)), u_left, total)
     total = fused(load(slots, at(b, c.STENCIL_U_ABOVE)), u_right, total) * before
     if k < 2:
-        total = total - load(slots, at(b, c.LOADED)) * ground  # fault: ground-in-series
+        total = total - load(slots, at(b, c.LOADED)) * ground
         total = total + load(slots, at(b, c.OFFSET_ACCELERATION)) if k == 0 else total
     total = fused(load(slots, at(b, c.STENCIL_V)), w, total)
     total = fused(load(slots, at(b, c.STENCIL_V_BELOW)), w_left, total)
@@ -93,7 +93,6 @@ def set_allowed(run, tolerance):
     slots = run.slots
     least_scale = splat(run.clock[LEAST_SCALE])
     for b in range(run.slot_start, run.slot_stop, 8):
-        # fault: series-tolerance
         store(slots, at(b, c.TERM_TOLERANCE), maximum(load(slots, at(b, c.SCALE)), least_scale) * tolerance)
 
 
@@ -189,7 +188,7 @@ def _expand_all(run, terms, any_closed, curved, cut, pinned_at_event, max_order,
         if has_terms:
             hand_on(run, terms, run.W, row + padded)
             exceeding = exceeding_lanes(run, k, after)
-        if cut != 0 and _largest_cut_term(run, k) > 1.0:  # fault: cut-series-ends
+        if cut != 0 and _largest_cut_term(run, k) > 1.0:
             exceeding |= 1
         k += 1
         small, close = _judged(small, exceeding, k)
@@ -216,7 +215,7 @@ def _expand_one(run, max_order):
     before = splat(1.0)
     while True:
         after = h * run.reciprocal[k + 1]
-        w_left, w_right = from_left(zero, w), from_right(w, zero)  # fault: alone-neighbours-rates
+        w_left, w_right = from_left(zero, w), from_right(w, zero)
         total = _floor_accelerations(slots, a, k, before, ground, u_left, u, u_right, w_left, w, w_right)
         exceeding = greater(magnitude(total), load(slots, at(a, c.TERM_TOLERANCE)))
         u, u_left, u_right = w, w_left, w_right
@@ -260,7 +259,7 @@ def _expand_two(run, any_closed, curved, pinned_at_event, max_order):
         if any_closed != 0:
             pushed, v = link_force_terms(run, k, e, v, w - y, after, curved, pinned_at_event)
             total = total - load(slots, at(a, c.INVERSE_MASS)) * pushed
-            total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)  # fault: lined-up-push
+            total_right = fused(load(slots, at(b, c.INVERSE_MASS)), pushed, total_right)
         exceeding = greater(magnitude(total), load(slots, at(a, c.TERM_TOLERANCE)))
         exceeding |= greater(magnitude(total_right), load(slots, at(b, c.TERM_TOLERANCE)))
         u, u_left, u_right = w, w_left, w_right
@@ -318,7 +317,7 @@ def shrink(run, cut):
         for lane in range(8):
             size = max(size, run.scratch[lane])
         if cut != 0:
-            size = max(size, _largest_cut_term(run, k - 1))  # fault: cut-shortens-steps
+            size = max(size, _largest_cut_term(run, k - 1))
         if size > 0.0:
             worst = max(worst, size ** (1.0 / (k - 1)))
     return 0.9 / worst if worst > 0.9 else 1.0

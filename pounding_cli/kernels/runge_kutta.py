@@ -72,7 +72,7 @@ def _step(scene, p, out, own, h, ground, slope, inelastic, located):
     _stage(scene, p, q4, q3, h, last, inelastic, located)
     for i in range(elements.freedoms):
         out.u[i] = p.u[i] + h * p.v[i] + h * h / 6.0 * (p.a[i] + q2.a[i] + q3.a[i])
-        out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])  # fault: runge-kutta-stages
+        out.v[i] = p.v[i] + h / 6.0 * (p.a[i] + 2.0 * (q2.a[i] + q3.a[i]) + q4.a[i])
     if not located:
         begin_storeys(slots, p, out, inelastic)
     fill_forces(scene, out, last, inelastic, located)
@@ -126,7 +126,7 @@ def _advance_to_event(scene, p, out, own, tally, h, ground, slope, inelastic):
     own[_ENDS] = 1.0 if s <= 1.0 else 0.0
     if s > 1.0:
         return h, STEP_DONE
-    _step(scene, p, out, own, h * s, ground, slope, inelastic, True)  # fault: event-ends-step
+    _step(scene, p, out, own, h * s, ground, slope, inelastic, True)
     tally[EVENTS] += 1
     return h * s, STEP_CUT
 

@@ -261,7 +261,7 @@ def march(
             gone = 0.0
             verdict = STEP_CUT
             while verdict == STEP_CUT:
-                ground = starts[segment] + slope * (part * whole + gone)  # fault: ground-of-a-step
+                ground = starts[segment] + slope * (part * whole + gone)
                 h, verdict = advance(scene, p, out, own, tally, whole - gone, ground, slope, inelastic)
                 if verdict >= 0:
                     return verdict, steps, tally[EVENTS], tally[ITERATIONS], segment * dt + part * whole

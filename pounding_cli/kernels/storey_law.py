@@ -96,7 +96,7 @@ def guard_at_rest(laws, b, left, quantity, rests):
         for g in range(int(t.branch(laws, b, t.FIRST_GUARD)), int(t.branch(laws, b, t.LAST_GUARD))):
             asked = t.guard(laws, g, t.QUANTITY)
             if (asked == wanted or asked == t.RATE) and int(t.guard(laws, g, t.NEXT)) == left:
-                return g  # fault: storey-turns-at-rest
+                return g
     return 0
 
 

@@ -26,7 +26,7 @@ def summarise(run, terms, order):
     h = splat(run.clock[H])
     per_h = splat(run.clock[INVERSE_H])
     ground = splat(run.clock[GROUND])
-    ground_end = ground + splat(run.clock[GROUND_CHANGE])  # fault: acceleration-is-total
+    ground_end = ground + splat(run.clock[GROUND_CHANGE])
     eighth = h * 0.125
     for b in range(run.slot_start, run.slot_stop, 8):
         travel = splat(0.0)

@@ -229,7 +229,7 @@ def _slopes(run, b, v, rate):
     stiffness, dashpot = t.branch(run, b, t.LINEAR), t.branch(run, b, t.DASHPOT)
     cubic, root = t.branch(run, b, t.CUBIC), t.branch(run, b, t.ROOT)
     if cubic != 0.0 or root != 0.0:
-        stiffness += 3.0 * cubic * v * v  # fault: tangent-of-infill
+        stiffness += 3.0 * cubic * v * v
         wave = np.sqrt(max(stiffness, LEAST_SLOPE))
         dashpot += root * wave
         stiffness += 3.0 * root * cubic * v / wave * rate
@@ -306,12 +306,12 @@ def cross_link_event(run, tangent, terms, before):
     after = run.link_integers[of_link_integer(e, c.BRANCH)]
     jump = (_force(run, after, v, rate) - _force(run, before, v, rate)) * shift
     tangent.links[of_link(e, c.IMPULSE)] -= jump
-    tangent.W[left] += run.slots[of(left, c.INVERSE_MASS)] * jump  # fault: tangent-jumps
+    tangent.W[left] += run.slots[of(left, c.INVERSE_MASS)] * jump
     tangent.W[right] -= run.slots[of(right, c.INVERSE_MASS)] * jump
     if terms.points > 0:
         follow_points(tangent, terms, tangent.W, np.int64(0))
     least = LEAST_MOVED * largest / max(abs(slope), LEAST_SLOPE)
-    tangent.links[of_link(e, c.CONTACT_TIME)] += max(abs(shift), least)  # fault: tangent-of-durations
+    tangent.links[of_link(e, c.CONTACT_TIME)] += max(abs(shift), least)
     for field in (c.LAW_LINEAR, c.LAW_DASHPOT, c.ACTS, c.CLOSED):
         tangent.links[of_link(e, field)] = run.links[of_link(e, field)]
 
@@ -333,7 +333,7 @@ def cross_storey_events(run, tangent):
                 drift = tangent.W[i - run.padded]
                 if slots[of(i, c.COUPLE)] != 0.0:
                     drift -= tangent.W[i - 1 - run.padded]
-                offset = slots[of(i, c.OFFSET)] + (former - stiffness) * drift  # fault: tangent-remembers
+                offset = slots[of(i, c.OFFSET)] + (former - stiffness) * drift
             slots[of(i, c.TANGENT)], slots[of(i, c.OFFSET)] = stiffness, offset
             update_stencils(tangent, i)
             if i >= 1:

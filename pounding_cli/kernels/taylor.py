@@ -164,7 +164,7 @@ def _march(other_step, track_shears, run, tangent, terms, programs, settings, pi
         if status >= 0:
             break
         renew_scale(run)
-        if pinned_at_event and clock[END] > INSTANT:  # fault: no-time
+        if pinned_at_event and clock[END] > INSTANT:
             unpin(run)
             pinned_at_event = np.bool_(False)
         if link:

@@ -78,7 +78,7 @@ def follow_points(run, terms, values, row):
         store(terms.sums, 0, total)
         for p in range(b, min(b + 8, terms.points)):
             if _in_range(run, terms.place[p]):
-                values[row + terms.place[p]] = terms.sums[p - b]  # fault: point-follows
+                values[row + terms.place[p]] = terms.sums[p - b]
 
 
 @njit(**PART)
@@ -116,7 +116,7 @@ def hand_on(run, terms, accelerations, row):
         if _in_range(run, terms.place[p]):
             pushed = accelerations[row + terms.place[p]]
             for j in range(p, terms.point_terms * padded, padded):
-                accelerations[row + terms.freedom[j]] += terms.handed[j] * pushed  # fault: point-hands-on
+                accelerations[row + terms.freedom[j]] += terms.handed[j] * pushed
     follow_points(run, terms, accelerations, row)
 
 
@@ -158,7 +158,7 @@ def spring_forces(run, terms, k, displacements, above, before):
             if _in_range(run, terms.spring_freedom[e]):
                 for j in range(e, end, padded):
                     push = terms.spring_weight[j] * terms.sums[e - b]
-                    run.slots[of(terms.spring_freedom[j], c.SPRING_FORCE)] -= push  # fault: spring-pushes-back
+                    run.slots[of(terms.spring_freedom[j], c.SPRING_FORCE)] -= push
 
 
 @njit(**CALLED)
@@ -190,4 +190,4 @@ def account_springs(run, terms, points, first_share):
         for e in range(b, min(b + 8, terms.springs)):
             if _in_range(run, terms.spring_freedom[e]):
                 drag = of(terms.spring_freedom[e], c.DRAG_ENERGY)
-                run.slots[drag] += terms.sums[e - b]  # fault: spring-dissipates
+                run.slots[drag] += terms.sums[e - b]

@@ -45,7 +45,7 @@ def initialise_branches(run):
     """Laws and stencils of the branches the state is on."""
     no_inline()
     for i in range(run.padded):
-        enter_storey_branch(run, i)  # fault: run-goes-on
+        enter_storey_branch(run, i)
     for i in range(run.padded):
         update_stencils(run, i)
     for e in range(run.padded_links):
@@ -66,7 +66,7 @@ def _storey_event(run, i):
     pinned = guard_at_rest(run, b, left, t.guard(run, g, t.QUANTITY), rests)
     run.storeys[of_storey(run, i, c.STOREY_PINNED)] = pinned
     run.storeys[of_storey(run, i, c.STOREY_EVENTS)] += 1
-    enter_storey_branch(run, i)  # fault: storey-unloads
+    enter_storey_branch(run, i)
     update_stencils(run, i)
     if i >= 1:
         update_stencils(run, i - 1)

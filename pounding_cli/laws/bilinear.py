@@ -35,12 +35,12 @@ class Bilinear(StoreyLaw):
         elastic_part = DRIFT - PLASTIC_DRIFT
         between = 0.5 * k * (a * DRIFT * DRIFT + (1.0 - a) * elastic_part * elastic_part)
         on_line = 0.5 * k * (a * DRIFT * DRIFT + (1.0 - a) * limit * limit)
-        yields = drift_rises_above(limit, "upper", 1.0), drift_falls_below(-limit, "lower", 1.0)  # fault: yield-guard
+        yields = drift_rises_above(limit, "upper", 1.0), drift_falls_below(-limit, "lower", 1.0)
         back_down = turns_down("elastic", (0, DRIFT - limit))
-        back_up = turns_up("elastic", (0, DRIFT + limit))  # fault: storey-remembers
+        back_up = turns_up("elastic", (0, DRIFT + limit))
         offset = (-(1.0 - a) * k) * PLASTIC_DRIFT
         return (
-            StoreyBranch("elastic", k, offset, yields, lost=0.0, stored=between),  # fault: storey-elastic-tangent
+            StoreyBranch("elastic", k, offset, yields, lost=0.0, stored=between),
             StoreyBranch("upper", a * k, plateau, (back_down,), lost=plateau, stored=on_line),
             StoreyBranch("lower", a * k, -plateau, (back_up,), lost=-plateau, stored=on_line),
         )

@@ -85,10 +85,10 @@ class BilinearContact(LinkLaw):
             return opening(Branch("elastic", k1, guards=(opens,)))
         apart = ROUNDING * limit
         turns_back = Guard(Quantity.RATE, 0.0, 1.0, "unloading", once=True, sets=remembering(CLOSING + apart))
-        again = CLOSING + (limit - apart)  # fault: bilinear-turns-up
+        again = CLOSING + (limit - apart)
         turns_up = Guard(Quantity.RATE, 0.0, -1.0, "unloading", once=True, sets=remembering(again))
         yields = Guard(Quantity.CLOSING, 0.0, -1.0, "yielding", of_memory=1.0)
-        returns = Guard(Quantity.CLOSING, -limit, 1.0, "returning", of_memory=1.0)  # fault: bilinear-return
+        returns = Guard(Quantity.CLOSING, -limit, 1.0, "returning", of_memory=1.0)
         unloading = k1 * CLOSING - (k1 - k2) * MEMORY + (k1 - k2) * limit
         return opening(
             Branch("elastic", k1, guards=(opens, rises_above(limit, "yielding"))),

@@ -70,9 +70,9 @@ class BoucWen(StoreyLaw):
 
     def _bend(self, name: str, sign: float, way: float, *guards) -> StoreyBranch:
         """A branch on which z flows: its sign, and the way of the drift."""
-        factor = (1.0 - self.wen_gamma) * sign * way + self.wen_gamma  # fault: bouc-wen-gamma
-        power = whole_power(sign * Z, self.wen_exponent)  # fault: bouc-wen-exponent
-        flow = (1.0 / self.yield_drift) * (RATE * (1.0 - factor * power))  # fault: bouc-wen
+        factor = (1.0 - self.wen_gamma) * sign * way + self.wen_gamma
+        power = whole_power(sign * Z, self.wen_exponent)
+        flow = (1.0 / self.yield_drift) * (RATE * (1.0 - factor * power))
         return StoreyBranch(
             name, self.hardening * self.stiffness, self.plateau * Z, guards, lost=0.0, stored=self._stored, flow=flow
         )
@@ -85,7 +85,6 @@ class BoucWen(StoreyLaw):
     def _stored(self) -> Expression:
         """In two springs side by side: a k under the drift, (1 - a) k under its elastic part Dy z."""
         k, a = self.stiffness, self.hardening
-        # fault: bouc-wen-stores
         return (0.5 * a * k) * DRIFT**2 + (0.5 * self.plateau * self.yield_drift) * Z**2
 
     def _fills(self, sign: float):

@@ -70,7 +70,7 @@ def rises_above(at: float, to: str, impact: bool = False, once: bool = False, of
 
 def begins_to_pull(to: str) -> Guard:
     """The force falls below zero."""
-    return Guard(Quantity.FORCE, 0.0, 1.0, to, once=True)  # fault: tension-guard
+    return Guard(Quantity.FORCE, 0.0, 1.0, to, once=True)
 
 
 def begins_to_push(to: str) -> Guard:

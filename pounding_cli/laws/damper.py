@@ -24,4 +24,4 @@ class Damper(LinkLaw):
 
     def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
         """One without end."""
-        return (Branch("joined", dashpot=self.damping_coefficient),)  # fault: damper
+        return (Branch("joined", dashpot=self.damping_coefficient),)

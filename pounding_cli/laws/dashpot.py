@@ -14,8 +14,8 @@ class DashpotLaw(StrEnum):
 
     def mass(self, left_mass: float, right_mass: float) -> float:
         """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""
-        reduced = left_mass * right_mass / (left_mass + right_mass)  # fault: reduced-mass
-        return reduced if self is DashpotLaw.REDUCED_MASS else 1.0 / reduced  # fault: dashpot-mass
+        reduced = left_mass * right_mass / (left_mass + right_mass)
+        return reduced if self is DashpotLaw.REDUCED_MASS else 1.0 / reduced
 
 
 DASHPOT = ("anagnostopoulos1988", "the dashpot from the coefficient of restitution, eq. (7)")
@@ -34,7 +34,7 @@ def damping_ratio(restitution: float) -> float:
     if not 0 < restitution <= 1:
         raise ValueError(f"coefficient of restitution is {restitution:g}; it must be above 0 and at most 1")
     log = math.log(restitution)
-    return -log / math.hypot(math.pi, log)  # fault: damping-ratio-of-restitution
+    return -log / math.hypot(math.pi, log)
 
 
 def restitution_of(ratio: float) -> float:
@@ -44,4 +44,4 @@ def restitution_of(ratio: float) -> float:
 
 def dashpot_constant(ratio: float, stiffness: float, mass: float) -> float:
     """2 xi sqrt(s m') [N s/m] (eq. 7)."""
-    return 2 * ratio * math.sqrt(stiffness * mass)  # fault: dashpot
+    return 2 * ratio * math.sqrt(stiffness * mass)

@@ -54,6 +54,6 @@ class Friction(LinkLaw):
         shear = k * (CLOSING - MEMORY)
         return (
             Branch("sticking", force=shear, guards=yields, holds=(0.5 / k) * shear**2),
-            Branch("closing", offset=force, guards=(turns_back,), holds=held),  # fault: friction-slips
+            Branch("closing", offset=force, guards=(turns_back,), holds=held),
             Branch("parting", offset=-force, guards=(turns_up,), holds=held),
         )

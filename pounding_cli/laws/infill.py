@@ -69,13 +69,12 @@ class Infill(LinkLaw):
     def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
         """Open, inside its thickness and beyond it."""
         mass, d = self.dashpot.mass(left_mass, right_mass), self.gap
-        cubic = (self.impact_stiffness - self.stiffness) / (3 * d**2)  # fault: infill-cubic
-        root = 2 * self.damping_ratio * math.sqrt(mass)  # fault: infill-root-dashpot
+        cubic = (self.impact_stiffness - self.stiffness) / (3 * d**2)
+        root = 2 * self.damping_ratio * math.sqrt(mass)
         offset = 0.0
-        # fault: infill-stiffened
         if self.law is InfillLaw.CONTINUOUS:  # F(d) + s_imp (v - d)
             offset = cubic * d**3 + self.stiffness * d - self.impact_stiffness * d
-        stiffens = rises_above(d, "beyond")  # fault: infill-guard
+        stiffens = rises_above(d, "beyond")
         inside = Branch("inside", self.stiffness, cubic, root=root, guards=(falls_below(0.0, "open"), stiffens))
         c = root * math.sqrt(self.impact_stiffness)
         beyond = Branch("beyond", self.impact_stiffness, offset=offset, dashpot=c, guards=(falls_below(d, "inside"),))

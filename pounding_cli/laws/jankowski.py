@@ -102,5 +102,5 @@ class Jankowski(HertzSpring):
         closes = Guard(Quantity.RATE, 0.0, -1.0, "approach", once=True)
         return opening(
             Branch("approach", force=self.spring + dashpot * RATE, regular=4, guards=(opens, parts)),
-            Branch("release", force=self.spring, regular=2, guards=(opens, closes)),  # fault: jankowski-release
+            Branch("release", force=self.spring, regular=2, guards=(opens, closes)),
         )

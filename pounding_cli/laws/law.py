@@ -181,7 +181,7 @@ class LinkLaw(Law):
     @property
     def offset(self) -> float:
         """What v leaves out of the closing u_left - u_right [m]."""
-        return self.gap if self.subtracts_gap else 0.0  # fault: gap-in-closing
+        return self.gap if self.subtracts_gap else 0.0
 
     @cached_property
     def _sample(self) -> tuple[Branch, ...]:

@@ -41,5 +41,5 @@ class Maxwell(LinkLaw):
     def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
         """One without end; what it remembers is its force."""
         k, c = self.stiffness, self.damping_coefficient
-        flow = k * RATE - (k / c) * MEMORY  # fault: maxwell
+        flow = k * RATE - (k / c) * MEMORY
         return (Branch("joined", force=1.0 * MEMORY, flow=flow, holds=(0.5 / k) * MEMORY**2),)

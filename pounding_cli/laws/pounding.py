@@ -38,4 +38,4 @@ class Pounding(LinkLaw):
         stiffness = self.stiffness if self.can_close else 0.0
         c = dashpot_constant(self.damping_ratio, stiffness, self.dashpot.mass(left_mass, right_mass))
         contact = Branch("contact", stiffness, dashpot=c, guards=(falls_below(0.0, "open"),))
-        return opening(contact, tension_cut=self.tension_cut and self.damping_ratio > 0)  # fault: tension-cut-as-given
+        return opening(contact, tension_cut=self.tension_cut and self.damping_ratio > 0)

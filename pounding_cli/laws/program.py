@@ -126,7 +126,7 @@ class Expression:
         if self.operation is Operation.LINEAR:
             return a * x + b * y + c
         with np.errstate(invalid="ignore"):
-            return np.where((x == 0.0) | (y == 0.0), 0.0, a * x * y)  # fault: product-of-zero
+            return np.where((x == 0.0) | (y == 0.0), 0.0, a * x * y)
 
 
 CLOSING = Expression(register=_CLOSING)

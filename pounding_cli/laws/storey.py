@@ -84,7 +84,7 @@ class StoreyLaw(Law):
     @property
     def plateau(self) -> float:
         """(1 - a) Vy [N]: where the line after the yield meets zero drift."""
-        return (1 - self.hardening) * self.yield_shear  # fault: yield-plateau
+        return (1 - self.hardening) * self.yield_shear
 
     @property
     def can_yield(self) -> bool:

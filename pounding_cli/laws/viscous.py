@@ -34,5 +34,5 @@ class Viscous(LinkLaw):
         if a == 1.0:
             return (Branch("joined", dashpot=c),)
         square = RATE * RATE
-        force = c * (RATE * (square * square + w**4) ** (0.25 * (a - 1.0)))  # fault: viscous
+        force = c * (RATE * (square * square + w**4) ** (0.25 * (a - 1.0)))
         return (Branch("joined", force=force),)

@@ -110,7 +110,7 @@ class Building:
         """Refuse a building without stiffness at rest: the least energy of the storeys at a rocking angle phi is
         -sum P h / (1 - theta) phi^2 / 2, which the rocking spring must outweigh."""
         theta = self.stability_coefficient
-        wrong = np.flatnonzero(theta >= 1)  # fault: unstable-at-rest
+        wrong = np.flatnonzero(theta >= 1)
         if wrong.size:
             raise UnstableError(
                 f"{self.name}: P-Delta leaves storey {wrong[0] + 1} no stiffness: theta = P / (k h) is "
@@ -154,7 +154,7 @@ class Building:
     def collapse_drift(self) -> np.ndarray:
         """Drift at which every storey counts as collapsed [m], inf where that is not looked for, shape (n,)."""
         if self.collapse is not None:
-            return self.collapse * self.height  # fault: drift-of-collapse
+            return self.collapse * self.height
         softest = np.array([law.softest for law in self.laws])
         softens = np.isfinite(self.yield_shear) & (self.stability_coefficient > softest)
         return (COLLAPSE if softens.any() else np.inf) * self.height

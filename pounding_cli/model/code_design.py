@@ -75,8 +75,8 @@ class UbcDesign:
         _check_period(period)
         if self.edition == 1985:
             c = min(1 / (15 * math.sqrt(period)), 0.12)
-            return self.zone * self.importance * self.k * min(c * self.soil, 0.14)  # fault: ubc-1985-cs
-        c = min(1.25 * self.soil / period ** (2 / 3), 2.75)  # fault: ubc-1991-c
+            return self.zone * self.importance * self.k * min(c * self.soil, 0.14)
+        c = min(1.25 * self.soil / period ** (2 / 3), 2.75)
         return self.zone * self.importance * max(c / self.rw, 0.075)
 
     @property
@@ -85,7 +85,7 @@ class UbcDesign:
 
         1991: sec. 2337(b)11; 1994: sec. 1631.2.11; 1985: sec. 2312(j)1.D (3.0 / K times the drift).
         """
-        return 3 / self.k if self.edition == 1985 else 3 * self.rw / 8  # fault: ubc-displacement
+        return 3 / self.k if self.edition == 1985 else 3 * self.rw / 8
 
     def floor_forces(self, mass: ArrayLike, height: ArrayLike, period: float) -> np.ndarray:
         """Design force on every floor [N], shape (n,): F_t at the roof, the rest of V by w_x h_x.
@@ -188,12 +188,12 @@ def _static_displacements(
 
 def _storey_shears(forces: np.ndarray) -> np.ndarray:
     """Sums of floor forces from every storey up [N], shape (n,)."""
-    return np.cumsum(forces[::-1])[::-1]  # fault: ubc-storey-shears
+    return np.cumsum(forces[::-1])[::-1]
 
 
 def _with_top_force(shear: float, mass: np.ndarray, height: np.ndarray, period: float) -> np.ndarray:
     """A base shear over the floors [N]: F_t = 0.07 T V <= 0.25 V at the roof above T = 0.7 s, the rest by w h."""
-    top = min(0.07 * period, 0.25) * shear if period > 0.7 else 0.0  # fault: ubc-top-force
+    top = min(0.07 * period, 0.25) * shear if period > 0.7 else 0.0
     moment = mass * np.cumsum(height)
     forces = (shear - top) * moment / moment.sum()
     forces[-1] += top

@@ -47,7 +47,7 @@ def _condensed(building: Building, link: float, bound: float, said: list[str]) -
             said.append(_sentence("sway", building.name, adds))
     if rocks:
         tall = float(building.elevation[-1])
-        adds = share(stiffest * tall**2, foundation.inertia, foundation.rocking_stiffness)  # fault: base-held-fixed
+        adds = share(stiffest * tall**2, foundation.inertia, foundation.rocking_stiffness)
         rocks = adds >= bound
         if not rocks:
             said.append(_sentence("rocking", building.name, adds))

@@ -113,7 +113,7 @@ def _effects(buildings: _Buildings, links: _Links, analysis: Analysis) -> Effect
 
     inelastic = analysis == Analysis.INELASTIC
     yielding = decide(
-        inelastic and buildings.can_yield,  # fault: storeys-can-yield
+        inelastic and buildings.can_yield,
         "yielding storeys",
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )

@@ -131,7 +131,7 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
         joined.setdefault(link.ends, []).append(number)
     names = [""] * len(links)
     for several in joined.values() if len(joined) < len(links) else ():
-        strike = (number for number in several if links[number].law.subtracts_gap)  # fault: link-that-strikes
+        strike = (number for number in several if links[number].law.subtracts_gap)
         plain = next(strike, several[0])
         count: Counter[str] = Counter()
         for number in several:

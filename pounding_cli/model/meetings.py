@@ -64,7 +64,7 @@ def _meetings(*both: tuple[bytes, float]) -> tuple[tuple[tuple[int, int], ...], 
     elevations = [np.frombuffer(levels) for levels, _ in both]
     reach = 0.5 * sum(slab for _, slab in both) + FLOOR_TOLERANCE
     apart = np.abs(elevations[0][:, None] - elevations[1])
-    meet: np.ndarray = apart <= reach  # fault: slabs-that-meet
+    meet: np.ndarray = apart <= reach
     pairs = [(i, j) for i, j in zip(*(each.tolist() for each in np.nonzero(meet)), strict=True)]
     nearest = [(i, j) for i, j in pairs if apart[i, j] == apart[i].min() == apart[:, j].min()]
     strikes = []
@@ -89,4 +89,4 @@ def column_flexibility(building: Building, storey: int, at: float) -> float:
     """
     assert building.columns is not None
     stiffness = building.columns * float(building.stiffness[storey - 1])
-    return 4.0 * (at * (1.0 - at)) ** 3 / stiffness  # fault: column-flexibility
+    return 4.0 * (at * (1.0 - at)) ** 3 / stiffness

@@ -35,7 +35,7 @@ def double_difference(left: ArrayLike, right: ArrayLike, correlation: ArrayLike)
     avoid pounding. Earthquake Spectra 8(2), 201-223.
     """
     a, b = np.abs(left), np.abs(right)
-    return np.sqrt(np.maximum(a**2 + b**2 - 2 * np.asarray(correlation) * a * b, 0.0))  # fault: double-difference
+    return np.sqrt(np.maximum(a**2 + b**2 - 2 * np.asarray(correlation) * a * b, 0.0))
 
 
 def cross_correlation(
@@ -73,7 +73,7 @@ def asce7_displacement(elastic: ArrayLike, deflection_factor: float, importance:
     elastic : delta_max, largest displacement of the elastic building under the design forces [m]
     deflection_factor, importance : Cd and Ie of the building [-]
     """
-    return np.abs(elastic) * deflection_factor / importance  # fault: asce7-displacement
+    return np.abs(elastic) * deflection_factor / importance
 
 
 def en1998_displacement(elastic: ArrayLike, behaviour_factor: float) -> np.ndarray:
@@ -95,7 +95,7 @@ def en1998_separation(left: ArrayLike, right: ArrayLike, same_floors: ArrayLike)
 
     left, right : d_s at the level [m]; same_floors : whether the floors have the same elevations
     """
-    return np.hypot(left, right) * np.where(same_floors, 0.7, 1.0)  # fault: en1998-same-floors
+    return np.hypot(left, right) * np.where(same_floors, 0.7, 1.0)
 
 
 GB_STEP = {6: 5.0, 7: 4.0, 8: 3.0, 9: 2.0}

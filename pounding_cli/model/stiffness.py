@@ -47,7 +47,7 @@ def stiffness_for_period(mass: ArrayLike, period: float, taper: float = 1.0) -> 
     """
     m = _positive("mass", mass)
     (wanted,), (ratio,) = _positive("period", [period]), _positive("taper", [taper])
-    shape = np.linspace(1.0, ratio, m.size)  # fault: stiffness-taper
+    shape = np.linspace(1.0, ratio, m.size)
     return shape * (2 * np.pi / wanted / frequencies(m, shape)[0]) ** 2
 
 
@@ -69,7 +69,6 @@ def rayleigh_factors(mass: ArrayLike, stiffness: ArrayLike, damping: float) -> t
     if not 0 <= damping < 1:
         raise ValueError(f"damping is {damping:g}: give a ratio of critical from 0 up to, not including, 1")
     w = frequencies(mass, stiffness)
-    # fault: rayleigh-frequencies
     first, second = w[0], w[min(1, w.size - 1)]  # one storey: both are its only mode, which halves the shares
     return float(2 * damping * first * second / (first + second)), float(2 * damping / (first + second))
 

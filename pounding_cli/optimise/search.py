@@ -155,7 +155,7 @@ class Search:
         """By how much the function may lie above its least value on the bottom: its error, or a share of it."""
         assert self.best is not None
         error = self.error
-        return max(0.0 if np.isnan(error) else error, FLAT * abs(self.values[self.best]))  # fault: flat-bottom
+        return max(0.0 if np.isnan(error) else error, FLAT * abs(self.values[self.best]))
 
     @property
     def continuous(self) -> list[int]:

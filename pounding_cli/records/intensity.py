@@ -24,8 +24,8 @@ def cumulative_arias(motion: Motion) -> np.ndarray:
     Plants, MIT Press).
     """
     a = motion.acceleration
-    steps = motion.dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2)  # fault: arias-straight-lines
-    return np.concatenate(([0.0], np.pi / (2.0 * GRAVITY) * np.cumsum(steps)))  # fault: arias
+    steps = motion.dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2)
+    return np.concatenate(([0.0], np.pi / (2.0 * GRAVITY) * np.cumsum(steps)))
 
 
 def arias(motion: Motion) -> float:

@@ -63,8 +63,7 @@ def arias_factor(motion: Motion, target: Motion | float) -> float:
     Both are taken as they are: cut them to their windows first.  I_A grows with the factor squared.  The rule
     behind the last column of the paper's Table 1.  Raises InputError for a motion at rest or a target <= 0.
     """
-    wanted = arias(target) if isinstance(target, Motion) else float(target)  # fault: scaling-target
-    # fault: scaling-factor
+    wanted = arias(target) if isinstance(target, Motion) else float(target)
     return math.sqrt(_positive(wanted, "Arias intensity to reach", "m/s") / _measured(motion, arias(motion)))
 
 

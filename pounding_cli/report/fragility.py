@@ -253,7 +253,7 @@ def _points(rows: pd.DataFrame, suffix: str, method: str) -> tuple[np.ndarray, n
         last = np.where(np.isfinite(passed), passed, held)  # the highest intensity at which a motion says something
         at, passes = np.unique(passed[np.isfinite(passed)], return_counts=True)
         # Kaplan, E. L. and Meier, P. (1958). Nonparametric estimation from incomplete observations. JASA 53, 457-481
-        left = np.array([(last >= x).sum() for x in at])  # fault: markers-of-undecided
+        left = np.array([(last >= x).sum() for x in at])
         return at, 1 - np.cumprod(1 - passes / left)
     if method == "stripes":
         done = rows[rows["demand" + suffix].notna()]

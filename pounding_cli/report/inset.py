@@ -106,5 +106,5 @@ def _struck(evidence: Evidence, levels: Mapping[str, Sequence[float]]) -> list[t
         floor = int(row["floor" if side == "left" else "right_floor"])
         below, above = levels[row[side]][floor - 1 : floor + 1]
         face = evidence.group.index(row[side]) * pitch + (WIDTH if side == "left" else 0.0)
-        found.append((face, below + row[f"{side}_at"] * (above - below)))  # fault: inset-struck-point
+        found.append((face, below + row[f"{side}_at"] * (above - below)))
     return found

@@ -153,7 +153,7 @@ def _without_links(
     """The arrays of buildings alone, with the points that links need; where all stands; the rows of their storeys'
     laws."""
     arrays, places = _elastic(buildings, struck, columns)
-    if analysis == Analysis.INELASTIC:  # fault: elastic-never-yields
+    if analysis == Analysis.INELASTIC:
         arrays = _inelastic(arrays, buildings)
     return arrays, places, law_tables.storeys_of(arrays.laws)
 
@@ -210,13 +210,13 @@ def _slots(buildings: tuple[Building, ...], places: Places) -> Slots:
         foundation = building.foundation
         slots.couple[span] = 1.0
         slots.stiffness[span] = building.stiffness
-        slots.dashpot[span] = building.beta * building.stiffness  # fault: stiffness-damping
+        slots.dashpot[span] = building.beta * building.stiffness
         slots.mass[span] = building.mass
-        slots.loaded[span] = 1.0  # fault: ground-pushes-floors
+        slots.loaded[span] = 1.0
         if building.gravity_load is not None and rock < 0:
             slots.geometric[span] = building.gravity_load / building.height
         if foundation is None:
-            slots.alpha[span] = building.alpha  # fault: mass-damping
+            slots.alpha[span] = building.alpha
         if foundation is not None and foundation.sway is not None:
             slots.mass[base], slots.stiffness[base], slots.dashpot[base] = foundation.sway.numbers
             slots.loaded[base] = 1.0

@@ -107,7 +107,7 @@ def difference(first: Response, second: Response) -> float:
             (a.acceleration, b.acceleration, a.acceleration),
             (a.displacement_max, b.displacement_max, reach),
             (a.displacement_min, b.displacement_min, reach),
-            (a.residual_drift, b.residual_drift, a.drift),  # fault: estimated-columns
+            (a.residual_drift, b.residual_drift, a.drift),
             (ground, other, ground),
         ]
     for name in ("peak_force", "max_closing", "impulse", "contact_time"):
@@ -121,7 +121,6 @@ def difference(first: Response, second: Response) -> float:
 
 def _end_alike(first: Response, second: Response) -> bool:
     """Whether both runs came to the end of the motion, or in both the same storey collapsed."""
-    # fault: ends-alike
     return (first.collapse_building, first.collapse_storey) == (second.collapse_building, second.collapse_storey)
 
 
@@ -151,7 +150,7 @@ def judging_bounded(
 ) -> tuple[Asked, ...]:
     """The run by which a response is judged whose tangent tells this sensitivity [-] and a bound above the accuracy;
     none where the sensitivity is to be measured too."""
-    if not (accuracy >= FINEST_BOUNDED and sensitivity <= MOST_SENSITIVE):  # fault: known-sensitivity
+    if not (accuracy >= FINEST_BOUNDED and sensitivity <= MOST_SENSITIVE):
         return ()
     finer_scene, settings = _finer_run(scene, method, accuracy, all_effects)
     return ((finer_scene, settings | {"ledger": False}),)
@@ -169,7 +168,7 @@ def _finer_run(scene: Scene, method: str, accuracy: float, all_effects: bool) ->
     if all_effects:
         settings["all_effects"] = True
     elif not fixed_steps:
-        scene, _ = condensed(scene, accuracy)  # fault: held-in-finer-runs
+        scene, _ = condensed(scene, accuracy)
     return scene, settings
 
 
@@ -214,7 +213,7 @@ def assess(
         return response
     if not _at_once(response.method, accuracy):
         return _told_apart(scene, response, accuracy, run, all_effects, judges)
-    if response.estimated == BOUNDED and response.error_estimate <= accuracy:  # fault: bound-meets-accuracy
+    if response.estimated == BOUNDED and response.error_estimate <= accuracy:
         return response
     if response.moved and response.status == DONE and accuracy >= FINEST_BOUNDED:
         known, *_ = response.moved
@@ -227,7 +226,6 @@ def assess(
     ((nudged, settings),) = judging(scene, response.method, accuracy, all_effects)
     judge = judges[0] if judges else run(nudged, **settings)
     error, sensitivity = difference(response, judge), change(response, judge) / min(LITTLE * accuracy, NUDGE)
-    # fault: harmless-at-once
     if not (error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED):
         return _told_apart(scene, response, accuracy, run, all_effects)
     return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity, estimated=MEASURED)
@@ -252,12 +250,12 @@ def _told_apart(
     scene, settings = asked[0], dict(asked[1])
     tight = settings.pop("accuracy")
     run = partial(run, **settings)
-    error = difference(response, second)  # fault: estimated-error
+    error = difference(response, second)
     sensitivity = known if known is not None else change(second, *nudged) / NUDGE
     seconds = response.seconds
     while not fixed_steps and error > accuracy and second.has_result:
         second = dataclasses.replace(second, dropped=response.dropped)
-        response = second  # fault: finer-response-is-kept
+        response = second
         seconds += second.seconds
         if tight <= FINEST:
             break
@@ -266,7 +264,7 @@ def _told_apart(
         error = difference(response, second) if second.has_result else error
     if not fixed_steps and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
         others = (run(scene, accuracy=tight * times) for times in SCATTER)
-        error = np.nanmax([error, *(difference(response, other) for other in others)])  # fault: scatter-of-rounding
+        error = np.nanmax([error, *(difference(response, other) for other in others)])
     flags = response.flags
     if sensitivity > ILL_CONDITIONED:
         moved = f"changes a peak by {sensitivity * NUDGE:.1e}"

@@ -70,5 +70,5 @@ def cost(scene: Scene, method: str, time_step: float | None = None) -> float:
         return steps_a_sample(scene, time_step) * segments_of(scene) * STEP * floors
     if method == "exponential":
         return segments_of(scene) * (EXACT[0] + EXACT[1] * floors) * floors
-    series = SMOOTH if memories_flow(scene) else SERIES  # fault: cost-of-smooth-storeys
+    series = SMOOTH if memories_flow(scene) else SERIES
     return segments_of(scene) * series * floors * (LINKED if any(link.law.can_close for link in scene.links) else 1.0)

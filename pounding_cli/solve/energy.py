@@ -41,7 +41,7 @@ def held(
     if arrays.leans:
         below = np.concatenate((np.zeros((len(scenes), 1)), state.u[:, :-1]), axis=1)
         leans = state.u - arrays.slots.couple * below
-        stored = stored - 0.5 * _dots(arrays.slots.geometric, leans**2)  # fault: p-delta-energy
+        stored = stored - 0.5 * _dots(arrays.slots.geometric, leans**2)
     return kinetic, stored, _in_links(scenes, runs, state)
 
 
@@ -95,7 +95,7 @@ def balance(
         "links_stored": in_links,
         "damping": dashpots + drag,
         "hysteresis": hysteresis,
-        "links": on_links - in_links + start[2],  # fault: links-energy
+        "links": on_links - in_links + start[2],
     }
     each = np.array(list(entries.values()))
     missing = each[0] - sum(each[1:])

@@ -78,7 +78,6 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
 
     nothing = np.zeros((count, count))
     acceleration = a[count : 2 * count].copy()
-    # fault: exact-acceleration
     acceleration[:, -2] += arrays.slots.loaded[system.slots]  # total: the ground's is added
     slope, dashpot = (values[:, None] for values in stiffest(arrays.links))
     moving = np.vstack((
@@ -96,7 +95,7 @@ def propagator(arrays: Arrays, dt: float, orders: int) -> Propagator:
 
     step = series(a * length)
     powers_at = np.zeros((2 + (arrays.links.number > 0), total, total))
-    powers_at[0, count:-2, -2] = -system.loaded  # fault: exact-ground-work
+    powers_at[0, count:-2, -2] = -system.loaded
     powers_at[1, count:-2, count:-2] = system.damping
     if arrays.links.number:
         powers_at[2, :count, count:-2] = system.closing.T @ (slope * system.closing)
@@ -144,7 +143,7 @@ def over_sample(form: np.ndarray, a: np.ndarray, step: np.ndarray, parts: int) -
     total, term = form.copy(), form
     for j in range(1, TERMS + 4):
         product = term @ a
-        term = (product + product.T) / (j + 1)  # fault: exact-energy-series
+        term = (product + product.T) / (j + 1)
         total += term
     while parts > 1:
         total = total + step.T @ total @ step

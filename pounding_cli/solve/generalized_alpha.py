@@ -27,7 +27,7 @@ MAX_CUTS = 14
 def family(alpha_m: float, alpha_f: float) -> tuple[float, float, float, float]:
     """(beta, gamma, alpha_m, alpha_f) of second order with the most dissipation at high frequencies (Chung & Hulbert
     1993, eqs 17 and 20)."""
-    gamma = 0.5 - alpha_m + alpha_f  # fault: newmark-gamma
+    gamma = 0.5 - alpha_m + alpha_f
     return 0.25 * (1 - alpha_m + alpha_f) ** 2, gamma, alpha_m, alpha_f
 
 

@@ -30,4 +30,4 @@ def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
     """(starts, slopes) of a motion and of so many segments of still ground."""
     starts, slopes = motion.acceleration[:-1], np.diff(motion.acceleration) / motion.dt
     tail = np.zeros(still)
-    return np.concatenate((starts, tail)), np.concatenate((slopes, tail))  # fault: ground-in-tail
+    return np.concatenate((starts, tail)), np.concatenate((slopes, tail))

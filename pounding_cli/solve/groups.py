@@ -140,7 +140,7 @@ class GroupSolver:
             least, most = judge(first, -ERRORS * coarse), judge(first, ERRORS * coarse)
             settled = first.status == "done" and all((least[n] is None) == (most[n] is None) for n in stretch)
             if not settled or self._is_assessed(scene):
-                error = first.error_estimate if first.estimated == BOUNDED else math.inf  # fault: bound-of-closings
+                error = first.error_estimate if first.estimated == BOUNDED else math.inf
                 if not (settled and error <= coarse):
                     second = self._free(row, fine)
                     error = difference(first, second)
@@ -338,7 +338,7 @@ def _open(
     for link in closings:
         if _rests(scene.buildings, left, right, link):
             closings[link] = 0.0
-        elif closings[link] + error >= link.law.free_below:  # fault: gap-stays-open
+        elif closings[link] + error >= link.law.free_below:
             return None
     return Free(closings, response.methods)
 
@@ -353,7 +353,7 @@ def _composed(scene: Scene, groups: list[range], parts: list[Response], free: li
     closings = {link: closing for between in free for link, closing in between.closings.items()}
     for e, link in enumerate(scene.links):
         if link in closings:
-            links.max_closing[e] = closings[link]  # fault: closing-between-groups
+            links.max_closing[e] = closings[link]
     errors = [part.error_estimate for part in parts] + [between.error_estimate for between in free]
     effects = tuple(dict.fromkeys(effect for part in parts for effect in part.effects))
     sentences = (_sentence(scene, between.closings) for between in free)
@@ -387,7 +387,7 @@ def _columns(scene: Scene, groups: list[range], parts: list[Response], closings:
         group, part = next((g, p) for g, p in zip(groups, parts, strict=True) if each.building in g)
         if scene.links[each.link] in closings:
             shear = each.share * part.buildings[each.building - group.start].shear[each.storey - 1]
-            found.append((shear, shear))  # fault: columns-never-struck
+            found.append((shear, shear))
         else:
             before = sum(link.left in group[:-1] for link in scene.links[: each.link])
             place = part.columns.link.tolist().index(before)

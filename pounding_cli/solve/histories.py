@@ -127,7 +127,7 @@ def _pieces(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
     order = np.argsort(cuts)
     cuts, outputs = cuts[order], outputs[order]
     segment = np.minimum((0.5 * (cuts[:-1] + cuts[1:]) / dt).astype(np.int64), starts.size - 1)
-    begins = starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment)  # fault: history-ground
+    begins = starts[segment] + slopes[segment] * (cuts[:-1] - dt * segment)
     return outputs[1:].copy(), begins, slopes[segment], np.diff(cuts)
 
 
@@ -153,7 +153,7 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
     force = np.empty_like(deformed)
     force[:, :size] = shear
     force[:, springs] = elements.stiffness[springs] * deformed[:, springs]
-    force[:, damped] += elements.dashpot * rate[:, damped]  # fault: history-accelerations
+    force[:, damped] += elements.dashpot * rate[:, damped]
     links = force[:, elements.springs :]
     for e in range(arrays.links.number):
         v = deformed[:, elements.springs + e] - arrays.links.offset[e]
@@ -187,7 +187,7 @@ def _evaluated(scene: Scene, arrays: Arrays, times: np.ndarray, s: Entered) -> H
         energy=dict(zip(ENERGIES, (s.work[:, 0], kinetic, stored, *s.work[:, 1:].T), strict=True)),
         buildings=names,
         links=tuple(link_label(names, place) for place in link_places(scene.links)),
-        closing=deformed[:, elements.springs :],  # fault: history-closing
+        closing=deformed[:, elements.springs :],
     )
 
 

@@ -283,7 +283,7 @@ def _at_rest(links: Links) -> AtRest:
     begin = 0.0 - links.offset
     low, high = _branches(links)[links.first[:, None], [t.FROM, t.TO]].T
     known = np.where((high == begin) | (low == begin), t.CLOSING, t.NOTHING)
-    return links.first, known, np.where(known == t.CLOSING, begin, 0.0)  # fault: branch-at-rest
+    return links.first, known, np.where(known == t.CLOSING, begin, 0.0)
 
 
 def acting_at_rest(links: Links) -> np.ndarray:

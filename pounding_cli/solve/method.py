@@ -85,7 +85,7 @@ def refusal_of(method: Method, scene: Scene) -> str:
         laws = sorted({link.kind for link in scene.links if link.law.remembers})
         if laws:
             return f"the force of {' and '.join(laws)} depends on events before, which it does not keep"
-        if memories_flow(scene):  # fault: smooth-storeys-refused
+        if memories_flow(scene):
             named = sorted({b.storey_law.name for b in scene.buildings if b.memory_flows})
             return f"the shear of {' and '.join(named)} storeys depends on all that went before, which it does not keep"
     return integrator_of(method).refusal(scene)

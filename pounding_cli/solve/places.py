@@ -109,7 +109,7 @@ def _lower_end(places: Places, building: Building, b: int, floor: int) -> Terms:
 def _between_floors(places: Places, building: Building, b: int, floor: int, at: float) -> Terms:
     """Of a place on the columns below a floor, `at` of their height: clamped in both floors, which lean with the
     base."""
-    share = at * at * (3.0 - 2.0 * at)  # fault: columns-shape
+    share = at * at * (3.0 - 2.0 * at)
     terms = [(places.floor(b, floor), share)]
     below = places.floor(b, floor - 1)
     if below >= 0:
@@ -132,7 +132,7 @@ def springs_of(buildings: Sequence[Building], places: Places) -> Springs:
             if building.alpha > 0.0:
                 terms = [(floor, 1.0)]
                 if places.bases[b] >= 0:
-                    terms.append((places.bases[b], -1.0))  # fault: base-drag
+                    terms.append((places.bases[b], -1.0))
                 if places.rocks[b] >= 0:
                     terms.append((places.rocks[b], -float(building.elevation[j] / building.elevation[-1])))
                 given.append((0.0, building.alpha * float(building.mass[j]), terms))
@@ -174,7 +174,7 @@ def shears_of(places: Places, columns: Sequence[Columns]) -> Shears:
                     continue
                 to_above = other.at * other.at * (3.0 - 2.0 * other.at)
                 higher = other.at > own.at if above else other.at >= own.at
-                weight = 1.0 - to_above if higher else -to_above  # fault: column-shears
+                weight = 1.0 - to_above if higher else -to_above
                 links.append(other.link)
                 weights.append(weight if own.on_left else -weight)
             first.append(len(links))

@@ -29,6 +29,6 @@ def shear_and_stored(
         for b in np.unique(branch[:, i]):
             here = branch[:, i] == b
             given = drift[here, i], *remembered[here, :, i].T
-            shear[here, i] = law.shear(b - first, *given)  # fault: history-storey-branch
+            shear[here, i] = law.shear(b - first, *given)
             stored[here, i] = law.stored(b - first, *given)
     return shear, stored.sum(axis=1)

@@ -99,7 +99,7 @@ def moved(arrays: Arrays, peaks: Peaks) -> Moved:
 def bounds(found: Moved, accuracy: np.ndarray) -> np.ndarray:
     """Bounds of the errors of runs by what was `found` of them [-], nan where that is not enough: where the bound is
     above the accuracy asked, the sensitivity is to be measured, or rounding is near; shape (runs,)."""
-    bound = (CUT + OF_FLOORS * found.floors + OF_ALL * found.all) * accuracy  # fault: bound-is-low
+    bound = (CUT + OF_FLOORS * found.floors + OF_ALL * found.all) * accuracy
     enough = (bound <= accuracy) & (found.storeys <= MOST_SENSITIVE) & (accuracy >= FINEST_BOUNDED)
     return np.where(enough, bound, np.nan)
 

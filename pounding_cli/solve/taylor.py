@@ -187,7 +187,7 @@ def _laid_out(arrays: Arrays, all_effects: bool, carried: bool) -> _Laid:
         arrays.flows, carried,
     )  # fmt: skip
     # A collapse ends the run of all buildings at one time, so they are solved together.
-    use_islands = not all_effects and not arrays.collapses and _allows_islands(row)  # fault: stands-apart
+    use_islands = not all_effects and not arrays.collapses and _allows_islands(row)
     return _Laid(
         taylor.build(takes_programs(arrays)), row, points, springs, doubles, integers, all_effects or arrays.yields,
         use_islands, max_events_at_instant(arrays.begins[-1], arrays.links.number),

@@ -64,7 +64,7 @@ class Header:
     @property
     def has_peaks(self) -> bool:
         """Whether its largest values are those of the whole motion."""
-        return self.facts["status"] == DONE  # fault: peaks-of-a-collapse
+        return self.facts["status"] == DONE
 
 
 def encode(response: Response | PointResponse) -> tuple[str, np.ndarray]:

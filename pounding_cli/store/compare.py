@@ -96,7 +96,7 @@ def compare(first: Results, second: Results) -> Comparison:
     removed, added = before.index.difference(after.index, sort=False), after.index.difference(before.index, sort=False)
     both = before.index.intersection(after.index, sort=False)
     one, other = before.loc[both], after.loc[both]
-    failed = one["status"] != other["status"]  # fault: another-outcome
+    failed = one["status"] != other["status"]
     outcomes = zip(map(_words, both[failed]), one["status"][failed], other["status"][failed], strict=True)
     found, compared = [], 0
     if len(both):

@@ -65,7 +65,6 @@ def _curves(plan: Plan, question: Question, with_pounding: list[Sample], alone: 
     rows: list[dict[str, Any]] = []
     for sample, free in zip(with_pounding, alone, strict=True):
         row, draws = _fitted(sample, times, spec.confidence)
-        # fault: paired-by-motion
         row_alone, draws_alone = ({}, None) if free is None else _fitted(free, times, spec.confidence)
         row |= {name + ALONE: value for name, value in row_alone.items()}
         if draws_alone is not None and row["median"] == row["median"] and row_alone["median"] == row_alone["median"]:

@@ -46,7 +46,7 @@ class Sample:
     @property
     def failed(self) -> int:
         """Scenes that failed."""
-        return int((self.asked & np.isnan(self.demand)).sum())  # fault: failed-scenes-counted
+        return int((self.asked & np.isnan(self.demand)).sum())
 
     @property
     def undecided(self) -> np.ndarray:
@@ -92,7 +92,7 @@ class Sample:
         if self.method == "ida":
             held, passed, _ = self.held_and_passed()
             return Brackets.of(np.arange(motions), held, passed, motions)
-        known = self.asked & ~np.isnan(self.demand) & ~self.undecided  # fault: failed-scene-of-stripes
+        known = self.asked & ~np.isnan(self.demand) & ~self.undecided
         above = self.demand[known] > 1
         x = self.intensity[known]
         return Brackets.of(
@@ -102,7 +102,7 @@ class Sample:
     def curve(self) -> Curve:
         """The fit; none where half of the motions or more are undecided."""
         motions = len(self.demand)
-        if 2 * self.undecided_motions >= motions:  # fault: curve-of-undecided-motions
+        if 2 * self.undecided_motions >= motions:
             return Curve(Outcome.UNDECIDED, motions, None, None, self._middle())
         if self.method != "cloud":
             return fit(self.brackets())

@@ -240,7 +240,7 @@ def _enough(rule: Rule, point: int, analysis: int, gap: np.ndarray, own: np.ndar
     known = np.isfinite(values).all(axis=1)
     if not known.any():
         return None
-    is_enough = (values[known] + errors[known] <= gap[own]).all(axis=1)  # fault: gap-of-a-case
+    is_enough = (values[known] + errors[known] <= gap[own]).all(axis=1)
     largest = values[known].max(axis=0)
     worst = int(np.argmin(gap[own] - largest))
     word = "no" if not is_enough.all() else "yes" if known.all() else "unknown"
@@ -266,7 +266,7 @@ def _line_block(
                 heights[number, column] = row[building].elevation[floor]
                 for name, whole in expected[building].items():
                     codes[name][number, column] = whole[floor]
-    both = np.stack([-found["displacement_min"], found["displacement_max"]], axis=-1)  # fault: property-line-side
+    both = np.stack([-found["displacement_min"], found["displacement_max"]], axis=-1)
     relative = found["error_estimate"][..., None, None]
     reach = relative * np.nanmax(found["displacement"], axis=-1, keepdims=True, initial=0.0)
     exact = both.reshape(*both.shape[:3], -1)
@@ -392,7 +392,6 @@ def _same_floors(left: Building, right: Building) -> bool:
 def _rules(plan: Plan, found: Mapping[str, np.ndarray], facts: _Facts, wanted: GapSpec) -> Iterator[Rule]:
     """The exact separations first, then the rules that say something here."""
     analyses = len(plan.analyses)
-    # fault: required-gap
     exact, peaks, relative = found["max_closing"], found["displacement"], found["error_estimate"][..., None]
     left, left_floor, right_floor, _ = (np.array(column) for column in zip(*facts.places, strict=True))
     a = _between(peaks[..., left, left_floor - 1], peaks[..., left, left_floor - 2], left_floor, facts.upper[0])
@@ -444,7 +443,7 @@ def _statistics(rule: Rule, wanted: GapSpec) -> dict:
     filled = np.where(known, values, 0.0)
     mean = _over(filled.sum(axis=2), count)
     away = np.where(known, values - mean[:, :, None], 0.0)
-    std = np.sqrt(_over((away**2).sum(axis=2), count - 1))  # fault: gap-deviation
+    std = np.sqrt(_over((away**2).sum(axis=2), count - 1))
     found |= {"mean": mean, "std": std, "mean_plus_std": mean + std}
     found["largest"] = np.where(none, np.nan, np.where(known, values, -np.inf).max(axis=2))
     ordered = np.sort(np.where(known, values, np.inf), axis=2)
@@ -499,11 +498,11 @@ def _quantiles(count: np.ndarray, probability: float) -> list[np.ndarray]:
 def _factors(number: int, probability: float) -> tuple[float, float, float]:
     from scipy import stats  # here, so that other commands do not load it
 
-    z = float(stats.norm.isf(probability))  # fault: gap-of-a-probability
+    z = float(stats.norm.isf(probability))
     root = np.sqrt(number)
-    if number < FEWEST:  # fault: gap-few-motions
+    if number < FEWEST:
         return z, np.nan, np.nan
-    low, high = (float(stats.nct.ppf(p, number - 1, z * root)) / root for p in _tails())  # fault: gap-interval
+    low, high = (float(stats.nct.ppf(p, number - 1, z * root)) / root for p in _tails())
     return z, low, high
 
 

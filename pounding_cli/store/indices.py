@@ -40,7 +40,7 @@ def indices(question: Question, y: np.ndarray) -> tuple[str, list[dict[str, floa
     y : of every sample, shape (samples,)
     """
     nothing: list[dict[str, float]] = [{} for _ in question.factors]
-    if failed := int(np.isnan(y).sum()):  # fault: failed-sample
+    if failed := int(np.isnan(y).sum()):
         return f"refused: {failed} of {y.size} samples gave no number", nothing
     if np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0):
         return CONSTANT, nothing
@@ -60,12 +60,11 @@ def _sobol(question: Question, y: np.ndarray) -> list[dict[str, float]]:
     found = []
     tails = 50 * (1 - question.spec.confidence)
     for factor in range(keys):
-        ab = blocks[:, factor + 1]  # fault: order-of-samples
+        ab = blocks[:, factor + 1]
         numbers: dict[str, float] = {}
         for name, estimate in (("first", sobol.first_order), ("total", sobol.total_order)):
             numbers[name] = float(_estimates(estimate, a, ab, b, np.arange(count)))
             drawn = np.concatenate([_estimates(estimate, a, ab, b, some) for some in blocks_of()])
-            # fault: ends-of-an-index
             numbers[f"{name}_low"], numbers[f"{name}_high"] = np.nanpercentile(drawn, [tails, 100 - tails]).tolist()
         found.append(numbers)
     return found

@@ -85,7 +85,7 @@ def _values(question: Question, plan: Plan, get: Get) -> tuple[np.ndarray, np.nd
     if spec.over_sweep == "mean":
         return values.mean(axis=0), errors.mean(axis=0)
     known = np.where(np.isnan(values), np.inf, values)  # a point that failed makes the worst unknown
-    worst = known.argmax(axis=0)  # fault: worst-of-the-sweep
+    worst = known.argmax(axis=0)
     chosen = worst, np.arange(points)
     return values[chosen], errors[chosen]
 

@@ -175,7 +175,7 @@ class RowTables:
                 for measure in _MEASURES:
                     columns[f"{ratio}_{measure}"] = self._values(file[f"{ratio}_{measure}"]).ravel()
             columns["records_used"] = self._values(file["V_ratio_count"]).ravel()
-            collapsed = (self._values(file["status"]) == COLLAPSED).sum(axis=-1)  # fault: collapses-counted
+            collapsed = (self._values(file["status"]) == COLLAPSED).sum(axis=-1)
             counts = counts_of_flags(self._values(file["flags"])) | {"records_collapsed": collapsed}
             for name, count in counts.items():
                 columns[name] = self._spread(count[..., None, None], shape)

@@ -115,7 +115,7 @@ def _of_samples(output: Expression, get: Get, question: Question, others: int) -
 
         whole = values_of(output, some, question.spec.over_motions)
         parts.append(whole.reshape(-1, *whole.shape[others:]))
-    back = np.argsort(np.argsort(question.motion_set, kind="stable"), kind="stable")  # fault: order-of-bootstraps
+    back = np.argsort(np.argsort(question.motion_set, kind="stable"), kind="stable")
     return np.moveaxis(np.concatenate(parts, axis=1)[:, back], 1, -1)
 
 
@@ -179,7 +179,7 @@ def _output_columns(plan: Plan, question: Question, series: Sequence[Series]) ->
             continue
         numbers = dict(zip(names, _statistics(y).tolist(), strict=True))
         drawn = np.concatenate([_statistics(y[draw]) for draw in draws(question, y.size)()], axis=1)
-        low, high = np.percentile(drawn, [tails, 100 - tails], axis=1)  # fault: ends-of-an-output
+        low, high = np.percentile(drawn, [tails, 100 - tails], axis=1)
         numbers |= {f"{name}_low": value for name, value in zip(names, low.tolist(), strict=True)}
         numbers |= {f"{name}_high": value for name, value in zip(names, high.tolist(), strict=True)}
         rows.append(numbers)

@@ -7,7 +7,7 @@ import numpy as np
 
 def ratio(value: np.ndarray, alone: np.ndarray) -> np.ndarray:
     """value / alone [-], NaN where `alone` is zero or NaN; same shape."""
-    return np.divide(value, alone, out=np.full(np.shape(value), np.nan), where=alone > 0)  # fault: ratio
+    return np.divide(value, alone, out=np.full(np.shape(value), np.nan), where=alone > 0)
 
 
 def over_records(values: np.ndarray, axis: int) -> dict[str, np.ndarray]:
@@ -19,7 +19,7 @@ def over_records(values: np.ndarray, axis: int) -> dict[str, np.ndarray]:
     none = count == 0
     return {
         "mean": mean,
-        "std": np.sqrt(_over((away**2).sum(axis=axis), count - 1)),  # fault: deviation
+        "std": np.sqrt(_over((away**2).sum(axis=axis), count - 1)),
         "min": np.where(none, np.nan, np.where(used, values, np.inf).min(axis=axis)),
         "max": np.where(none, np.nan, np.where(used, values, -np.inf).max(axis=axis)),
         "count": count,
@@ -42,7 +42,7 @@ def trust_of_means(
         known = np.isfinite(values) & np.isfinite(share)
         weight = np.where(known, np.abs(values), 0.0)
         total = (weight * np.where(known, share, 0.0)).sum(axis=axis)
-        over = known.sum(axis=axis) if name == "error" else weight.sum(axis=axis)  # fault: mean-of-errors
+        over = known.sum(axis=axis) if name == "error" else weight.sum(axis=axis)
         found[name] = _over(total, over)
     return found
 

@@ -108,7 +108,7 @@ def is_finished(path: Path, study: Study, all_effects: bool) -> bool:
 
 def content_digest(plan: Plan) -> str:
     """SHA-256 of all that a results file says, solver included, cost and machine left out."""
-    plan = plan.first or plan  # fault: first-round
+    plan = plan.first or plan
     sha = hashlib.sha256()
     for part in (
         key_of(plan),

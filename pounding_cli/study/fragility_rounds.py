@@ -103,9 +103,9 @@ def demand_of_collapse(limit: Limit, reached: float, storey: int) -> float:
     reached : demand over limit until the scene ended [-]; storey : of the limit's building that collapsed, from 1; 0
         where another building did
     """
-    of_drift = limit.quantity in ("mu", "drift") and limit.level in (0, storey)  # fault: other-storeys
+    of_drift = limit.quantity in ("mu", "drift") and limit.level in (0, storey)
     passed = reached > 1 or (storey > 0 and (of_drift or limit.quantity == COLLAPSE))
-    return np.inf if passed else UNDECIDED  # fault: demand-of-collapse
+    return np.inf if passed else UNDECIDED
 
 
 def over_gap(closing: np.ndarray, gap: np.ndarray) -> np.ndarray:
@@ -291,9 +291,9 @@ class Demands:
         if not response.has_result:
             return float("nan")
         reached = self._reached(response, target, point, case, place)
-        if not response.collapse_storey:  # fault: collapse-in-rounds
+        if not response.collapse_storey:
             return reached
-        fell = response.collapse_building == place  # fault: collapse-of-a-neighbour
+        fell = response.collapse_building == place
         return demand_of_collapse(target.limit, reached, response.collapse_storey if fell else 0)
 
     def _reached(self, response: Response, target: Target, point: int, case: int, place: int) -> float:

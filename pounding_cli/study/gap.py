@@ -40,7 +40,6 @@ def expand_gap(study: Study) -> Plan:
         for left, pair in enumerate(pairwise(row.buildings)):
             floors, strikes = meetings(*pair)  # slabs beside columns too, whether or not their share is known
             links += [Link.apart(left, *both) for both in floors]
-            # fault: gap-beside-columns
             links += [Link.apart(left, s.left_floor, s.right_floor, s.left_at, s.right_at) for s in strikes]
         return tuple(links)
 

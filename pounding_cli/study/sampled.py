@@ -99,5 +99,5 @@ def distinct(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray,
         if values not in first:
             first[values] = len(kept)
             kept.append(number)
-        places[number] = first[values]  # fault: equal-samples
+        places[number] = first[values]
     return points[kept], places

@@ -98,7 +98,7 @@ class Question:
         """
         if self.spec.method != "morris":
             return self.grid
-        return (np.rint(self.grid * (self.levels - 1)) + 0.5) / self.levels  # fault: level-of-morris
+        return (np.rint(self.grid * (self.levels - 1)) + 0.5) / self.levels
 
     @cached_property
     def _distinct(self) -> tuple[np.ndarray, np.ndarray]:

@@ -34,7 +34,6 @@ class System:
 def plane_stress(concrete: Concrete) -> np.ndarray:
     """Plane-stress matrix from (e_x, e_y, gamma_xy) to (s_x, s_y, t_xy) [N/m2], shape (3, 3)."""
     nu = concrete.poisson
-    # fault: plane-strain
     return concrete.young / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
 
 

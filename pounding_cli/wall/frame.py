@@ -19,7 +19,6 @@ def rotation(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float]:
 def local_stiffness(young: float, section: Section, length: float) -> np.ndarray:
     """Stiffness in member axes [N/m, N, N m], shape (6, 6): axial force, bending without shear strain."""
     axial = young * section.area / length
-    # fault: frame-bending
     a, b, c, d = (young * section.inertia / length**n * f for n, f in ((3, 12), (2, 6), (1, 4), (1, 2)))
     return np.array(
         [

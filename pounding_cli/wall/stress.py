@@ -15,7 +15,7 @@ from pounding_cli.wall.model import WallModel
 def von_mises(stress: np.ndarray) -> np.ndarray:
     """Von Mises stress in plane stress [N/m2] from (s_x, s_y, t_xy): shape (..., 3) to (...)."""
     sx, sy, t = stress[..., 0], stress[..., 1], stress[..., 2]
-    return np.sqrt(sx**2 - sx * sy + sy**2 + 3 * t**2)  # fault: von-mises
+    return np.sqrt(sx**2 - sx * sy + sy**2 + 3 * t**2)
 
 
 @dataclass(frozen=True, eq=False)

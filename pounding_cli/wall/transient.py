@@ -104,7 +104,7 @@ def integrate(
         overlap = x1 - float(push @ u1)
         force = overlap / compliance
         if bond is Bond.UNILATERAL:
-            force = max(force, 0.0)  # fault: striker-lets-go
+            force = max(force, 0.0)
         u1 += force * answer
         x1 -= force / (inertia * striker.mass)
         a1, xa1 = (u1 - guess) / (beta * h**2), (x1 - x_guess) / (beta * h**2)

@@ -1,0 +1,148 @@
+"""The only test file that imports the inside of the package: what tests of physics need beyond its public names.
+
+Scenes are written in the words of a study, and answers come back as plain arrays, so that the inside may change.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from click.testing import CliRunner
+
+import pounding_cli as pound
+from pounding_cli.cli.main import cli
+from pounding_cli.solve import assess, run
+from pounding_cli.study import expand, load_study, study_of
+
+FLOORS = "shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift"
+LINKS = "peak_force", "max_closing", "impulse", "contact_time", "impacts"
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One scene in the words of a study; numbers without unit are in SI.
+
+    Parameters
+    ----------
+    buildings : keys of a study's building, left to right
+    ground : ground acceleration [m/s2] at steps of `dt` [s]
+    case : keys of a study's case; {} for nothing between the buildings
+    more : further sections of the study: impact, laws
+    tail : free vibration after the motion [s]
+    start : floor displacements [m] and velocities [m/s] at the start, one list a building; None is rest
+    """
+
+    buildings: Sequence[Mapping[str, Any]]
+    ground: np.ndarray
+    dt: float
+    case: Mapping[str, Any] = field(default_factory=dict)
+    analysis: str = "elastic"
+    more: Mapping[str, Any] = field(default_factory=dict)
+    tail: float = 0.0
+    start: Any = None
+
+    @cached_property
+    def built(self) -> pound.Scene:
+        """The scene as the package knows it."""
+        names = [f"b{place}" for place in range(len(self.buildings))]
+        buildings = dict(zip(names, map(dict, self.buildings), strict=True))
+        case = {"case": dict(self.case) or {"link": "none"}}
+        study = {"records": {"use": ["elcentro"]}, "buildings": buildings, "group": names, "cases": case}
+        study |= {"analyses": [self.analysis], "tail": self.tail, **self.more}
+        plan = expand(study_of(study))
+        scene = plan.scenes[plan.rows[0].scene]
+        motion = pound.motion(self.ground, dt=self.dt)
+        return pound.Scene(scene.buildings, scene.links, motion, scene.analysis, scene.tail)
+
+
+@dataclass(frozen=True)
+class Run:
+    """What came of a scene: peaks of all storeys and floors left to right, of all links, energies, outcome.
+
+    numbers : by the names of FLOORS and LINKS, of "sway" and "rocking" (n buildings), "shear_below" and "shear_above"
+        of struck columns, "end" and "end_velocity" of all floors
+    energy : [J], "residual" relative to the input [-]
+    place : building from 0 and storey from 1 that collapsed, at `time` [s]
+    error : estimated error [-], nan where it was not asked for
+    """
+
+    status: str
+    numbers: Mapping[str, np.ndarray]
+    energy: Mapping[str, float]
+    steps: int
+    events: int
+    seconds: float
+    time: float
+    place: tuple[int, int]
+    error: float
+    flags: tuple[str, ...]
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name == "numbers" or name not in self.numbers:
+            raise AttributeError(name)
+        return self.numbers[name]
+
+
+def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool = False, **settings: Any) -> Run:
+    """The run of a scene by Taylor series, everything simulated, unless `settings` (as of `pounding_cli.solve`) say
+    otherwise; with `estimate` its error is estimated as in a batch."""
+    settings = {"method": "taylor", "all_effects": True} | settings
+    built, start = (scene.built, scene.start) if isinstance(scene, Scene) else (scene, None)
+    found = run.solve(built, accuracy, initial=start, **settings)
+    if estimate:
+        found = assess(built, found, accuracy, all_effects=settings["all_effects"])
+    numbers = {name: np.concatenate([getattr(each, name) for each in found.buildings]) for name in FLOORS}
+    numbers |= {name: getattr(found.links, name) for name in LINKS}
+    numbers |= {name: np.array([getattr(each, name) for each in found.buildings]) for name in ("sway", "rocking")}
+    numbers |= {name: getattr(found.columns, name) for name in ("shear_below", "shear_above", "demand")}
+    ends = found.final or (((), ()),)
+    numbers["end"], numbers["end_velocity"] = (np.concatenate(each) for each in zip(*ends, strict=True))
+    place = found.collapse_building, found.collapse_storey
+    return Run(
+        found.status, numbers, found.energy, found.steps, found.events, found.seconds, found.collapse_time, place,
+        found.error_estimate, found.flags,
+    )  # fmt: skip
+
+
+def difference(one: Any, other: Any, names: Sequence[str] = (*FLOORS[:6], *LINKS[:4])) -> float:
+    """Largest difference of two runs, each number over the largest of its kind in the scene [-]; inf where the outcomes
+    differ. Either may be anything that has the arrays `names`."""
+    if getattr(one, "status", "done") != getattr(other, "status", "done"):
+        return float("inf")
+    worst = 0.0
+    for name in names:
+        a, b = (np.asarray(getattr(each, name), dtype=float) for each in (one, other))
+        size = max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0))
+        worst = max(worst, float(np.abs(a - b).max(initial=0.0) / size) if size > 0 else 0.0)
+    return worst
+
+
+def scenes(study: Path) -> Iterator[tuple[str, pound.Scene, float]]:
+    """Every scene of a study once, baselines too: case and analysis in words, the scene, the accuracy asked."""
+    plan = expand(load_study(study))
+    named: dict[str, str] = {}
+    for row in plan.rows:
+        named |= {key: f"{row.case}, alone" for key in row.baselines} | {row.scene: f"{row.case}, {row.analysis}"}
+    yield from ((where, plan.scenes[key], plan.accuracy) for key, where in named.items())
+
+
+def refused(study: str | Mapping[str, Any]) -> list[tuple[int, int, str]]:
+    """Line, column and words (what is wrong, what to write) of every problem that `pound check` finds; [] if none. Of a
+    mapping both numbers are 0, and the words begin with the key."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "study.yaml")
+        try:
+            if isinstance(study, Mapping):
+                pound.load_study(study)
+            else:
+                path.write_text(study, encoding="utf-8")
+                CliRunner().invoke(cli, ["check", str(path)], standalone_mode=False, catch_exceptions=False)
+        except pound.InputError as error:
+            return [(each.line, each.column, str(each)) for each in error.problems]
+    return []

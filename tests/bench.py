@@ -1,0 +1,274 @@
+"""What the program costs: `python -m tests.bench [PART ...]` measures and writes the tables of docs/performance.md.
+
+Every part runs studies as a user does and takes the least time of several runs. A machine at work for others makes all
+times longer; each table says when and where it was measured."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+
+import pounding_cli
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "performance.md"
+POUND = [sys.executable, "-c", "from pounding_cli.cli.main import main; main()"]
+RUNS = 7
+
+PAIR: dict[str, Any] = {
+    "records": {"use": ["elcentro"], "duration": "10 s"},
+    "buildings": {
+        "stiff": {"storeys": 5, "period": "0.36 s", "collapse": "never"},
+        "soft": {"like": "stiff", "period": "0.60 s"},
+    },
+    "group": ["stiff", "soft"],
+    "cases": {"linked": {"link": "pounding", "gap": "0 cm"}},
+    "analyses": ["elastic"],
+    "accuracy": 1e-6,
+    "estimate": "none",
+}
+
+IMPACT = {"restitution": 0.5, "hertz_stiffness": "4.344e11 N/m^1.5", "penetration": "1.053 mm"}
+BETWEEN = {
+    "connector": {"stiffness": "1/5 mean storey of stiff"},
+    "damper": {"damping_coefficient": "2 MN s/m"},
+    "infill": {},
+    "maxwell": {"damping_coefficient": "2 MN s/m", "stiffness": "100 kN/mm"},
+    "friction": {"slip_force": "200 kN"},
+    "viscous": {"force_at_1_m_s": "500 kN", "exponent": 0.5},
+}
+DETERIORATION = {"capping_ductility": 6.0, "post_capping_slope": 0.05, "residual_strength": 0.4}
+STOREYS = {
+    "bilinear": {}, "peak-oriented": {}, "imk-peak-oriented": DETERIORATION,
+    "imk-pinching": {**DETERIORATION, "pinching_force": 0.4, "pinching_drift": 0.5}, "bouc-wen": {},
+}  # fmt: skip
+SWAY = {"mass": "200 t", "sway_stiffness": "2000 kN/mm", "sway_damping": "20 MN s/m"}
+ROCKING = {"inertia": "1e7 kg m2", "rocking_stiffness": "1e5 MN m", "rocking_damping": "100 MN m s"}
+
+
+def main() -> None:
+    parts = {"figures": figures, "laws": laws, "program": program, "growth": growth, "sweeps": sweeps}
+    parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
+    parser.add_argument(
+        "parts", nargs="*", default=list(parts), metavar="PART", help="parts to measure; all unless given"
+    )
+    asked = parser.parse_args().parts
+    if unknown := set(asked) - set(parts):
+        parser.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(parts)}")
+    for name in asked:
+        begin, load = time.perf_counter(), os.getloadavg()[0]
+        show(name, f"{parts[name]()}\n\nMeasured {here(load)}.")
+        print(f"{name}: {time.perf_counter() - begin:.0f} s", flush=True)
+
+
+def show(name: str, text: str) -> None:
+    """Replace what stands between the marks of a part on the page."""
+    begin, end = f"<!-- {name}: begin (make bench) -->", f"<!-- {name}: end -->"
+    before, first, rest = PAGE.read_text(encoding="utf-8").partition(begin)
+    _, last, after = rest.partition(end)
+    if not first or not last:
+        raise ValueError(f"{PAGE} lacks the marks {begin} and {end}")
+    PAGE.write_text(f"{before}{begin}\n{text}\n{end}{after}", encoding="utf-8")
+
+
+def here(load: float) -> str:
+    """Day, commit and machine."""
+    commit = subprocess.run(
+        ["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"], capture_output=True, text=True
+    ).stdout.strip()
+    day = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
+    versions = ", ".join(f"{name} {__import__(name).__version__}" for name in ("numpy", "numba"))
+    return (
+        f"on {day}, commit {commit or 'unknown'}, {processor()}, {os.cpu_count()} cores, load before {load:.1f}, "
+        f"Python {platform.python_version()}, {versions}"
+    )
+
+
+def processor() -> str:
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def solved(study: dict[str, Any] | Path) -> pd.DataFrame:
+    """The scenes of a study with the least `seconds` of several runs."""
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(RUNS):
+            output = Path(folder) / f"{number}.h5"
+            found.append(pounding_cli.run(study, output, engine="serial").table("scene"))
+    scenes = found[0].assign(seconds=pd.concat([each["seconds"] for each in found], axis=1).min(axis=1))
+    wrong = scenes[scenes["status"] != "done"]
+    if len(wrong):
+        raise RuntimeError(f"scenes were not solved: {wrong}")
+    return scenes
+
+
+def pair(analysis: str = "elastic", storeys: dict[str, Any] | None = None, **keys: Any) -> pd.Series:
+    """The linked scene of two buildings with these keys: its seconds, steps and events."""
+    study = yaml.safe_load(yaml.safe_dump({**PAIR, "analyses": [analysis], **keys}))
+    if storeys:
+        study["buildings"]["stiff"].update(storeys)
+    scenes = solved(study)
+    return scenes[scenes["case"] == "linked"].iloc[0]
+
+
+def figures() -> str:
+    rows = []
+    for name in ("fig6", "fig7"):
+        scenes = solved(ROOT / "configs" / f"{name}.yaml")
+        scenes = scenes[(scenes["case"] != "alone") & (scenes["seconds"] > 0)]  # 0: shown to be as those alone
+        for (case, analysis), some in scenes.groupby(["case", "analysis"], observed=True):
+            rows.append([name, case, analysis, str(len(some)), time_of(some["seconds"].median())])
+    return table("figure | case | analysis | scenes | time a scene, median", rows)
+
+
+def laws() -> str:
+    rows, plain = [], {}
+    for kind, law, scene in law_scenes():
+        over = scene["seconds"] / plain.setdefault(kind, scene["seconds"])
+        rows.append(
+            [kind, f"`{law}`", time_of(scene["seconds"]), f"{over:.3g}", f"{scene['steps']}", f"{scene['events']}"]
+        )
+    return table("what | law | time a scene | over the first of its kind | steps | events", rows)
+
+
+def law_scenes() -> Iterator[tuple[str, str, pd.Series]]:
+    for law in ("kelvin-voigt", "hertz", "hertz-damp", "jankowski", "bilinear"):
+        yield "contact, elastic, touching", law, pair(impact={"law": law, **IMPACT})
+    for law, keys in BETWEEN.items():
+        floors = {} if law == "infill" else {"floors": [3, 5]}
+        link = {"link": law, "gap": "5 cm", **keys, **floors}
+        yield "between the floors, elastic, no pounding", law, pair(cases={"linked": link})
+    for law, keys in STOREYS.items():
+        yield "storeys, touching", law, pair("inelastic", {"storey_law": law, **keys})
+    yield "storeys, touching", "bilinear with P-Delta", pair("inelastic", {"p_delta": True})
+    for name, foundation in (("fixed", None), ("sway", SWAY), ("sway and rocking", {**SWAY, **ROCKING})):
+        yield "bases, touching, inelastic", name, pair("inelastic", {"foundation": foundation} if foundation else None)
+
+
+def program() -> str:
+    fig6 = ["run", "configs/fig6.yaml"]
+    with tempfile.TemporaryDirectory() as folder:
+        started(*fig6, "-o", f"{folder}/first.h5")
+        warm = [started(*fig6, "-o", f"{folder}/{number}.h5") for number in range(RUNS)]
+        told = [started("--help") for _ in range(RUNS)]
+        cold = [started(*fig6, "-o", f"{folder}/cold.h5", NUMBA_CACHE_DIR=f"{folder}/cache")]
+    named = {"`pound --help`": told, "`pound run configs/fig6.yaml`": warm, "the same, first run ever (compiles)": cold}
+    rows = [[name, *(time_of(min(each)) for each in zip(*found, strict=True))] for name, found in named.items()]
+    return table("command | by the clock | processor time", rows)
+
+
+def started(*words: str, **environment: str) -> tuple[float, float]:
+    """Seconds of `pound` with these words, by the clock and of all cores."""
+    before, begin = os.times(), time.perf_counter()
+    subprocess.run([*POUND, *words], cwd=ROOT, env={**os.environ, **environment}, check=True, capture_output=True)
+    wall, after = time.perf_counter() - begin, os.times()
+    return wall, after.children_user + after.children_system - before.children_user - before.children_system
+
+
+def growth() -> str:
+    rows = []
+    for what, values, scene in (
+        ("storeys a building", (5, 10, 20, 50, 100), row_of),
+        ("buildings in a row, 1 cm apart", (2, 3, 5, 10, 20), lambda n: row_of(buildings=n, gap="1 cm")),
+        ("buildings in a row, touching", (2, 3, 5, 10, 20), lambda n: row_of(buildings=n)),
+        ("accuracy", (1e-3, 1e-6, 1e-9, 1e-12), lambda accuracy: row_of(accuracy=accuracy)),
+    ):
+        found = [scene(value) for value in values]
+        spans = [
+            f"{show(found[0])} to {show(found[-1])}"
+            for show in (lambda s: time_of(s["seconds"]), lambda s: str(s["steps"]), lambda s: str(s["events"]))
+        ]
+        rows.append([what, f"{values[0]:g} to {values[-1]:g}", *spans])
+    return table("what grows | from, to | time of a scene | steps | events", rows)
+
+
+def row_of(storeys: int = 5, buildings: int = 2, gap: str = "0 cm", accuracy: float = 1e-6) -> pd.Series:
+    """Buildings of 0.072 s and 0.12 s a storey, turn and turn about, with links at every floor."""
+    names = [f"b{number}" for number in range(buildings)]
+    made = {
+        name: {"storeys": storeys, "period": f"{(0.072, 0.12)[number % 2] * storeys:g} s", "collapse": "never"}
+        for number, name in enumerate(names)
+    }
+    link = {"link": "pounding", "gap": gap}
+    return pair(buildings=made, group=names, cases={"linked": link}, accuracy=accuracy)
+
+
+def sweeps() -> str:
+    rows = []
+    for count in (100, 1000, 10_000):
+        study = {**PAIR, "records": {"use": ["elcentro"], "duration": "2 s"}}
+        study["sweep"] = {
+            "impact.restitution": evenly(0.3, 0.7, 10),
+            "cases.linked.gap": [f"{gap} m" for gap in evenly(0, 0.04, count // 10)],
+        }
+        with tempfile.TemporaryDirectory() as folder:
+            path, output = Path(folder) / "sweep.yaml", Path(folder) / "sweep.h5"
+            path.write_text(yaml.safe_dump(study, sort_keys=False), encoding="utf-8")
+            begin = time.perf_counter()
+            process = subprocess.Popen(
+                [*POUND, "run", str(path), "-o", str(output)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
+            memory = largest_memory(process)
+            wall = time.perf_counter() - begin
+            if process.returncode:
+                raise RuntimeError(f"pound run ended with {process.returncode}")
+            size = output.stat().st_size
+        rows.append(
+            [str(count), time_of(wall), time_of(wall / count), f"{memory / 1e6:.0f} MB", f"{size / 1e6:.1f} MB"]
+        )
+    return table("scenes | time, all included | a scene | memory of all processes | file", rows)
+
+
+def evenly(low: float, high: float, count: int) -> list[float]:
+    return [round(low + (high - low) * place / (count - 1), 9) for place in range(count)]
+
+
+def largest_memory(process: subprocess.Popen) -> int:
+    """Largest memory of a process and all below it until it ends, shared pages counted once [bytes] (Linux)."""
+    largest = 0
+    while process.poll() is None:
+        total, libraries, waiting = 0, 0, [process.pid]
+        while waiting:
+            proc = Path(f"/proc/{waiting.pop()}")
+            try:
+                memory = dict(line.split(":") for line in (proc / "smaps_rollup").read_text().splitlines()[1:])
+                status = dict(line.split(":", 1) for line in (proc / "status").read_text().splitlines())
+                waiting += [int(c) for t in (proc / "task").iterdir() for c in (t / "children").read_text().split()]
+            except OSError:  # ended meanwhile
+                continue
+            total += sum(1024 * int(memory[name].split()[0]) for name in ("Pss_Anon", "Pss_Shmem"))
+            libraries = max(libraries, 1024 * int(status.get("RssFile", "0").split()[0]))
+        largest = max(largest, total + libraries)
+        time.sleep(0.2)
+    return largest
+
+
+def time_of(seconds: float) -> str:
+    """Three digits with a fitting unit."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds * 1e6:.3g} µs"
+
+
+def table(head: str, rows: list[list[str]]) -> str:
+    lines = [f"| {head} |", "|" + "---|" * (head.count("|") + 1)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+if __name__ == "__main__":
+    main()

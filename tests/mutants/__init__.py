@@ -1,1 +1,0 @@
-"""Deliberate faults in physics and numerics, each with the test that has to see it: `python -m tests.mutants`."""
