@@ -9,6 +9,7 @@ import pytest
 
 from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse, Response
 from pounding_cli.store import open_results
+from pounding_cli.study.limits import read_limit
 
 STUDY = """\
 title: Slabs against columns
@@ -133,3 +134,8 @@ def test_a_number_without_meaning_is_marked_where_it_is_the_largest(pound):
     table = first_table(pound("run", "two.yaml", solve=void)[1])
     assert "8 !" in table
     assert "5.000 !" in table
+
+
+@pytest.mark.parametrize("limit", ["drift_ratio > 2 %", "drift_ratio > 0.02"])
+def test_a_limit_of_the_drift_ratio_is_one_of_the_drift_in_parts_of_the_height(limit):
+    assert replace(read_limit(limit), text="") == replace(read_limit("drift > 2 %"), text="")
