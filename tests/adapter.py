@@ -53,12 +53,13 @@ class Scene:
         names = [f"b{place}" for place in range(len(self.buildings))]
         buildings = dict(zip(names, map(dict, self.buildings), strict=True))
         case = {"case": dict(self.case) or {"link": "none"}}
-        study = {"records": {"use": ["elcentro"]}, "buildings": buildings, "group": names, "cases": case}
-        study |= {"analyses": [self.analysis], "tail": self.tail, **self.more}
+        study = {"records": {"use": ["elcentro"]}, "buildings": buildings, "group": (names * 2)[: max(2, len(names))]}
+        study |= {"cases": case, "analyses": [self.analysis], "tail": self.tail, **self.more}
         plan = expand(study_of(study))
         scene = plan.scenes[plan.rows[0].scene]
         motion = pound.motion(self.ground, dt=self.dt)
-        return pound.Scene(scene.buildings, scene.links, motion, scene.analysis, scene.tail)
+        links = scene.links if len(names) > 1 else ()
+        return pound.Scene(scene.buildings[: len(names)], links, motion, scene.analysis, scene.tail)
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ def test_swept_axes_come_first(folder, pound):
 
 
 @pytest.mark.parametrize("form", ["table", "csv", "json"])
-@pytest.mark.parametrize("table", TABLES)
+@pytest.mark.parametrize("table", [name for name in TABLES if name != "struck"])  # no slab strikes columns here
 def test_every_table_in_every_form(shown, table, form):
     code, out, err = shown(table, "--format", form)
     assert code == 0

@@ -1,0 +1,132 @@
+"""Wrong studies are refused, and doubtful ones warned of, at their place: `refusals.yaml` has them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from click.testing import CliRunner
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from pounding_cli.cli.main import cli
+from tests.adapter import refused
+
+TABLE = yaml.safe_load(Path(__file__).with_name("refusals.yaml").read_text(encoding="utf-8"))
+WRONG = [(part["study"], row) for part in TABLE for row in part.get("wrong", ())]
+DOUBTED = [(part["study"], row) for part in TABLE for row in part.get("doubted", ())]
+
+
+def changed(study: str, row: list) -> tuple[str, tuple[int, int], str]:
+    """The study of a row, the line and column that are told, and the word."""
+    *changes, word = (part for part in row if isinstance(part, str))
+    for old, new in zip(changes[::2], changes[1::2], strict=True):
+        assert old in study
+        study = study.replace(old, new, 1) if old else f"{study}{new}\n"
+    if "§" not in study:
+        return study, tuple(row[-2:]), word
+    before = study[: study.index("§")]
+    return study.replace("§", ""), (before.count("\n") + 1, len(before) - before.rfind("\n")), word
+
+
+def told(folder: Path, study: str) -> list[str]:
+    """Warnings of `pound check`, which takes the study."""
+    path = folder / "study.yaml"
+    path.write_text(study, encoding="utf-8")
+    done = CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
+    assert done.exit_code == 0
+    return done.stderr.replace(str(path), "study").split("warning: ")[1:]
+
+
+@pytest.mark.parametrize(("study", "row"), WRONG, ids=[str(row) for _, row in WRONG])
+def test_refused_at_its_place(study, row):
+    text, place, word = changed(study, row)
+    problems = refused(text)
+    assert any((line, column) == place and word in words for line, column, words in problems), problems
+
+
+@pytest.mark.parametrize(("study", "row"), DOUBTED, ids=[str(row) for _, row in DOUBTED])
+def test_doubted_at_its_place(tmp_path, study, row):
+    text, (line, column), word = changed(study, row)
+    (warning,) = told(tmp_path, text)
+    assert warning.startswith(f"study:{line}:{column}: ")
+    assert word in warning
+
+
+@pytest.mark.parametrize("part", [part for part in TABLE if part["study"].count("\n") > 1])
+def test_the_studies_themselves_are_sound(tmp_path, part):
+    """Fails if a study is wrong or doubtful before it is changed: then its rows would show nothing."""
+    assert refused(part["study"]) == []
+    assert "doubted" not in part or told(tmp_path, part["study"]) == []
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "{pga: 0.5 m/s2}", "{pga: 3.5}", "0.4", "1.0\nsweep: {records.scale: [0.4, 1.0]}",
+        "{pga: 0.4 g}\nsweep: {records.scale.pga: {from: 0.01 g, to: 1 g, step: 0.01 g}}",
+    ],
+)  # fmt: skip
+def test_what_is_meant_is_not_doubted(tmp_path, more):
+    """Accelerations with their unit, or too large for g; factors; the low end of a range of intensities."""
+    study = next(study for study, _ in DOUBTED if "records" in study)
+    scale, _, sweep = more.partition("\n")
+    assert told(tmp_path, study.replace("{pga: 0.35 g}", scale) + sweep + "\n") == []
+
+
+def test_everything_wrong_is_told_at_once_in_the_order_of_the_lines():
+    (study,) = {study for study, _ in WRONG if study.startswith("title: Test")}
+    for old, new in (("0.36 s", "0.36 kg"), ("0.5}", "2}"), ("5 cm", "-1"), ("[elastic]", "[elastic]\naccuracy: 1")):
+        study = study.replace(old, new)
+    assert [line for line, _, _ in refused(study)] == [7, 10, 12, 14]
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "word"),
+    [
+        ({"group": ["stiff", "sofft"]}, "group.1", "sofft"),
+        ({"cases": {"gap": {"link": "pounding", "gap": -0.01}}}, "cases.gap.gap", "least"),
+        ({"cases": {"gap": {"link": "pounding", "gap": 0.01, "gaap": 1}}}, "cases.gap.gaap", "unknown"),
+        ({"records": {"use": ["tuft"]}}, "records.use.0", "tuft"),
+        ({"records": {"use": [object()]}}, "records.use.0", "value"),
+        ({"sweep": {"cases.gap.gap": [0.01, -0.02]}}, "sweep.cases.gap.gap.1", "least"),
+    ],
+)
+def test_a_study_as_a_dict_is_refused_at_its_key(change, place, word):
+    data = {
+        "records": {"use": ["elcentro"]},
+        "buildings": {"stiff": {"storeys": 2, "period": "0.3 s"}, "soft": {"storeys": 2, "period": 0.5}},
+        "group": ["stiff", "soft"],
+        "cases": {"gap": {"link": "pounding", "gap": 0.01}},
+    }
+    assert refused(data) == []
+    ((_, _, said),) = refused({**data, **change})
+    assert said.startswith(f"{place}: ")
+    assert word in said
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00\x01", b"a: \x00\n", b"[" * 5000, "é: ü\n".encode("latin-1")])
+def test_bytes_that_are_no_text(tmp_path, content):
+    path = tmp_path / "study.yaml"
+    path.write_bytes(content)
+    done = CliRunner().invoke(cli, ["check", str(path)])
+    assert type(done.exception).__name__ == "InputError"
+
+
+SWEPT = TABLE[0]["study"] + "sweep:\n  impact.restitution: [0.4, 0.6]\n"
+TOKENS = sorted({part for part in SWEPT.replace(",", " ").replace("{", " ").replace("}", " ").split() if part})
+WORDS = (
+    "", "~", "true", "0", "-1", "1e999", ".nan", "0:36", "[]", "{}", "[[]]", "{a: 1}", "5 cm", "5 kg", "1/0", "none",
+    "infill", "all", "never", "{arias: taft}", "stiff", "like", "{link: infill}", "!!int x", "&a [*a]", "*b", "\t", "'",
+)  # fmt: skip
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(st.tuples(st.sampled_from(TOKENS), st.sampled_from(WORDS)), min_size=1, max_size=3))
+def test_whatever_is_written_is_taken_or_refused(changes):
+    """Fails if junk in place of words ends in anything but a refusal with words."""
+    study = SWEPT
+    for old, new in changes:
+        study = study.replace(old, new, 1)
+    assert all(words for _, _, words in refused(study))
