@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -139,3 +140,33 @@ def test_a_number_without_meaning_is_marked_where_it_is_the_largest(pound):
 @pytest.mark.parametrize("limit", ["drift_ratio > 2 %", "drift_ratio > 0.02"])
 def test_a_limit_of_the_drift_ratio_is_one_of_the_drift_in_parts_of_the_height(limit):
     assert replace(read_limit(limit), text="") == replace(read_limit("drift > 2 %"), text="")
+
+
+def test_the_first_table_of_the_page_says_where_the_largest_values_stand(pound, folder):
+    pound("run", "two.yaml", "-o", "r.h5")
+    pound("report", "r.h5", "-o", "page", "--no-figures")
+    page = (folder / "page" / "report.html").read_text()
+    table = page[page.index('aria-label="Largest values"') : page.index('aria-label="Results by case"')]
+    row = next(
+        each for each in table.split("</tr>") if "touching" in table.split(each)[0] + each and "inelastic" in each
+    )
+    cells = re.findall(r'<td class="n">([^<]*)<span class="where">([^<]*)</span>', row)
+    assert ("8.00", "high, storey 1, strong") in cells  # ductility, though the largest ratio is elsewhere
+    assert ("5.00", "low, storey 2, weak") in cells
+    assert ("1.33 %", "high, storey 1, weak") in cells
+    assert ("34.0", "high, storey 2, strong") in cells
+    assert (folder / "page" / "tables" / "struck.csv").is_file()
+
+
+def test_the_sketch_is_to_scale_and_says_which_heights_are_assumed(pound, folder):
+    pound("run", "two.yaml", "-o", "r.h5")
+    pound("report", "r.h5", "-o", "page", "--no-figures")
+    drawn = [
+        float(size) for size in re.findall(r'<rect [^>]*height="([\d.]+)"', (folder / "page/report.html").read_text())
+    ]
+    assert np.array(drawn[:4]) / drawn[0] == pytest.approx([1, 1, 1, 4 / 3], rel=1e-2)
+    assert "writes no storey height" not in (folder / "page/report.html").read_text()
+    (folder / "two.yaml").write_text(PLAIN)
+    pound("run", "two.yaml", "-o", "r2.h5")
+    pound("report", "r2.h5", "-o", "page2", "--no-figures")
+    assert "The study writes no storey height for low, high: 3 m." in (folder / "page2/report.html").read_text()
