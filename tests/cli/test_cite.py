@@ -16,7 +16,7 @@ def test_a_study_and_its_results_cite_the_same(folder, pound):
     code, of_study, err = pound("cite", "two.yaml")
     assert (code, err) == (0, "")
     assert pound("cite", "r.h5")[1] == of_study
-    assert of_study.startswith("Two small buildings\n\nThe pounding_cli authors (2026).")
+    assert of_study.startswith("Two small buildings\n\npounding_cli contributors (2026).")
     assert "\nUniform Building Code" not in of_study
     assert "Uniform Building Code, 1991 edition. Whittier, California.\n    for the yield shears of stiff" in of_study
     assert "\nMotions\n  weak (user, unit g assumed): your own file" in of_study
