@@ -53,12 +53,13 @@ class Scene:
         names = [f"b{place}" for place in range(len(self.buildings))]
         buildings = dict(zip(names, map(dict, self.buildings), strict=True))
         case = {"case": dict(self.case) or {"link": "none"}}
-        study = {"records": {"use": ["elcentro"]}, "buildings": buildings, "group": names, "cases": case}
-        study |= {"analyses": [self.analysis], "tail": self.tail, **self.more}
+        study = {"records": {"use": ["elcentro"]}, "buildings": buildings, "group": (names * 2)[: max(2, len(names))]}
+        study |= {"cases": case, "analyses": [self.analysis], "tail": self.tail, **self.more}
         plan = expand(study_of(study))
         scene = plan.scenes[plan.rows[0].scene]
         motion = pound.motion(self.ground, dt=self.dt)
-        return pound.Scene(scene.buildings, scene.links, motion, scene.analysis, scene.tail)
+        links = scene.links if len(names) > 1 else ()
+        return pound.Scene(scene.buildings[: len(names)], links, motion, scene.analysis, scene.tail)
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,7 @@ class Run:
     """
 
     status: str
+    advice: str
     numbers: Mapping[str, np.ndarray]
     energy: Mapping[str, float]
     steps: int
@@ -98,15 +100,14 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
     if estimate:
         found = assess(built, found, accuracy, all_effects=settings["all_effects"])
     numbers = {name: np.concatenate([getattr(each, name) for each in found.buildings]) for name in FLOORS}
-    numbers |= {name: getattr(found.links, name) for name in LINKS}
     numbers |= {name: np.array([getattr(each, name) for each in found.buildings]) for name in ("sway", "rocking")}
+    numbers |= {name: getattr(found.links, name) for name in LINKS}
     numbers |= {name: getattr(found.columns, name) for name in ("shear_below", "shear_above", "demand")}
-    ends = found.final or (((), ()),)
-    numbers["end"], numbers["end_velocity"] = (np.concatenate(each) for each in zip(*ends, strict=True))
+    numbers["end"], numbers["end_velocity"] = (np.concatenate(each) for each in zip(*found.final, strict=True))
     place = found.collapse_building, found.collapse_storey
     return Run(
-        found.status, numbers, found.energy, found.steps, found.events, found.seconds, found.collapse_time, place,
-        found.error_estimate, found.flags,
+        found.status, found.advice, numbers, found.energy, found.steps, found.events, found.seconds,
+        found.collapse_time, place, found.error_estimate, found.flags,
     )  # fmt: skip
 
 
@@ -124,11 +125,12 @@ def difference(one: Any, other: Any, names: Sequence[str] = (*FLOORS[:6], *LINKS
 
 
 def scenes(study: Path) -> Iterator[tuple[str, pound.Scene, float]]:
-    """Every scene of a study once, baselines too: case and analysis in words, the scene, the accuracy asked."""
+    """Every scene of a study once, baselines too: its place in words, the scene, the accuracy asked."""
     plan = expand(load_study(study))
     named: dict[str, str] = {}
     for row in plan.rows:
-        named |= {key: f"{row.case}, alone" for key in row.baselines} | {row.scene: f"{row.case}, {row.analysis}"}
+        named |= {key: f"{row.case}, alone" for key in row.baselines}
+        named[row.scene] = f"{row.case}, {row.analysis} {row.point or ''}".strip()
     yield from ((where, plan.scenes[key], plan.accuracy) for key, where in named.items())
 
 

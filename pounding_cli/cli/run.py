@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.batch import Outcome
     from pounding_cli.store import Overview
+    from pounding_cli.store.largest import Largest
     from pounding_cli.store.overview import Trust
 
 FEW_POINTS = 8
@@ -59,7 +60,8 @@ def _print(found: Overview, outcome: Outcome) -> None:
     from rich import box
     from rich.table import Table
 
-    click.echo(found.title)
+    click.echo(f"{found.title}\n")
+    _print_largest(found)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("case", no_wrap=True)
     table.add_column("building", no_wrap=True)
@@ -106,6 +108,51 @@ def _print(found: Overview, outcome: Outcome) -> None:
         f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}"
     )
     click.echo(f"Results: {outcome.path}")
+
+
+def _print_largest(found: Overview) -> None:
+    """The largest values of every case and analysis, each with building, storey, motion and point of the sweep."""
+    from rich import box
+    from rich.table import Table
+
+    ratios = [name for name in ("mu_ratio", "V_ratio") if any(each.quantity == name for each in found.largest)]
+    columns = {
+        "mu": ("mu",),
+        "\n".join(_RATIOS[name] + (" (elastic)" if name != ratios[0] else "") for name in ratios): tuple(ratios),
+        "drift": ("drift_ratio",),
+        "struck columns\nover strength": ("shear_demand",),
+    }
+    known = {each.quantity for each in found.largest}
+    columns = {head: names for head, names in columns.items() if not known.isdisjoint(names)}
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Largest of all scenes, and where", title_justify="left")
+    for head in ("case", "analysis", *columns):
+        table.add_column(head)
+    rows: dict[tuple[str, str], dict[str, str]] = {}
+    for each in found.largest:
+        rows.setdefault((each.case, each.analysis), {})[each.quantity] = _largest(each, found)
+    last = ""
+    for (case, analysis), cells in rows.items():
+        shown = (next((cells[name] for name in names if name in cells), "") for names in columns.values())
+        table.add_row("" if case == last else case, analysis, *shown)
+        last = case
+    streams.echo_table(table)
+    if "drift_ratio" in known:
+        assumed = f"; {listed(found.assumed_heights)}: 3 m, as the study writes no height"
+        click.echo(f"Drift: in % of the storey height{assumed if found.assumed_heights else ''}.\n")
+
+
+_RATIOS = {"mu_ratio": "mu/mu0", "V_ratio": "V/V0"}
+
+
+def _largest(each: Largest, found: Overview) -> str:
+    """The number, and where it stands."""
+    if each.value != each.value:
+        return "-"
+    number = f"{each.value:.3f}" if each.quantity in _RATIOS else f"{each.value:.3g}"
+    number = f"{100 * each.value:.2f} %" if each.quantity == "drift_ratio" else number
+    place = f"{each.building} storey {each.storey}" + (f", {each.record}" if found.records > 1 else "")
+    point = f"\n{found.points[each.point]}" if len(found.points) > 1 else ""
+    return f"{number}{f' {MEANINGLESS}' if each.meaningless else ''}\n{place}{point}"
 
 
 def _print_trust(trust: Trust) -> None:

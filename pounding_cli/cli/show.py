@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from pounding_cli.store import Results
 
 TABLES = (
-    *("storey", "floor", "link", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
+    *("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
     *(table for workflow in WORKFLOWS.values() for table in workflow.shows),
 )
-_NOTHING = {"link": "no links", "flagged": "no flags"}
+_NOTHING = {"link": "no links", "struck": "no columns that a slab strikes", "flagged": "no flags"}
 """What a case without rows in a table has none of."""
 _SENTENCES = ("effects", "dropped", "flags")
 _ASIDE = {
@@ -67,11 +67,11 @@ def command(
     link: tuple[str, ...],
     at: tuple[str, ...],
 ) -> None:
-    """Print TABLE of a results file: storey, floor, link, scene, flagged, accuracy, summary, records or buildings, or
-    the answer of the command that wrote the file, which is the default.
+    """Print TABLE of a results file: storey, floor, link, struck, scene, flagged, accuracy, summary, records or
+    buildings, or the answer of the command that wrote the file, which is the default.
 
-    summary has means over the records, accuracy the error and the cost of every scene. docs/results.md describes all
-    columns.
+    summary has means over the records, struck the columns that slabs strike, accuracy the error and the cost of every
+    scene. docs/results.md describes all columns.
 
     \b
     Example:

@@ -157,6 +157,12 @@ def ends_on_columns(place: LinkPlace) -> bool:
     return place[3].startswith(("left columns", "right columns", "left and right columns"))
 
 
+def columns_struck(place: LinkPlace) -> tuple[int, int]:
+    """Building from 0 and storey from 1 of the columns that a link `ends_on_columns`."""
+    left, left_floor, right_floor, name = place
+    return (left + 1, right_floor) if name.startswith("right") else (left, left_floor)
+
+
 def link_label(buildings: Sequence[str], place: LinkPlace) -> str:
     """A link as tables call it: `stiff|soft floor 3`, `stiff|soft floor 3, connector`."""
     left, left_floor, right_floor, name = place

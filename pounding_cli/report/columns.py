@@ -36,6 +36,7 @@ _LABELS |= {"right_floor": "floor right"}
 _TEXTS = {v.name: v.brief for v in VARIABLES.values() if v.brief} | {"V_ratio_mean": "mean over the motions"}
 _ASIDE = {
     "seconds": ("ms", 1e3), "contact_time": ("ms", 1e3), "error_estimate": ("–", 1.0), "sensitivity": ("–", 1.0),
+    "drift_ratio": ("%", 100.0),
 }  # fmt: skip
 _STATISTICS = {"mean": "mean", "std": "std", "min": "min", "max": "max", "error": "error", "sensitivity": "sensitivity"}
 _RELATIVE = ("error", "sensitivity")

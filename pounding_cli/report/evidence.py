@@ -44,6 +44,8 @@ class Tables(Protocol):
     @property
     def attrs(self) -> Mapping[str, Any]: ...
     @property
+    def assumed_heights(self) -> tuple[str, ...]: ...
+    @property
     def workflow(self) -> str: ...
     @property
     def answers(self) -> tuple[str, ...]: ...
@@ -52,6 +54,7 @@ class Tables(Protocol):
     def storey(self) -> pd.DataFrame: ...
     def floor(self) -> pd.DataFrame: ...
     def link(self) -> pd.DataFrame: ...
+    def struck(self) -> pd.DataFrame: ...
     def scene(self) -> pd.DataFrame: ...
     def summary(self) -> pd.DataFrame: ...
     def records(self) -> pd.DataFrame: ...
@@ -63,7 +66,7 @@ class Evidence:
 
     point : swept key -> value there; empty where nothing is swept
     units : column -> the unit the study wrote it in: swept keys, gaps, accelerations
-    storey, floor, link, scene, records, buildings : frames as in docs/architecture.md
+    storey, floor, link, struck, scene, records, buildings : frames as in docs/architecture.md
     """
 
     title: str
@@ -76,6 +79,7 @@ class Evidence:
     records: pd.DataFrame
     buildings: pd.DataFrame
     units: Mapping[str, Unit] = field(default_factory=dict)
+    struck: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
     def label(self) -> str:
@@ -182,7 +186,8 @@ class Evidence:
             return frame[place.notna()].iloc[place.dropna().argsort(kind="stable")].reset_index(drop=True)
 
         storey, floor, link, scene = map(cut, (self.storey, self.floor, self.link, self.scene))
-        return replace(self, storey=storey, floor=floor, link=link, scene=scene)
+        struck = self.struck if self.struck.empty else cut(self.struck)
+        return replace(self, storey=storey, floor=floor, link=link, scene=scene, struck=struck)
 
     @cached_property
     def meaningless(self) -> dict[tuple[str, str], FlagGroup]:
@@ -235,6 +240,7 @@ def points(results: Tables) -> list[Evidence]:
         "storey": results.storey(),
         "floor": results.floor(),
         "link": results.link(),
+        "struck": results.struck(),
         "scene": scene,
         "records": results.records(),
         "buildings": results.buildings,

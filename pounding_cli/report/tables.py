@@ -14,7 +14,9 @@ def write_csv(results: Tables, folder: Path, names: Sequence[str] = TABLES) -> l
     digits (SI)."""
     folder.mkdir(parents=True, exist_ok=True)
     frames = {name: getattr(results, name)() for name in names}
-    frames |= {"buildings": results.buildings} if names is TABLES else {}
+    if names is TABLES:
+        frames |= {"buildings": results.buildings}
+        frames |= {} if (struck := results.struck()).empty else {"struck": struck}
     frames |= {name: results.answer(name).frame for name in results.answers}
     files = []
     for name, frame in frames.items():

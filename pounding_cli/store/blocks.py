@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.digests import DigestList, runs
+from pounding_cli.model.links import columns_struck
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Analysis
+from pounding_cli.numbers import counted
 from pounding_cli.solve.response import COLLAPSED, DONE
 from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, empty
+from pounding_cli.store.packed import Slabs
 from pounding_cli.store.parts import Alike, PartStore
 from pounding_cli.store.statistics import over_records, ratio, trust_of_means
-from pounding_cli.variables import RATIOS, RESPONSES, SCENES, STATISTICS
+from pounding_cli.variables import PLACE, RATIOS, RESPONSES, SCENES, STATISTICS
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -39,6 +42,9 @@ _ALONE_FIELDS = _fields("building", alone=True)
 _OVER_RECORDS = frozenset(v.name for v in STATISTICS)
 
 Arrays = dict[str, np.ndarray]
+
+Heights = tuple[tuple[str, ...], Slabs]
+"""Dimensions and values of the storey heights, as `facts` has them."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +82,7 @@ def cut_of(shape: Shape) -> Cut:
     return Cut(len(dims) - 2, 1)
 
 
-def blocks(plan: Plan, responses: PartStore, shape: Shape) -> Iterator[Block]:
+def blocks(plan: Plan, responses: PartStore, shape: Shape, heights: Heights) -> Iterator[Block]:
     """Every variable of RESPONSES, SCENES and STATISTICS for all rows in their order."""
     cut, dims = cut_of(shape), shape.rows
     row = 0
@@ -85,7 +91,8 @@ def blocks(plan: Plan, responses: PartStore, shape: Shape) -> Iterator[Block]:
         for begin in range(0, dims[cut.before], cut.step):
             end = min(begin + cut.step, dims[cut.before])
             first, row = row, row + (end - begin) * math.prod(whole)
-            data = _filled(plan, slice(first, row), responses, shape)
+            height = _height(heights, shape, (*at, slice(begin, end)))
+            data = _filled(plan, slice(first, row), responses, shape, height)
             for name, array in data.items():
                 ahead = whole[:-1] if name in _OVER_RECORDS else whole
                 data[name] = array.reshape(end - begin, *ahead, *array.shape[1:])
@@ -93,7 +100,20 @@ def blocks(plan: Plan, responses: PartStore, shape: Shape) -> Iterator[Block]:
             del data, array  # before the next ones are made
 
 
-def _filled(plan: Plan, some: slice, responses: PartStore, shape: Shape) -> Arrays:
+def _height(heights: Heights, shape: Shape, at: tuple[int | slice, ...]) -> np.ndarray:
+    """The storey heights of the rows of a block that stands `at`, shape (rows, building, storey)."""
+    dims, values = heights
+    taken = [place if isinstance(place, slice) else slice(place, place + 1) for place in at]
+    taken += [slice(0, size) for size in shape.rows[len(taken) :]]
+    there = dict(zip(shape.axes, taken, strict=False))
+    found = values[tuple(there.get(dim, slice(0, shape.sizes[dim])) for dim in dims)]
+    rows = tuple(each.stop - each.start for each in taken)
+    kept = (size if dim in dims else 1 for dim, size in zip((*shape.axes, *PLACE), rows, strict=True))
+    levels = found.shape[-2:]
+    return np.broadcast_to(found.reshape(*kept, *levels), (*rows, *levels)).reshape(-1, *levels)
+
+
+def _filled(plan: Plan, some: slice, responses: PartStore, shape: Shape, height: np.ndarray) -> Arrays:
     """The variables of some rows, rows first; statistics have one row for all records."""
     found, group, inside, digests = _taken(plan, some, responses)
     rows = len(group)
@@ -135,6 +155,8 @@ def _filled(plan: Plan, some: slice, responses: PartStore, shape: Shape) -> Arra
         elif variable.formula is not None:
             with np.errstate(all="ignore"):
                 arrays[variable.name][:] = variable.formula(arrays)
+    arrays["drift_ratio"][:] = arrays["drift"] / height
+    _flag_columns(arrays, plan, shape)
     return arrays | _statistics(arrays, alone_errors, shape)
 
 
@@ -231,6 +253,24 @@ def _put(array: np.ndarray, numbers: np.ndarray, place: int, found: np.ndarray) 
         array[numbers, place] = found[:, 0]
     else:
         array[numbers, place, : found.shape[1]] = found
+
+
+def _flag_columns(arrays: Arrays, plan: Plan, shape: Shape) -> None:
+    """Say in a scene's flags which columns a blow takes beyond their strength."""
+    if "shear_demand" not in arrays:
+        return
+    demand = np.where(arrays["impacts"] > 0, arrays["shear_demand"], np.nan)  # a storey that yields has 1 by itself
+    for row in np.flatnonzero((demand > 1).any(axis=-1)).tolist():
+        places = [columns_struck(shape.links[link]) for link in np.flatnonzero(demand[row] > 1).tolist()]
+        worst = int(np.nanargmax(demand[row]))
+        building, storey = columns_struck(shape.links[worst])
+        more = len(set(places)) - 1
+        _flag(
+            arrays["flags"],
+            [row],
+            f"columns overloaded by a blow: {plan.buildings[building]} storey {storey}, {demand[row, worst]:.3g} times "
+            f"their share of the yield shear" + (f", and {counted(more, 'more storey')}" if more else ""),
+        )
 
 
 def _flag(flags: np.ndarray, numbers: list[int], sentence: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pounding_cli.variables import COORDINATES, VARIABLES
 
-TABLES = ("storey", "floor", "link", "scene", "flagged", "accuracy", "summary", "records", "buildings")
+TABLES = ("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "summary", "records", "buildings")
 """The tables of `Results`."""
 
 _BARE = {
@@ -16,6 +16,9 @@ _BARE = {
     "flag": ("", "what is flagged"),
     "detail": ("", "where, and by how much"),
     "meaningless": ("", "whether the numbers of the scene have no meaning"),
+    "at": ("1", "height of the blow: part of the height of the storey"),
+    "by": ("", "building whose slab strikes"),
+    "by_floor": ("1", "its floor"),
     "left": COORDINATES["link_left"],
     "right": COORDINATES["link_right"],
     "right_floor": COORDINATES["link_right_floor"],

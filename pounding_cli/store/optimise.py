@@ -11,7 +11,7 @@ from pounding_cli.optimise.search import Point
 from pounding_cli.solve.response import OUTCOMES
 from pounding_cli.store.answers import Column, Read, Table
 from pounding_cli.store.blocks import blocks
-from pounding_cli.store.dense import empty, shape_of
+from pounding_cli.store.dense import empty, facts, shape_of
 from pounding_cli.store.flagged import counts_of_flags, parted
 from pounding_cli.store.quantities import Get, error_of, needed, values_of
 from pounding_cli.study.expression import Expression, Quantity
@@ -67,7 +67,7 @@ def _gathered(question: Question, plan: Plan, responses: PartStore) -> Get:
     shape = shape_of(plan, responses)
     names = (*needed(question.expression), "flags")
     found = {name: empty(VARIABLES[name], shape.of((*shape.axes, *VARIABLES[name].dims))) for name in names}
-    for block in blocks(plan, responses, shape):
+    for block in blocks(plan, responses, shape, facts(plan, shape)["height"]):
         for name, array in found.items():
             array[block.at] = block.data[name]
     return found.__getitem__

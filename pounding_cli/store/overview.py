@@ -18,8 +18,9 @@ from pounding_cli.solve.response import DONE
 from pounding_cli.store.bracket import leading, said
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import FlagGroup, SceneFlags, counts_of_flags, flag_groups
+from pounding_cli.store.largest import Largest, largest_values
 from pounding_cli.store.structure import strings
-from pounding_cli.store.swept import coordinate, written
+from pounding_cli.store.swept import assumed_heights, coordinate, pieces, written
 from pounding_cli.texts import plain, plain_all
 
 MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
@@ -27,9 +28,6 @@ MEASURES = {"elastic": ("V_ratio", "V/V0"), "inelastic": ("mu_ratio", "mu/mu0")}
 
 
 Axis = list[tuple[str, Any, Unit]]
-
-PIECE = 1 << 16
-"""Numbers or texts read at a time: a text takes some 150 bytes."""
 
 
 class Points(Sequence[str]):
@@ -109,6 +107,8 @@ class Trust:
 class Overview:
     """What a run found.
 
+    largest : the largest values of every case and analysis, with their places
+    assumed_heights : the buildings whose storey heights the study leaves to their default
     motions : source ("real", "stand-in", "user") -> names
     flags : what is flagged, by case and analysis
     meaningless : scenes whose numbers mean nothing
@@ -121,6 +121,8 @@ class Overview:
     title: str
     buildings: tuple[str, ...]
     lines: tuple[Line, ...]
+    largest: tuple[Largest, ...]
+    assumed_heights: tuple[str, ...]
     ratios: dict[str, str]
     motions: dict[str, list[str]]
     flags: tuple[FlagGroup, ...]
@@ -160,7 +162,7 @@ def overview(path: Path) -> Overview:
             shape = len(cases), len(buildings), len(marked)
             seen: tuple[np.ndarray, ...] = np.empty(shape), np.empty(shape), np.empty(shape, np.int32)
             end = 0
-            for piece in _pieces(file[f"{ratio}_mean"], lead):
+            for piece in pieces(file[f"{ratio}_mean"], lead):
                 begin, end = end, end + len(piece)
                 for b, count in enumerate(storeys):
                     for whole, mine in zip(seen, _building(piece[:, :, a, b], count), strict=True):
@@ -174,6 +176,8 @@ def overview(path: Path) -> Overview:
             plain(str(file.attrs["title"])),
             tuple(buildings),
             tuple(lines[place] for place in sorted(lines)),
+            tuple(largest_values(file, lead)),
+            assumed_heights(file),
             {analysis: MEASURES[analysis][1] for analysis in analyses},
             {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
             flags,
@@ -190,8 +194,8 @@ def overview(path: Path) -> Overview:
 def _trust(file: h5py.File, names: tuple[list[str], list[str], list[str]]) -> Trust:
     assessed, scenes, where, worst = 0, 0, "", np.full(3, -np.inf)
     columns = (file[name] for name in ("error_estimate", "sensitivity", "energy_residual"))
-    pieces = (_pieces(column, (slice(None),) * (column.ndim - 3)) for column in columns)
-    for errors, sensitivities, residuals in zip(*pieces, strict=True):
+    each = (pieces(column, (slice(None),) * (column.ndim - 3)) for column in columns)
+    for errors, sensitivities, residuals in zip(*each, strict=True):
         known = np.isfinite(sensitivities)
         assessed, scenes = assessed + int(known.sum()), scenes + known.size
         largest = [_largest(values) for values in (errors, sensitivities, np.abs(residuals))]
@@ -208,26 +212,12 @@ def _largest(values: np.ndarray) -> float:
     return float(values[np.isfinite(values)].max(initial=-np.inf))
 
 
-def _pieces(dataset: h5py.Dataset, lead: tuple[int | slice, ...]) -> Iterator[np.ndarray]:
-    """A dataset over the swept axes, some of its points at a time: each piece with the points in its first dimension.
-
-    lead : what is taken of every swept axis
-    """
-    behind = dataset.shape[len(lead) :]
-    if not lead or not isinstance(lead[0], slice):
-        yield dataset[lead].reshape(-1, *behind)
-        return
-    step = max(1, PIECE // max(1, math.prod(dataset.shape[1:])))
-    for begin in range(0, dataset.shape[0], step):
-        yield dataset[(slice(begin, begin + step), *lead[1:])].reshape(-1, *behind)
-
-
 def _flags(
     dataset: h5py.Dataset, points: Points, names: tuple[list[str], ...], worthless: list[np.ndarray]
 ) -> Iterator[SceneFlags]:
     """The flags of every scene; `worthless` gets, piece by piece, the records whose numbers mean nothing."""
     number = 0
-    for piece in _pieces(dataset.asstr(), (slice(None),) * (dataset.ndim - 3)):
+    for piece in pieces(dataset.asstr(), (slice(None),) * (dataset.ndim - 3)):
         flags = np.array(plain_all(piece.flat), dtype=object).reshape(piece.shape)
         worthless.append(counts_of_flags(flags)["records_meaningless"].astype(np.int32))
         for cells in flags:
@@ -240,15 +230,15 @@ def _flags(
 def _not_simulated(file: h5py.File) -> int:
     """Scenes that are done without a step."""
     every = (slice(None),) * (file["status"].ndim - 3)
-    pieces = zip(_pieces(file["status"].asstr(), every), _pieces(file["steps"], every), strict=True)
-    return sum(int(((status == DONE) & (steps == 0)).sum()) for status, steps in pieces)
+    both = zip(pieces(file["status"].asstr(), every), pieces(file["steps"], every), strict=True)
+    return sum(int(((status == DONE) & (steps == 0)).sum()) for status, steps in both)
 
 
 def _worst_of(dataset: h5py.Dataset, lead: tuple[int | slice, ...], analysis: int) -> np.ndarray:
     """The largest of finite values over points and storeys, NaN where there is none, shape (cases, buildings)."""
     found = [
         np.where(np.isfinite(piece), piece, -np.inf)[:, :, analysis].max(axis=(0, -1))
-        for piece in _pieces(dataset, lead)
+        for piece in pieces(dataset, lead)
     ]
     worst = np.max(found, axis=0)
     return np.where(worst == -np.inf, np.nan, worst)

@@ -22,12 +22,9 @@ from pounding_cli.store.histories import GROUP, chosen_place, kept_places, read_
 from pounding_cli.store.row_tables import RowTables, frame_of
 from pounding_cli.store.solutions import stored_methods
 from pounding_cli.store.structure import strings
-from pounding_cli.store.swept import written
+from pounding_cli.store.swept import assumed_heights, written
 from pounding_cli.texts import plain, plain_tree
-from pounding_cli.variables import (
-    PLACE,
-    WRITTEN,
-)
+from pounding_cli.variables import PLACE, WRITTEN
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
@@ -60,6 +57,7 @@ class Results(RowTables):
     swept : the keys of every axis; more than one where they move together
     axes : swept key -> its values (SI); keys of one axis (zipped) have the same length
     units : column -> the unit the study wrote it in, to show values to people: swept keys, gaps, accelerations
+    assumed_heights : the buildings whose storey heights the study leaves to their default
     warnings : what `pound check` says of the study: what is unlikely, and floors that meet nothing
     attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
     """
@@ -83,6 +81,7 @@ class Results(RowTables):
             self.study_text: str = strings(file["study/text"])
             self.resolved_text: str = strings(file["study/resolved"])
             warnings = strings(file["study/warnings"]) if "warnings" in file["study"] else "[]"
+            self.assumed_heights = assumed_heights(file)
             self.warnings = tuple(Problem(**each) for each in json.loads(warnings))
             self.swept: list[list[str]] = json.loads(self.attrs["swept"])
             self.axes: dict[str, list[Any]] = {
@@ -176,8 +175,8 @@ class Results(RowTables):
         return self.answers if WORKFLOWS[self.workflow].solve else (*TABLES, *self.answers)
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table by its name: storey, floor, link, scene, flagged, accuracy, summary, records, buildings, or one of
-        `answers`."""
+        """A table by its name: storey, floor, link, struck, scene, flagged, accuracy, summary, records, buildings, or
+        one of `answers`."""
         if name in self.answers or any(name in workflow.shows for workflow in WORKFLOWS.values()):
             return self.answer(name).frame.copy()
         found = getattr(self, name)

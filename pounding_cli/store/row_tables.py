@@ -94,6 +94,23 @@ class RowTables:
         frame = frame_of(columns)
         return frame[(frame["kind"] != "") & solved].reset_index(drop=True)
 
+    def struck(self) -> pd.DataFrame:
+        """Per row of columns that a slab strikes between floors: building, storey, height of the blow over that of the
+        storey [-], who strikes with which floor, shears below and above the blow [N], the larger over the columns'
+        share of the yield shear [-], blows, largest force [N]. No row where no slab strikes columns.
+        """
+        link = self.link()
+        link = link if OF_COLUMNS[0] in link.columns else link.iloc[:0].assign(**dict.fromkeys(OF_COLUMNS, np.nan))
+        link = link[link["shear_below"].notna()].reset_index(drop=True)
+        is_left = link["link"].astype(str).str.contains(", left")
+        place = list(link.columns[: list(link.columns).index("link")])
+        sides = {
+            "building": ("left", "right"), "storey": ("floor", "right_floor"), "at": ("left_at", "right_at"),
+            "by": ("right", "left"), "by_floor": ("right_floor", "floor"),
+        }  # fmt: skip
+        found = {name: np.where(is_left, link[left], link[right]) for name, (left, right) in sides.items()}
+        return link[place].assign(**found, **link[["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]])
+
     def _by_scene(self, file: h5py.File, name: str, shape: tuple[int, ...]) -> np.ndarray:
         """A variable of links; one of LINKS is the same for every analysis and record."""
         array = self._values(file[name])

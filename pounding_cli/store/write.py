@@ -137,11 +137,12 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
     else:
         shape = shape_of(plan, responses)
         _write_coordinates(file, datasets, plan, shape)
-        for name, (dims, array) in facts(plan, shape).items():
+        found = facts(plan, shape)
+        for name, (dims, array) in found.items():
             if array.size:  # no case has a link
                 datasets.write(name, dims, array, VARIABLES[name].unit, VARIABLES[name].text)
         check()
-        _write_blocks(datasets, blocks(plan, responses, shape), VARIABLES, shape, check)
+        _write_blocks(datasets, blocks(plan, responses, shape, found["height"]), VARIABLES, shape, check)
     datasets.tie()
     tables = WORKFLOWS[plan.workflow].part("tables")
     if tables is not None:
@@ -152,6 +153,8 @@ def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: C
             describe_unit(file[name], plan.study.unit(quantity))
     study = file.create_group("study")
     study.attrs["title"] = plan.study.title
+    if not WORKFLOWS[plan.workflow].solve:
+        study.attrs["assumed_heights"] = json.dumps(plan.study.assumed_heights())
     study["text"] = plan.study.text
     study["resolved"] = _json(plan.study.resolved())
     study["warnings"] = json.dumps([vars(warning) for warning in plan.study.warnings])

@@ -14,7 +14,8 @@ from pounding_cli.study.problems import nearest
 from pounding_cli.study.units import Quantity, limited, refuse, written_unit
 
 CONTACT, COLLAPSE, SHEAR_DEMAND = "contact", "collapse", "shear_demand"
-LIMITS = ("mu", "drift", "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE)
+DRIFT_RATIO = "drift_ratio"
+LIMITS = ("mu", "drift", DRIFT_RATIO, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE)
 """What may be limited."""
 
 TAKES_NEIGHBOUR = (CONTACT, SHEAR_DEMAND)
@@ -27,11 +28,12 @@ _QUANTITIES = {
     SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
     "acceleration": limited(units.ACCELERATION, example="acceleration > 1 g"),
     "drift": limited(units.LENGTH, name="drift", example="drift > 6 cm"),
-    "drift ratio": Quantity("drift ratio", "", "drift > 2 %", 0.0, 1.0, open_low=True, open_high=True),
+    DRIFT_RATIO: Quantity("drift ratio", "", "drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True),
 }
 _MEANT = {
-    "ductility": "mu", "idr": "drift", "acc": "acceleration", "pfa": "acceleration", "impact": CONTACT,
-    "impacts": CONTACT, "pounding": CONTACT, "collapsed": COLLAPSE, "shear": SHEAR_DEMAND, "shear demand": SHEAR_DEMAND,
+    "ductility": "mu", "idr": DRIFT_RATIO, "drift ratio": DRIFT_RATIO, "acc": "acceleration", "pfa": "acceleration",
+    "impact": CONTACT, "impacts": CONTACT, "pounding": CONTACT, "collapsed": COLLAPSE,
+    "shear": SHEAR_DEMAND, "shear demand": SHEAR_DEMAND,
 }  # fmt: skip
 _FORM = re.compile(r"(?P<quantity>[^<>=]*?)\s*(?:(?P<sign>[<>=]+)\s*(?P<value>.*?))?\s*\Z", re.DOTALL)
 _WHERE = re.compile(r"(?P<what>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
@@ -115,14 +117,15 @@ def read_limit(value: Any) -> Limit:
 
 def _with_value(text: str, quantity: str, written: str, building: str, level: int) -> Limit:
     unit = written_unit(written)
-    of_height = quantity == "drift" and unit in ("%", "percent", "pct")
-    if quantity not in ("mu", SHEAR_DEMAND) and not unit:
+    of_height = quantity == DRIFT_RATIO or (quantity == "drift" and unit in ("%", "percent", "pct"))
+    if quantity not in ("mu", SHEAR_DEMAND, DRIFT_RATIO) and not unit:
         example = "`drift > 2 %` (of the storey height) or `drift > 6 cm`" if quantity == "drift" else ""
         example = example or f"`{_QUANTITIES[quantity].example}`"
         raise refuse(f"'{text}': the limit has no unit", f"write e.g. {example}")
-    kind = _QUANTITIES["drift ratio" if of_height else quantity]
+    kind = _QUANTITIES[DRIFT_RATIO if of_height else quantity]
     try:
-        return Limit(text, quantity, float(kind.read(written)), of_height, building, level)
+        value = float(kind.read(written))
+        return Limit(text, "drift" if of_height else quantity, value, of_height, building, level)
     except PydanticCustomError as error:
         context: dict[str, Any] = error.context or {}
         hint = f"write e.g. `{_QUANTITIES[quantity].example}`"

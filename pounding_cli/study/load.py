@@ -72,6 +72,12 @@ class Study:
         assert building is not None  # the study was validated at every point
         return building
 
+    def assumed_heights(self) -> tuple[str, ...]:
+        """The buildings of the group, by place, whose storey heights the study leaves to their default."""
+        specs = self.resolver.section((0,) * len(self.axes), "buildings")
+        given = (specs[name].model_fields_set for name in self.model.group)
+        return tuple(place for place, keys in zip(places(self.model.group), given, strict=True) if "height" not in keys)
+
     def touching(self, section: str, place: int | None = None) -> tuple[bool, ...]:
         """For every axis of the sweep, whether it can change a section of the file (`buildings`, `records`, ...).
 

@@ -41,9 +41,15 @@ def folder(request, tmp_path, monkeypatch) -> Path:
 
 @pytest.fixture
 def pound(request, folder, monkeypatch, capsys) -> Callable[..., tuple[int, str, str]]:
-    """Runs `pound ARGUMENTS` in `folder`; returns (exit code, output, errors)."""
+    """Runs `pound ARGUMENTS` in `folder`; returns (exit code, output, errors).
 
-    def run(*arguments: object) -> tuple[int, str, str]:
+    solve : in place of the solver, that of the test module (SOLVE) unless given
+    """
+    usual = getattr(request.module, "SOLVE", None)
+
+    def run(*arguments: object, solve=usual) -> tuple[int, str, str]:
+        if solve is not None:
+            monkeypatch.setattr("pounding_cli.solve.solve", solve)
         monkeypatch.setattr("sys.argv", ["pound", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:
             main()

@@ -22,7 +22,7 @@ class Expectation:
     sensitive : 0, or what a change of 1e-6 in the motion moves a peak by [-]; the peaks are then held to that figure
     steps : most steps of one scene
     impacts : least closings of links in each linked scene, all links together
-    independent : whether the reference integrator of tests/verification can afford the scenes
+    independent : whether the independent integrator of tests/reference can afford the scenes
     """
 
     residual: float = 1e-8

@@ -1,19 +1,12 @@
-"""Random numbers and the parameters of laws, as hypothesis strategies.
-
-Every law that is installed is drawn, each of its parameters over the range that the law declares: a new law needs no
-line here, a parameter in a new unit needs one in `USUAL`."""
+"""Random numbers and the keys of laws, as hypothesis strategies: one row a law, each key over its whole range."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import MISSING
-from typing import Any, get_type_hints
+from typing import Any
 
 from hypothesis import strategies as st
-
-from pounding_cli.laws.law import Law, Parameter
-from pounding_cli.study.law_keys import FROM_CASE, own_parameters, words_of
 
 
 def decades(low: float, high: float, *corners: float | str, far: bool = True) -> st.SearchStrategy:
@@ -31,58 +24,85 @@ def some(draw: Any, into: dict, key: str, values: st.SearchStrategy, chance: int
         into[key] = draw(values)
 
 
+def share(low: float, high: float, *ends: float) -> st.SearchStrategy:
+    """A number of a bounded range, its ends among them."""
+    inner = st.floats(0.001, 0.999).map(lambda x: float(f"{low + (high - low) * x:.4g}"))
+    return st.one_of(inner, inner, st.sampled_from(ends or (low, high)))
+
+
 RESTITUTION = st.one_of(st.floats(0.01, 1.0).map(lambda x: round(x, 3)), st.sampled_from([1, 0.5, 0.01, 1e-9]))
 MULTIPLE = st.floats(-6, 7).map(lambda x: f"{10**x:.4g} x stiffest storey")
 STIFFNESS = st.one_of(MULTIPLE, decades(1e3, 1e13))
+HERTZ = decades(1e4, 1e14)
+CUT = st.booleans()
+CAPACITY = decades(1e-3, 1e3)
 
-USUAL: Mapping[str, st.SearchStrategy] = {
-    "N/m": STIFFNESS,
-    "N/m^1.5": decades(1e4, 1e14),
-    "N": decades(1e2, 1e8),
-    "N s/m": decades(1e2, 1e9),
-    "m": decades(1e-5, 0.1),
-    "m/s": decades(1e-8, 1e-2, 1e-9),
-}
-"""Values by unit."""
+Keys = Mapping[str, st.SearchStrategy]
+"""Values by key of a study."""
 
-_CASE: Mapping[str, st.SearchStrategy] = {
-    "stiffness": STIFFNESS, "restitution": RESTITUTION, "tension_cut": st.booleans()
+LINKS: Mapping[str, tuple[Keys, Keys]] = {
+    "pounding": ({}, {"stiffness": STIFFNESS, "restitution": RESTITUTION, "tension_cut": CUT}),
+    "infill": (
+        {},
+        {
+            "stiffness": STIFFNESS, "restitution": RESTITUTION, "tension_cut": CUT,
+            "law": st.sampled_from(["continuous", "printed"]),
+        },
+    ),
+    "connector": ({}, {"stiffness": STIFFNESS, "restitution": RESTITUTION}),
+    "hertz": ({"hertz_stiffness": HERTZ}, {}),
+    "hertz-damp": (
+        {"hertz_stiffness": HERTZ},
+        {"restitution": RESTITUTION, "damping_formula": st.sampled_from(["exact", "ye", "muthukumar"])},
+    ),
+    "jankowski": (
+        {"hertz_stiffness": HERTZ},
+        {"restitution": RESTITUTION, "damping_formula": st.sampled_from(["exact", "jankowski"])},
+    ),
+    "bilinear": (
+        {"hertz_stiffness": HERTZ, "penetration": decades(1e-5, 0.1)},
+        {
+            "restitution": RESTITUTION, "yield_share": share(0, 0.5, 5e-7, 0.5),
+            "damping_formula": st.sampled_from(["exact", "muthukumar"]),
+        },
+    ),
+    "damper": ({"damping_coefficient": decades(1e2, 1e9)}, {}),
+    "viscous": (
+        {"force_at_1_m_s": decades(1e2, 1e8), "exponent": share(0.1, 1, 0.1, 0.999999)},
+        {"straight_below": decades(1e-8, 1e-2, 1e-9)},
+    ),
+    "maxwell": ({"damping_coefficient": decades(1e2, 1e9)}, {"stiffness": STIFFNESS}),
+    "friction": ({"slip_force": decades(1e2, 1e8)}, {"stiffness": STIFFNESS}),
 }  # fmt: skip
-"""Those of keys that several laws share."""
+"""Laws of links, with the keys that each needs and those that it may have."""
 
+CONTACTS = "kelvin-voigt", "hertz", "hertz-damp", "jankowski", "bilinear"
+"""What `link: pounding` may stand for."""
 
-def values_of(law: type[Law], name: str, declared: Parameter) -> st.SearchStrategy:
-    """Values of a parameter that a law alone has, ends of its range among them."""
-    words = words_of(law, name)
-    if words is not None:
-        return st.sampled_from([str(word) for word in words])
-    if get_type_hints(law)[name] is int:
-        return st.integers(int(declared.low), int(declared.high))
-    if declared.unit != "-":
-        return USUAL[declared.unit]
-    if declared.high > 1e3:
-        corners = [
-            *([] if declared.open_low else [declared.low]),
-            *([declared.high] if declared.high < math.inf else []),
-        ]
-        return decades(max(declared.low, 1e-3), min(declared.high, 1e3), *corners, far=declared.high == math.inf)
-    span = declared.high - declared.low
-    ends = [declared.low + span * 1e-6 if declared.open_low else declared.low]
-    ends.append(declared.high - span * 1e-6 if declared.open_high else declared.high)
-    inner = st.floats(0.001, 0.999).map(lambda x: float(f"{declared.low + span * x:.4g}"))
-    return st.one_of(inner, inner, st.sampled_from(ends))
+CAPPED: Keys = {"capping_ductility": decades(1.0, 1e3, 1.0), "post_capping_slope": decades(1e-3, 1e3)}
+LOSSES: Keys = {
+    "residual_strength": share(0, 1), "deterioration_exponent": share(0.1, 3),
+    **{f"{mode}_capacity": CAPACITY for mode in ("strength", "capping", "unloading", "reloading")},
+}  # fmt: skip
+PINCHED: Keys = {"pinching_force": share(0, 1, 1e-6, 1), "pinching_drift": share(0, 1)}
+
+STOREYS: Mapping[str, tuple[Keys, Keys]] = {
+    "bilinear": ({}, {}),
+    "peak-oriented": ({}, {}),
+    "imk-peak-oriented": (CAPPED, LOSSES),
+    "imk-pinching": ({**CAPPED, **PINCHED}, LOSSES),
+    "bouc-wen": ({}, {"wen_exponent": st.integers(1, 20), "wen_gamma": share(-1, 0.99, -1, 0.99)}),
+}
+"""The same for laws of storeys."""
 
 
 @st.composite
-def law_keys(draw: Any, law: type[Law]) -> dict[str, Any]:
+def law_keys(draw: Any, law: tuple[Keys, Keys]) -> dict[str, Any]:
     """The keys of a link or a building that belong to its law: all it needs, and some of the others."""
-    spec: dict[str, Any] = {}
-    for name, declared in own_parameters(law).items():
-        needed = law.parameters()[name].default is MISSING
-        some(draw, spec, name, values_of(law, name, declared), 1 if needed else 3)
-    if law.acts_on == "link":
-        for name in set(FROM_CASE) & law.parameters().keys() & _CASE.keys():
-            some(draw, spec, name, _CASE[name], 2)
+    needed, others = law
+    spec = {name: draw(values) for name, values in needed.items()}
+    for name, values in others.items():
+        some(draw, spec, name, values)
     return spec
 
 

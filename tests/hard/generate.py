@@ -8,10 +8,7 @@ from typing import Any
 import yaml
 from hypothesis import strategies as st
 
-from pounding_cli.laws import contact_laws, link_laws, storey_laws
-from pounding_cli.laws.law import LinkLaw
-
-from .draw import MULTIPLE, RESTITUTION, decades, law_keys, own_law, some
+from .draw import CONTACTS, LINKS, MULTIPLE, RESTITUTION, STOREYS, decades, law_keys, own_law, some
 from .make_motions import FOLDER
 
 MOTIONS = ("shake", "fine", "coarse", "spikes", "push")
@@ -66,8 +63,8 @@ def building(draw: Any) -> dict[str, Any]:
     if draw(st.integers(1, 3)) == 1:
         strength = draw(decades(1e-4, 1.0, far=False))
         spec["yield_shear"] = draw(st.sampled_from(["never", [strength * mass * 10 * (n - j) for j in range(n)]]))
-    law = draw(st.sampled_from(["bilinear", *storey_laws()]))
-    spec |= {"storey_law": law} | draw(law_keys(storey_laws()[law]))
+    law = draw(st.sampled_from(["bilinear", *STOREYS]))
+    spec |= {"storey_law": law} | draw(law_keys(STOREYS[law]))
     some(draw, spec, "p_delta", P_DELTA.map(lambda p: p if p is True else [p * mass * 10 * (n - j) for j in range(n)]))
     some(draw, spec, "collapse", decades(1e-3, 0.5, "never", 1, 1e-6, far=False), 4)
     if draw(st.integers(1, 4)) == 1:
@@ -78,8 +75,8 @@ def building(draw: Any) -> dict[str, Any]:
 @st.composite
 def link(draw: Any, own: dict[str, Any]) -> dict[str, Any]:
     """One link of any law: of the program, or of `own`, those of the study."""
-    name = draw(st.sampled_from(["pounding", "infill", *link_laws(), *own]))
-    return {"link": name} | draw(law_keys(link_laws().get(name, LinkLaw)))
+    name = draw(st.sampled_from(["pounding", "infill", *LINKS, *own]))
+    return {"link": name} | draw(law_keys(LINKS.get(name, ({}, {}))))
 
 
 @st.composite
@@ -133,8 +130,8 @@ def studies(draw: Any) -> str:
         study["laws"] = own
     impact: dict[str, Any] = {}
     if draw(st.integers(1, 4)) == 1:
-        law = draw(st.sampled_from([*contact_laws()]))
-        impact |= {"law": law} | draw(law_keys(contact_laws()[law]))
+        law = draw(st.sampled_from(CONTACTS))
+        impact |= {"law": law} | draw(law_keys(LINKS.get(law, ({}, {}))))
     some(draw, impact, "stiffness", MULTIPLE, 2)
     some(draw, impact, "restitution", RESTITUTION, 2)
     some(draw, impact, "tension_cut", st.booleans())

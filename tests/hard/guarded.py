@@ -7,7 +7,7 @@ import resource
 import signal
 from collections.abc import Callable
 
-from pounding_cli.errors import InputError
+from pounding_cli import InputError
 
 SECONDS, MEGABYTES = 5, 500
 """What a refusal may take, beyond what the process had before."""

@@ -15,8 +15,8 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from pounding_cli.records import read_motion
-from pounding_cli.study import expand, load_study
+import pounding_cli as pound
+from tests.adapter import scenes
 
 from .guarded import guarded
 
@@ -89,9 +89,9 @@ def mutated(data: bytes, seed: int) -> bytes:
 
 def study(path: Path) -> None:
     """What `pound check` does."""
-    found = load_study(path)
+    found = pound.load_study(path)
     if math.prod(len(axis.values) for axis in found.axes) < 100:
-        expand(found)
+        list(scenes(path))
 
 
 def originals(folder: Path) -> dict[str, list[tuple[str, bytes, Callable[[Path], object]]]]:
@@ -107,7 +107,7 @@ def originals(folder: Path) -> dict[str, list[tuple[str, bytes, Callable[[Path],
     motions = {"column.txt": motion, "pairs.csv": pairs, "peer.AT2": peer, "knet.NS": knet}
     return {
         "studies": [("study.yaml", STUDY.encode(), study)],
-        "motions": [(name, text.encode(), read_motion) for name, text in motions.items()],
+        "motions": [(name, text.encode(), pound.motion) for name, text in motions.items()],
     }
 
 

@@ -35,6 +35,9 @@ class FakeStudy:
     uses: dict[tuple[int, ...] | None, tuple[MotionUse, ...]] = field(default_factory=dict)
     facts: dict = field(default_factory=lambda: {"accuracy": 1e-6, "group": ["stiff", "soft"]})
 
+    def assumed_heights(self):
+        return ()
+
     def resolved(self) -> dict:
         return self.facts
 

@@ -47,6 +47,11 @@ PUSH = {
 class FakeResults:
     """The tables of a results file without the file; what the store's `Results` offers to a report."""
 
+    assumed_heights = ()
+
+    def struck(self):
+        return pd.DataFrame()
+
     def __init__(self, **parts: Any) -> None:
         self.title: str = parts["title"]
         self.study_text: str = "title: hand-made\n"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import pandas as pd
 
 from pounding_cli.laws import drawn
 from pounding_cli.numbers import Unit, counted
+from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.web.story import digits
 from pounding_cli.solve.response import OUTCOMES
@@ -47,6 +49,26 @@ class CaseRow:
 
 
 @dataclass(frozen=True)
+class LargestRow:
+    """One case (and its place among them) and analysis: the largest value of every quantity and where, and whether a
+    flag takes the meaning from the numbers of one of its scenes."""
+
+    place: int
+    case: str
+    analysis: str
+    cells: Sequence[Cell]
+    meaningless: bool
+
+
+@dataclass(frozen=True)
+class LargestOf:
+    """The table of largest values: heads of its columns behind case and analysis, rows."""
+
+    heads: Sequence[str]
+    rows: Sequence[LargestRow]
+
+
+@dataclass(frozen=True)
 class Answer:
     """The table: buildings with the number of columns each takes, heads of the columns, rows."""
 
@@ -80,6 +102,49 @@ def answer(evidence: Evidence) -> Answer:
     return Answer([(title, len(columns)) for title in titles], heads, rows)
 
 
+def largest(evidence: Evidence) -> LargestOf:
+    """The largest demand, ratio, drift, acceleration and shear of struck columns over buildings, storeys and motions,
+    by case and analysis."""
+    struck = evidence.struck
+    struck = struck if struck.empty else struck[struck["impacts"] > 0]
+    tables = {"μ": ("mu", evidence.storey), "μ/μ₀": ("mu_ratio", evidence.storey),
+              "V/V₀": ("V_ratio", evidence.storey), "drift": ("drift_ratio", evidence.storey),
+              "a": ("acceleration", evidence.floor), "struck columns": ("shear_demand", struck)}  # fmt: skip
+    only = {"μ": "inelastic", "μ/μ₀": "inelastic", "V/V₀": "elastic"}
+    heads = [
+        head
+        for head, (name, frame) in tables.items()
+        if name in frame and not frame.empty and only.get(head, "") in ("", *evidence.analyses)
+    ]
+    rows: dict[tuple[str, str], dict[str, Cell]] = {
+        (case, analysis): {} for case in evidence.cases for analysis in evidence.analyses
+    }
+    for head in heads:
+        name, frame = tables[head]
+        known = frame[frame[name].notna()]
+        for row in known.loc[known.groupby(["case", "analysis"], sort=False)[name].idxmax()].to_dict("records"):
+            if only.get(head, row["analysis"]) == row["analysis"]:
+                rows[row["case"], row["analysis"]][head] = _cell(evidence, name, row)
+    empty, void = {head: Cell("–") for head in heads}, evidence.meaningless
+    return LargestOf(
+        heads,
+        [
+            LargestRow(evidence.cases.index(place[0]), *place, list((empty | cells).values()), place in void)
+            for place, cells in rows.items()
+        ],
+    )
+
+
+def _cell(evidence: Evidence, name: str, row: Mapping[Any, Any]) -> Cell:
+    """A number as people read it, and where it stands."""
+    level = "floor" if "floor" in row else "storey"
+    where = f"{row['building']}, {level} {row[level]}"
+    where += f", {row['record']}" if len(evidence.records) > 1 else ""
+    look = shown(name, evidence.units)
+    unit = f" {look.unit}" if look.unit not in ("", "–") else ""
+    return Cell(digits(look.factor * row[name], 3) + unit, where)
+
+
 def _columns(analyses: Sequence[str]) -> list[tuple[str, str]]:
     """Analysis and ratio of every column: shears where elastic, ductilities where inelastic, accelerations in both."""
     found = []
@@ -109,8 +174,6 @@ def _largest(evidence: Evidence, ratio: str, each: bool) -> dict[tuple[str, ...]
             unit = evidence.unit("acceleration")
             number = f"{digits(unit.number(row[of]), 3)} {unit.name}"
             where += f", {digits(ratio_here, 3)}×" if ratio_here == ratio_here else ""
-        elif itself == "mu":
-            where += f", μ {digits(row[itself], 3)}"
         place = row["building"] if each else ""
         found[ratio, row["case"], row["analysis"], place] = Cell(number, where, _tone(ratio_here))
     return found

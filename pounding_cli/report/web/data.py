@@ -37,7 +37,7 @@ AXIS_LIKE = (
 )
 """Text columns a reader filters by."""
 
-PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link", "left", "right")
+PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link", "left", "right", "at", "by", "by_floor")
 """Columns that say where a number stands."""
 TRUST = ("_error", "_sensitivity")
 """Endings of the columns that say how far a quantity can be trusted."""
@@ -47,6 +47,7 @@ _TITLES = {
     "storey": "Storeys",
     "floor": "Floors",
     "link": "Links",
+    "struck": "Struck columns",
     "scene": "Runs",
     "flagged": "Flags",
     "records": "Motions",
@@ -84,6 +85,7 @@ def tables(results: Tables, chosen: Sequence[Evidence]) -> dict[str, dict[str, A
         "storey": with_trust(results.storey(), scene, keys),
         "floor": with_trust(results.floor(), scene, keys),
         "link": with_trust(results.link(), scene, keys),
+        "struck": results.struck(),
         "scene": scene.drop(columns=["effects", "dropped"], errors="ignore"),
         "flagged": _flagged(scene),
         "records": results.records(),
@@ -92,6 +94,7 @@ def tables(results: Tables, chosen: Sequence[Evidence]) -> dict[str, dict[str, A
     found = {
         name: packed(_TITLES[name], _at_points(frame, keys, chosen), len(frame), results.units)
         for name, frame in frames.items()
+        if name != "struck" or not frame.empty
     }
     return {name: answer_table(results, name) for name in results.answers} | found
 

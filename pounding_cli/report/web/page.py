@@ -23,7 +23,7 @@ from pounding_cli.report.evidence import Evidence, Tables, axis_keys, motion_lab
 from pounding_cli.report.figures import drawn_part, main_building
 from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
-from pounding_cli.report.web.answer import answer
+from pounding_cli.report.web.answer import answer, largest
 from pounding_cli.report.web.beside import accuracy_beside
 from pounding_cli.report.web.data import answer_table, as_json, charted, chosen_points, point_of, tables
 from pounding_cli.report.web.limits import limits
@@ -101,6 +101,8 @@ def write_page(
         "samples": _points(scene) if is_sampled else 0,
         "points": len(evidences),
         "points_carried": len(chosen),
+        "largest": None if own else largest(shown),
+        "assumed": results.assumed_heights,
         "answer": None if own else answer(shown),
         "cases_left": len(everything.cases) - len(shown.cases),
         "motion_count": len(shown.records),
@@ -207,19 +209,25 @@ def _scripts() -> str:
 
 
 def _group(evidence: Evidence) -> list[dict[str, Any]]:
-    """Name, period [s], storeys and V/W [-] of every building, left to right, for the drawing."""
+    """Name, period [s], storeys (bottom and top [m]) and V/W [-] of every building, left to right, for the drawing."""
     parts = dict(iter(evidence.buildings.groupby("building", sort=False)))
     main = main_building(evidence)
     return [
         {
             "name": name,
             "period": evidence.periods[name],
-            "storeys": len(parts[name]),
+            "levels": _levels(parts[name]["height"]),
             "strength": float(parts[name]["base_shear_ratio"].iloc[0]),
             "main": name == main,
         }
         for name in evidence.group
     ]
+
+
+def _levels(heights: pd.Series) -> list[tuple[float, float]]:
+    """Bottom and top of every storey [m]."""
+    tops = heights.cumsum()
+    return list(zip(tops - heights, tops, strict=True))
 
 
 def _verdicts(columns: Sequence[Column]) -> dict[str, Any] | None:

@@ -27,7 +27,7 @@ def test_every_case_has_the_largest_means_with_their_place():
     assert acceleration.number == f"{story.digits(peak, 3)} g"
     assert acceleration.where == f"floor 4, {story.digits(PUSH['touching'], 3)}×"
     mu = 1.2 * ratio
-    assert (ductility.number, ductility.where) == (story.digits(mu, 3), f"storey 5, μ {story.digits(2 * mu, 3)}")
+    assert (ductility.number, ductility.where) == (story.digits(mu, 3), "storey 5")
     assert found.rows[0].cells[4].tone == "below"  # the soft building, V/V0 1 / 1.4
 
 

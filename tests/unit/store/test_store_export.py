@@ -128,7 +128,7 @@ def test_one_table_in_one_file(results, tmp_path):
 @pytest.mark.parametrize(
     ("output", "form", "tables", "message", "hint"),
     [
-        ("a.csv", None, (), "a.csv takes one table, not 9", "a folder"),
+        ("a.csv", None, (), "a.csv takes one table, not 10", "a folder"),
         ("a.parquet", None, ("storey", "floor"), "takes one table, not 2", "name the table"),
         ("a.csv", "excel", (), "a.csv is not a name for excel", "end it in .xlsx"),
         ("a.nc", None, ("storey",), "no single tables", "leave the tables out"),

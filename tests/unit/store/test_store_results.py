@@ -47,7 +47,7 @@ def test_storey_table_has_one_row_per_storey_that_exists(plain):
     table = open_results(plain).storey()
     assert list(table.columns) == [
         "case", "analysis", "record", "building", "storey",
-        "V", "V0", "V_ratio", "mu", "mu0", "mu_ratio", "drift", "drift0", "residual_drift",
+        "V", "V0", "V_ratio", "mu", "mu0", "mu_ratio", "drift", "drift0", "drift_ratio", "residual_drift",
     ]  # fmt: skip
     assert len(table) == 2 * 2 * 2 * (3 + 2)
     row = table[

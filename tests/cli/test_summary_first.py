@@ -1,0 +1,172 @@
+"""The first table of `pound run`: largest demand, ratio, drift and struck columns, each with its place."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse, Response
+from pounding_cli.store import open_results
+from pounding_cli.study.limits import read_limit
+
+STUDY = """\
+title: Slabs against columns
+records: {use: [{file: weak.txt}, {file: strong.txt}], duration: whole, scale: 1.0}
+buildings:
+  low: {storeys: 2, period: 0.3 s, height: 3 m}
+  high: {storeys: 2, period: 0.5 s, height: [3 m, 4 m], columns: 20 %}
+group: [low, high]
+cases: {touching: {link: pounding, gap: 1 cm}, wide: {link: pounding, gap: 9 cm}}
+"""
+PLAIN = """\
+title: No heights
+records: {use: [{file: strong.txt}], duration: whole, scale: 1.0}
+buildings:
+  low: {storeys: 2, period: 0.3 s}
+  high: {like: low, period: 0.5 s}
+group: [low, high]
+cases: {touching: {link: pounding, gap: 1 cm}}
+"""
+
+
+def solve(scene, accuracy=1e-6, method="taylor", **_):
+    """Linked, `low` has the largest ratio (storey 2, 3 times mu0 = 1) and `high` the largest ductility (storey 1, 8);
+    drifts of `high` are 4 cm in both storeys, and its columns carry 34 times their share where the slab strikes."""
+    strong, count = scene.motion.pga > 2, len(scene.links)
+    found = []
+    for building in scene.buildings:
+        mu = np.array([6.0, 4.0] if building.name.startswith("high") else [0.5, 1.0]) * (1.0 if strong else 0.5)
+        if count:
+            mu = mu + (np.array([2.0, 0.0]) if building.name.startswith("high") else np.array([0.0, 2.0]))
+        drift = np.full(2, 0.04) if building.name.startswith("high") else np.full(2, 0.01)
+        n = np.ones(2)
+        found.append(BuildingResponse(1e6 * n, drift, mu, n, n, -n, 0 * n))
+    struck = np.array([at for at, link in enumerate(scene.links) if link.columns], int)
+    columns = ColumnResponse(struck, 1e5 + struck, 2e5 + struck, np.full(len(struck), 34.0 if strong else 1.2))
+    blows = np.full(count, 0.0 if count and scene.links[0].gap > 0.05 else 3.0)
+    n = np.ones(count)
+    link = LinkResponse(blows, n, n, n, n)
+    return Response(tuple(found), link, "done", "", "taylor", accuracy, 1, 1, 1e-4, columns=columns)
+
+
+SOLVE = solve
+
+
+def first_table(out: str) -> str:
+    """What `pound run` prints before the means."""
+    return out[: out.index("at roof")]
+
+
+def cells_of(table: str, case: str, analysis: str) -> list[list[str]]:
+    """The two lines of a row, each parted at wide spaces."""
+    lines = table.splitlines()
+    begin = next(at for at, line in enumerate(lines) if line.split()[:1] == [case])
+    row = next(at for at in range(begin, len(lines)) if analysis in lines[at].split())
+    return [[cell for cell in line.split("  ") if cell.strip()] for line in lines[row : row + 2]]
+
+
+def test_the_largest_demand_stands_beside_the_largest_ratio_each_with_its_place(pound):
+    table = first_table(pound("run", "two.yaml")[1])
+    numbers, places = cells_of(table, "touching", "inelastic")
+    assert [cell.strip() for cell in numbers[-4:]] == ["8", "5.000", "1.33 %", "34"]
+    assert [cell.strip() for cell in places] == [
+        "high storey 1, strong", "low storey 2, weak", "high storey 1, weak", "high storey 2, strong",
+    ]  # fmt: skip
+
+
+def test_columns_that_no_slab_struck_are_neither_shown_nor_flagged(pound):
+    out = pound("run", "two.yaml", "-o", "r.h5")[1]
+    assert cells_of(first_table(out), "wide", "inelastic")[0][-1].strip() == "-"
+    assert "columns overloaded by a blow (e.g. high storey 2, 1.2 times their share of the yield shear" in out
+    flagged = open_results("r.h5").flagged()
+    assert set(flagged["case"]) == {"touching"}
+    assert set(flagged["flag"]) == {"columns overloaded by a blow"}
+    assert not flagged["meaningless"].any()
+
+
+def test_struck_columns_have_a_table_with_building_and_storey(pound):
+    pound("run", "two.yaml", "-o", "r.h5")
+    struck = open_results("r.h5").struck()
+    here = struck[(struck["case"] == "touching") & (struck["record"] == "strong") & (struck["analysis"] == "elastic")]
+    (row,) = here.to_dict("records")
+    assert (row["building"], row["storey"], row["by"], row["by_floor"]) == ("high", 2, "low", 2)
+    assert (row["at"], row["shear_demand"], row["impacts"]) == (0.75, 34.0, 3)
+    code, out, _ = pound("show", "r.h5", "struck", "--building", "high", "--storey", "2", "--format", "csv")
+    assert code == 0
+    assert out.splitlines()[0].startswith("case,analysis,record,building,storey,at,by,by_floor,gap,")
+
+
+def test_a_study_without_struck_columns_has_no_such_column(pound, folder):
+    (folder / "two.yaml").write_text(PLAIN)
+    out = pound("run", "two.yaml", "-o", "r.h5")[1]
+    assert "struck" not in out
+    assert open_results("r.h5").struck().empty
+
+
+def test_drift_ratio_is_a_column_that_follows_the_heights_of_a_sweep(pound, folder):
+    (folder / "two.yaml").write_text(
+        STUDY + "sweep: {buildings.low.height: [2.5 m, 5 m], cases.touching.gap: [1 cm, 2 cm]}\n"
+    )
+    pound("run", "two.yaml", "-o", "r.h5")
+    storey = open_results("r.h5").storey()
+    low = storey[storey["building"] == "low"]
+    assert low["drift_ratio"].to_numpy() == pytest.approx(0.01 / low["buildings.low.height"].to_numpy())
+    high = storey[storey["building"] == "high"]
+    assert high.groupby("storey")["drift_ratio"].unique().map(list).to_dict() == {1: [0.04 / 3], 2: [0.01]}
+
+
+def test_heights_that_the_study_leaves_to_their_default_are_said(pound, folder):
+    said = "low, high: 3 m, as the study writes no height"
+    assert said not in pound("run", "two.yaml", "-o", "r.h5")[1]
+    (folder / "two.yaml").write_text(PLAIN)
+    assert said in pound("run", "two.yaml", "-o", "r2.h5")[1]
+
+
+def test_a_number_without_meaning_is_marked_where_it_is_the_largest(pound):
+    from pounding_cli.laws.connector import Connector
+
+    def void(scene, **more):
+        flags = (f"{Connector.beyond_gap}: low | high, floor 1, by 3 mm",) if scene.links else ()
+        return replace(solve(scene, **more), flags=flags)
+
+    table = first_table(pound("run", "two.yaml", solve=void)[1])
+    assert "8 !" in table
+    assert "5.000 !" in table
+
+
+@pytest.mark.parametrize("limit", ["drift_ratio > 2 %", "drift_ratio > 0.02"])
+def test_a_limit_of_the_drift_ratio_is_one_of_the_drift_in_parts_of_the_height(limit):
+    assert replace(read_limit(limit), text="") == replace(read_limit("drift > 2 %"), text="")
+
+
+def test_the_first_table_of_the_page_says_where_the_largest_values_stand(pound, folder):
+    pound("run", "two.yaml", "-o", "r.h5")
+    pound("report", "r.h5", "-o", "page", "--no-figures")
+    page = (folder / "page" / "report.html").read_text()
+    table = page[page.index('aria-label="Largest values"') : page.index('aria-label="Results by case"')]
+    row = next(
+        each for each in table.split("</tr>") if "touching" in table.split(each)[0] + each and "inelastic" in each
+    )
+    cells = re.findall(r'<td class="n">([^<]*)<span class="where">([^<]*)</span>', row)
+    assert ("8.00", "high, storey 1, strong") in cells  # ductility, though the largest ratio is elsewhere
+    assert ("5.00", "low, storey 2, weak") in cells
+    assert ("1.33 %", "high, storey 1, weak") in cells
+    assert ("34.0", "high, storey 2, strong") in cells
+    assert (folder / "page" / "tables" / "struck.csv").is_file()
+
+
+def test_the_sketch_is_to_scale_and_says_which_heights_are_assumed(pound, folder):
+    pound("run", "two.yaml", "-o", "r.h5")
+    pound("report", "r.h5", "-o", "page", "--no-figures")
+    drawn = [
+        float(size) for size in re.findall(r'<rect [^>]*height="([\d.]+)"', (folder / "page/report.html").read_text())
+    ]
+    assert np.array(drawn[:4]) / drawn[0] == pytest.approx([1, 1, 1, 4 / 3], rel=1e-2)
+    assert "writes no storey height" not in (folder / "page/report.html").read_text()
+    (folder / "two.yaml").write_text(PLAIN)
+    pound("run", "two.yaml", "-o", "r2.h5")
+    pound("report", "r2.h5", "-o", "page2", "--no-figures")
+    assert "The study writes no storey height for low, high: 3 m." in (folder / "page2/report.html").read_text()

@@ -1,0 +1,1 @@
+"""The physics, law by law: one table of cases, and what each owes whoever uses it."""

@@ -1,0 +1,430 @@
+"""Blows of free masses, throws of single storeys and vibrations of linear buildings whose answers are known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
+from scipy.special import gamma
+
+from tests.adapter import Run, Scene, solve
+from tests.physics.cases import ROCK, SWAY, formula, shake
+from tests.reference.closed_forms import bilinear_throw, infill_compression, kelvin_voigt, oscillator_under_ramp
+from tests.reference.exponential import march
+
+M1, M2, V0, GAP = 2e5, 3e5, 0.6, 0.01
+REDUCED = M1 * M2 / (M1 + M2)
+M, K, VY, H = 2e5, 2e7, 3e5, 3.0
+DY = VY / K
+
+
+def storey(mass: float = M, stiffness: float = K, **keys: Any) -> dict[str, Any]:
+    """A building of one storey, undamped and elastic unless `keys` say otherwise."""
+    usual = {"storeys": 1, "mass": mass, "stiffness": [stiffness], "height": H, "yield_shear": "never"}
+    return usual | {"rayleigh": {"alpha": 0.0, "beta": 0.0}} | keys
+
+
+def still(duration: float) -> dict[str, Any]:
+    """Ground at rest."""
+    return {"ground": np.zeros(round(duration / 0.02) + 1), "dt": 0.02}
+
+
+def blow(case: Mapping[str, Any], more: Mapping[str, Any], speed: float = V0, duration: float = 0.4) -> Run:
+    """Two masses with hardly any springs; the left one comes with a speed [m/s]."""
+    masses = storey(M1, 1e-3), storey(M2, 1e-3)
+    start = [[0.0], [0.0]], [[speed], [0.0]]
+    return solve(Scene(masses, case={"gap": GAP, **case}, more=more, start=start, **still(duration)), 1e-12)
+
+
+Known = dict[str, float]
+"""What comes of a blow: "rebound" over V0, and peaks by their names, "pressed" beyond the gap."""
+
+
+def of_kelvin_voigt(s: float, e: float, cut: bool) -> Known:
+    xi = -math.log(e) / math.hypot(math.pi, math.log(e))
+    known = kelvin_voigt(s, xi, REDUCED, V0, cut)
+    return {"rebound": known.rebound, "pressed": known.compression, "contact_time": known.time} | (
+        {"peak_force": known.peak_force} if known.peak_force > known.pull or cut else {"peak_force": known.pull}
+    )
+
+
+def of_hertz(k: float) -> Known:
+    """m' v0^2 / 2 = k v^2.5 / 2.5, and how long that lasts."""
+    deepest = (2.5 * REDUCED * V0**2 / (2 * k)) ** 0.4
+    lasts = 4 * math.sqrt(math.pi) * gamma(0.4) / (5 * gamma(0.9)) * deepest / V0
+    return {"rebound": 1.0, "pressed": deepest, "peak_force": k * deepest**1.5, "contact_time": lasts}
+
+
+def of_infill(s_mat: float, s_imp: float, printed: bool) -> Known:
+    """Undamped: it is pressed through and gives all back, continuous; as printed the force falls at v = d on the way
+    back as it jumped on the way in."""
+    energy = REDUCED * V0**2 / 2
+    return {"rebound": 1.0, "max_closing": infill_compression(energy, s_mat, s_imp, GAP, printed)}
+
+
+def of_bilinear(k: float, depth: float, e: float, a: float = 0.1) -> tuple[float, Known]:
+    """The speed of the blow for which the contact is laid out, and what comes of it: e, its depth and its force."""
+    effective = k * math.sqrt(depth)
+    lost = effective * depth**2 * (1 - e**2) / (1 + e**2)
+    k1 = effective + lost / (a * depth**2)
+    k2 = (effective * depth - k1 * a * depth) / (depth * (1 - a))
+    limit, beyond = a * depth, depth - a * depth
+    speed = math.sqrt((k1 * limit**2 + 2 * k1 * limit * beyond + k2 * beyond**2) / REDUCED)
+    return speed, {"rebound": e, "pressed": depth, "peak_force": k * depth**1.5}
+
+
+S, KH = 2e9, 2e9
+PLAIN = {"stiffness": S, "restitution": 0.5}
+UNDAMPED = PLAIN | {"restitution": 1.0}
+BILINEAR = {"link": "bilinear", "hertz_stiffness": KH, "penetration": 0.01}
+OWN = {"link": "own"}
+BLOWS: dict[str, tuple[Mapping[str, Any], Mapping[str, Any], float, Known]] = {
+    **{
+        f"kelvin-voigt {e}{', cut' * cut}": (
+            {"link": "pounding", "tension_cut": cut}, {"impact": PLAIN | {"restitution": e}}, V0,
+            of_kelvin_voigt(S, e, cut),
+        )
+        for e in (0.5, 0.8, 0.9) for cut in (False, True)
+    },
+    "hertz": ({"link": "hertz", "hertz_stiffness": KH}, {}, V0, of_hertz(KH)),
+    **{
+        f"{law} {e}": ({"link": law, "hertz_stiffness": KH, "restitution": e}, {}, V0, {"rebound": e})
+        for law in ("hertz-damp", "jankowski") for e in (0.1, 0.5, 0.9)
+    },
+    **{
+        f"bilinear {e}": (BILINEAR | {"restitution": e}, {}, *of_bilinear(KH, 0.01, e)) for e in (0.3, 0.5, 1.0)
+    },
+    **{
+        f"infill, {law}": (
+            {"link": "infill", "stiffness": 2e7, "law": law}, {"impact": UNDAMPED}, V0,
+            of_infill(2e7, S, law == "printed"),
+        )
+        for law in ("continuous", "printed")
+    },
+    "formula of kelvin-voigt": (
+        OWN, formula("k*v + c*r", "beyond gap", k="2e9 N/m", c=f"{2 * 0.2154538 * math.sqrt(S * REDUCED):.17g} N s/m"),
+        V0, of_kelvin_voigt(S, math.exp(-0.2154538 * math.pi / math.sqrt(1 - 0.2154538**2)), False),
+    ),
+    "formula of hertz": (OWN, formula("k*v**1.5", "beyond gap", k="2e9 N/m^1.5"), V0, of_hertz(KH)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("case", "more", "speed", "known"), BLOWS.values(), ids=BLOWS)
+def test_blow(case, more, speed, known) -> None:
+    """Fails if a spring, a dashpot, its mass or the end of contact is another."""
+    run = blow(case, more, speed)
+    assert run.impacts.tolist() == [1]
+    left, right = run.end_velocity
+    assert right - left == pytest.approx(known["rebound"] * speed, rel=1e-8)
+    assert run.impulse[0] == pytest.approx((1 + known["rebound"]) * REDUCED * speed, rel=1e-8)
+    assert run.energy["links"] == pytest.approx(REDUCED * speed**2 * (1 - known["rebound"] ** 2) / 2, abs=1e-3)
+    for name in known.keys() - {"rebound", "pressed"}:
+        assert getattr(run, name)[0] == pytest.approx(known[name], rel=1e-8), name
+    if "pressed" in known:
+        assert run.max_closing[0] - GAP == pytest.approx(known["pressed"], rel=1e-8)
+    assert abs(run.energy["residual"]) < 1e-11
+
+
+def joined_masses(link: str, speed: float = 0.3, duration: float = 0.2, **keys: Any) -> tuple[Run, float, float]:
+    """The run of two masses that a damper joins, and closing and rate at the end."""
+    run = blow({"link": link, **keys}, {}, speed, duration)
+    return run, float(-np.diff(run.end)[0]), float(-np.diff(run.end_velocity)[0])
+
+
+def of_linear(system: np.ndarray, start: list[float], duration: float) -> np.ndarray:
+    return expm(system * duration) @ np.array(start)
+
+
+@pytest.mark.parametrize("c", [1e5, 1e6, 2e7])
+def test_maxwell(c: float) -> None:
+    """m' r' = -f, f' = k (r - f / c). Fails with a spring beside the dashpot."""
+    k = 1e8
+    system = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1 / REDUCED], [0.0, k, -k / c]])
+    expected = of_linear(system, [0.0, 0.3, 0.0], 0.2)
+    run, v, rate = joined_masses("maxwell", stiffness=k, damping_coefficient=c)
+    assert (v, rate) == pytest.approx(tuple(expected[:2]), rel=1e-7, abs=1e-9)
+    held = expected[2] ** 2 / (2 * k)
+    assert run.energy["links"] == pytest.approx(REDUCED * (0.3**2 - expected[1] ** 2) / 2 - held, rel=1e-8)
+
+
+@pytest.mark.parametrize(("s", "xi"), [(5e7, 0.2), (1e8, 0.0)])
+def test_connector(s: float, xi: float) -> None:
+    """A damped oscillator, from the first instant and both ways. Fails if its spring is not stored."""
+    c = 2 * xi * math.sqrt(s * REDUCED)
+    expected = of_linear(np.array([[0.0, 1.0], [-s / REDUCED, -c / REDUCED]]), [0.0, 0.3], 0.2)
+    run, v, rate = joined_masses("connector", stiffness=s, damping_ratio=xi)
+    assert (v, rate) == pytest.approx(tuple(expected), rel=1e-8)
+    assert run.energy["links_stored"] == pytest.approx(s * v**2 / 2, rel=1e-8)
+
+
+@pytest.mark.parametrize("a", [0.1, 0.5, 0.9, "damper"])
+def test_dashpots(a: float | str) -> None:
+    """m' r' = -c r^a: r^(1 - a) falls in a straight line; r falls exponentially where a is 1. Fails with another
+    power."""
+    c, lost = 5e4, 5e4 * 0.2 / REDUCED
+    if a == "damper":
+        run, _, rate = joined_masses("damper", damping_coefficient=c)
+        expected, force = 0.3 * math.exp(-lost), c * 0.3
+    else:
+        run, _, rate = joined_masses("viscous", force_at_1_m_s=c, exponent=a)
+        expected, force = (0.3 ** (1 - a) - (1 - a) * lost) ** (1 / (1 - a)), c * 0.3**a
+    assert rate == pytest.approx(expected, rel=1e-9)
+    assert run.peak_force[0] == pytest.approx(force, rel=1e-9)
+    assert run.energy["links"] == pytest.approx(REDUCED * (0.3**2 - expected**2) / 2, rel=1e-9)
+
+
+def test_friction() -> None:
+    """The spring up to the slip force, a constant force until they turn back, then the spring about the slip. Fails if
+    the slip is forgotten, or the force goes on."""
+    k, force, speed, duration = 1e8, 4e5, 0.3, 0.2
+    omega, limit = math.sqrt(k / REDUCED), force / k
+    at_slip = math.sqrt(speed**2 - (omega * limit) ** 2)
+    slip = REDUCED * at_slip**2 / 2 / force
+    turned = math.asin(omega * limit / speed) / omega + REDUCED * at_slip / force
+    run, v, rate = joined_masses("friction", stiffness=k, slip_force=force)
+    assert run.energy["links"] == pytest.approx(force * slip, rel=1e-8)
+    assert run.max_closing[0] == pytest.approx(limit + slip, rel=1e-9)
+    assert v == pytest.approx(slip + limit * math.cos(omega * (duration - turned)), rel=1e-7)
+    assert rate == pytest.approx(-omega * limit * math.sin(omega * (duration - turned)), rel=1e-7)
+    assert run.peak_force[0] == pytest.approx(force, rel=1e-10)
+
+
+def thrown(speed: float, duration: float = 1.2, accuracy: float = 1e-12, **keys: Any) -> Run:
+    """An undamped storey thrown from rest."""
+    one = storey(**{"yield_shear": [VY], "hardening": 0.1, "collapse": "never"} | keys)
+    start = [[0.0]], [[speed]]
+    return solve(Scene((one,), analysis="inelastic", start=start, **still(duration)), accuracy)
+
+
+def test_bilinear_storey() -> None:
+    """Both turns and the energy of the loop. Fails if it unloads along another line, or hardens otherwise."""
+    run, known = thrown(0.25, 1.0), bilinear_throw(M, K, VY, 0.1, 0.25)
+    assert run.displacement_max[0] == pytest.approx(known.first, rel=1e-10)
+    assert run.displacement_min[0] == pytest.approx(known.second, rel=1e-10)
+    assert run.shear[0] == pytest.approx(known.shear, rel=1e-10)
+    assert run.ductility[0] == pytest.approx(known.first / DY, rel=1e-10)
+
+
+def test_peak_oriented_storey() -> None:
+    """It reloads straight towards the yield on the side where it has not yielded. Fails with another target."""
+    a, speed = 0.1, 0.25
+    run, plateau = thrown(speed, storey_law="peak-oriented"), (1 - a) * VY
+    rest = 0.5 * VY * DY - plateau * DY - 0.5 * a * K * DY**2 - 0.5 * M * speed**2
+    first = max(np.roots([0.5 * a * K, plateau, rest]).real)
+    shear = plateau + a * K * first
+    zero = first - shear / K
+    second = zero - shear / math.sqrt(K * VY / (zero + DY))
+    assert run.displacement_max[0] == pytest.approx(first, rel=1e-10)
+    assert run.shear[0] == pytest.approx(shear, rel=1e-10)
+    assert run.displacement_min[0] == pytest.approx(second, rel=1e-9)
+
+
+CAPPED = {"capping_ductility": 3.0, "post_capping_slope": 0.1, "residual_strength": 0.3}
+IMK = {"storey_law": "imk-peak-oriented"} | CAPPED
+
+
+@pytest.mark.parametrize("speed", [0.3, 0.45, 0.7], ids=["hardening", "capping", "residual"])
+def test_imk_backbone(speed: float) -> None:
+    """How far a throw goes along its three lines. Fails if capping, slope or residual strength is another."""
+    a = 0.1
+    cap, top = 3 * DY, VY + a * K * 2 * DY
+    level = cap + (top - 0.3 * VY) / (0.1 * K)
+    left = 0.5 * M * speed**2 - 0.5 * VY * DY
+    to_cap, to_level = 0.5 * (VY + top) * (cap - DY), 0.5 * (top + 0.3 * VY) * (level - cap)
+    if left < to_cap:
+        expected = DY + (-VY + math.sqrt(VY**2 + 2 * a * K * left)) / (a * K)
+    elif left < to_cap + to_level:
+        expected = cap + (top - math.sqrt(top**2 - 2 * 0.1 * K * (left - to_cap))) / (0.1 * K)
+    else:
+        expected = level + (left - to_cap - to_level) / (0.3 * VY)
+    run = thrown(speed, **IMK)
+    assert run.displacement_max[0] == pytest.approx(expected, rel=1e-10)
+    assert run.shear[0] == pytest.approx(VY + a * K * (min(expected, cap) - DY), rel=1e-10)
+
+
+@pytest.mark.parametrize("mode", ["none", "strength", "reloading", "unloading"])
+def test_imk_deterioration(mode: str) -> None:
+    """A perfectly plastic storey comes back through zero shear and turns on the line towards the other yield;
+    beta = E / (Et - E). Fails if a mode deteriorates by another energy, or the wrong quantity."""
+    capacity, speed = 12.0, 0.25
+    lost = {} if mode == "none" else {f"{mode}_capacity": capacity}
+    run = thrown(speed, hardening=0.0, **IMK | {"capping_ductility": 1e3} | lost)
+    first = DY + (0.5 * M * speed**2 - 0.5 * VY * DY) / VY
+    energy = VY * (first - DY)
+    beta = 0.0 if mode == "none" else energy / (capacity * VY * DY - energy)
+    unloading = K * (1 - beta) if mode == "unloading" else K
+    zero = first - VY / unloading
+    target = DY * (1 + beta) if mode == "reloading" else DY
+    if mode == "unloading":  # reloading no stiffer than unloading
+        target = max(target, VY / unloading - zero)
+    slope = (VY * (1 - beta) if mode == "strength" else VY) / (zero + target)
+    assert run.displacement_max[0] == pytest.approx(first, rel=1e-10)
+    assert run.displacement_min[0] == pytest.approx(zero - VY / math.sqrt(unloading * slope), rel=1e-9)
+
+
+def test_imk_pinching() -> None:
+    """Two reloading lines, the first 0.3 as stiff as the straight one, up to zero drift. Fails if the second misses the
+    yield that it aims at."""
+    speed = 0.33
+    pinched = IMK | {"storey_law": "imk-pinching", "pinching_force": 0.3, "pinching_drift": 0.6}
+    run = thrown(speed, hardening=0.0, **pinched | {"capping_ductility": 1e3})
+    first = DY + (0.5 * M * speed**2 - 0.5 * VY * DY) / VY
+    zero = first - DY
+    at_break = 0.3 * VY / (zero + DY) * zero
+    second = (VY - at_break) / DY
+    left = 0.5 * VY * DY - 0.5 * at_break * zero
+    turned = (-at_break + math.sqrt(at_break**2 + 2 * second * left)) / second
+    assert run.displacement_max[0] == pytest.approx(first, rel=1e-10)
+    assert run.displacement_min[0] == pytest.approx(-turned, rel=1e-9)
+
+
+def loading(n: int, x: float) -> tuple[float, float]:
+    """z, and the integral of z over x = D / Dy, on loading from z = 0."""
+    return (1 - math.exp(-x), x - 1 + math.exp(-x)) if n == 1 else (math.tanh(x), math.log(math.cosh(x)))
+
+
+@pytest.mark.parametrize(("n", "wen_gamma"), [(1, 0.5), (2, 0.5), (1, -0.5), (1, 0.9)])
+@pytest.mark.parametrize("speed", [0.06, 0.15])
+def test_bouc_wen(n: int, wen_gamma: float, speed: float) -> None:
+    """Out along the curve of n, back by gamma (straight where it is one half), and on along the curve downwards: both
+    turns by their energies. Fails if gamma and beta change places, or z grows by another law."""
+    a, c = 0.1, 2 * wen_gamma - 1
+    run = thrown(speed, storey_law="bouc-wen", wen_exponent=n, wen_gamma=wen_gamma)
+
+    def held(x: float) -> float:
+        return 0.5 * a * K * (x * DY) ** 2
+
+    unit = (1 - a) * VY * DY
+    first = brentq(lambda x: 0.5 * M * speed**2 - held(x) - unit * loading(n, x)[1], 0.0, 100.0, xtol=1e-15)
+    z = loading(n, first)[0]
+    zero = first - z if c == 0 else first + math.log(1 - c * z) / c
+    back = held(first) + unit * (0.5 * z * z if c == 0 else (first - zero - z) / c)
+    second = brentq(lambda x: back - held(x) - unit * loading(n, zero - x)[1], zero - 100.0, zero, xtol=1e-15)
+    assert run.displacement_max[0] == pytest.approx(first * DY, rel=1e-10)
+    assert run.shear[0] == pytest.approx(a * K * first * DY + (1 - a) * VY * z, rel=1e-10)
+    assert run.displacement_min[0] == pytest.approx(min(second, 0.0) * DY, rel=1e-9)
+
+
+@pytest.mark.parametrize("theta", [0.1, 0.5, 0.99])
+def test_p_delta_lengthens_the_period(theta: float) -> None:
+    """T' = T / sqrt(1 - theta). Fails if the weight acts on another arm than the storey's height."""
+    one = storey(p_delta=[theta * K * H])
+    run = solve(Scene((one,), start=([[0.01]], [[0.0]]), **still(1.0)), 1e-12)
+    omega = math.sqrt(K / M * (1 - theta))
+    assert run.end[0] == pytest.approx(0.01 * math.cos(omega), abs=1e-12)
+    assert run.end_velocity[0] == pytest.approx(-0.01 * omega * math.sin(omega), abs=1e-10)
+    assert run.energy["input"] == pytest.approx(0.5 * K * (1 - theta) * 1e-4, rel=1e-10)
+
+
+def test_p_delta_after_yield() -> None:
+    """The drift of a throw by its energies, with the slope (a - theta) k; the shear is the law's. Fails if P-Delta is
+    part of the storey's shear, or ends at the yield."""
+    a, theta, speed = 0.05, 0.2, 0.25
+    run, plateau = thrown(speed, 1.0, hardening=a, p_delta=[theta * K * H]), (1 - a) * VY
+    rest = 0.5 * VY * DY - plateau * DY - 0.5 * a * K * DY**2 - 0.5 * M * speed**2
+    expected = min(np.roots([0.5 * (a - theta) * K, plateau, rest]).real)
+    assert run.drift[0] == pytest.approx(expected, rel=1e-10)
+    assert run.shear[0] == pytest.approx(plateau + a * K * expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("limit", [0.02, 0.10, 0.5])
+def test_collapse(limit: float) -> None:
+    """Its instant on a cosine, then exponentials. Fails if it is found at the end of a step, or at another drift."""
+    a, theta, speed = 0.05, 0.25, 0.6
+    run = thrown(speed, 4.0, hardening=a, p_delta=[theta * K * H], collapse=limit)
+    w, g = math.sqrt(K * (1 - theta) / M), math.sqrt(K * (theta - a) / M)
+    t1 = math.asin(DY * w / speed) / w
+    v1, c = speed * math.cos(w * t1), (1 - a) * VY / (K * (theta - a))
+    p, q, top = 0.5 * (DY - c + v1 / g), 0.5 * (DY - c - v1 / g), limit * H - c
+    expected = t1 + math.log((top + math.sqrt(top**2 - 4 * p * q)) / (2 * p)) / g
+    assert (run.status, run.place) == ("collapsed", (0, 1))
+    assert run.time == pytest.approx(expected, rel=1e-10)
+    assert run.drift[0] == pytest.approx(limit * H, rel=1e-12)
+    assert abs(run.energy["residual"]) < 1e-11
+
+
+@pytest.mark.parametrize("at", [0.3, 0.5, 0.9])
+def test_blow_on_columns(at: float) -> None:
+    """A slab strikes the columns of a building too heavy to move: the reactions b^2 (3a + b) / L^3 and
+    a^2 (3b + a) / L^3 of a clamped beam, whose own give, 12 EI / L^3 = share k, is in series with the impact spring.
+    Fails if the two ends take each other's place."""
+    striker = storey(1e5, 1e-3, height=at * H, slab=0.1)
+    struck = storey(1e14, 1e9, slab=0.1, columns=0.25)
+    case = {"link": "pounding", "gap": 0.0, "at_columns": "pounding"}
+    more = {"impact": {"stiffness": 1e8, "restitution": 1.0}}
+    start = [[0.0], [0.0]], [[0.5], [0.0]]
+    run = solve(Scene((striker, struck), case=case, more=more, start=start, **still(0.4)), 1e-12)
+    below, above = (1 - at) ** 2 * (3 * at + 1 - at), at**2 * (3 * (1 - at) + at)
+    assert run.impacts.tolist() == [1]
+    give = 4 * (at * (1 - at)) ** 3 / (0.25 * 1e9)
+    force = 0.5 * math.sqrt(1e5 / (1e-8 + give))
+    assert run.peak_force[0] == pytest.approx(force, rel=1e-6)
+    assert run.shear_below[0] == pytest.approx(force * below, rel=1e-6)
+    assert run.shear_above[0] == pytest.approx(force * above, rel=1e-6)
+
+
+@pytest.mark.parametrize("foundation", ["fixed", SWAY, ROCK, SWAY | ROCK], ids=["fixed", "sway", "rocking", "both"])
+@pytest.mark.parametrize("link", [None, "connector"])
+def test_linear_buildings(link: str | None, foundation: Any) -> None:
+    """Against the exponential of the matrices, to rounding. Fails if damping acts on another motion than the storey's,
+    or a base has another mass."""
+    buildings = [{"storeys": 4, "period": each, "foundation": foundation} for each in (0.36, 0.60)]
+    case: dict[str, Any] = {"link": link, "gap": 0.05, "stiffness": 3e7, "damping_ratio": 0.1} if link else {}
+    scene = Scene(buildings, shake(1.5), 0.02, case)
+    if not link:
+        scene = Scene(buildings[:1], shake(1.5), 0.02)
+    run, (_, q, rate) = solve(scene, 1e-12), march(scene.built)
+    bases = 0 if foundation == "fixed" else len({"sway_stiffness", "rocking_stiffness"} & foundation.keys())
+    floors = [place * (4 + bases) + floor for place in range(len(scene.buildings)) for floor in range(4)]
+    assert run.end == pytest.approx(q[-1, floors], rel=1e-8, abs=1e-12)
+    assert run.end_velocity == pytest.approx(rate[-1, floors], rel=1e-8, abs=1e-11)
+    if foundation != "fixed" and "sway_stiffness" in foundation:
+        assert run.sway[0] >= np.abs(q[:, 4]).max() * (1 - 1e-9)
+    if foundation != "fixed" and "rocking_stiffness" in foundation:
+        assert run.rocking[0] >= np.abs(q[:, 3 + bases]).max() * (1 - 1e-9)
+
+
+def test_rocking_base_is_a_pendulum() -> None:
+    """A stiff column on a rocking spring under its weight: w^2 = (kphi - W h) / (I + m h^2). Fails if the weight acts
+    on the storey's own drift alone."""
+    inertia, spring, weight = 1e6, 2e7, 9.80665 * M
+    one = storey(stiffness=1e12, p_delta=True, foundation={"inertia": inertia, "rocking_stiffness": spring})
+    ground = np.zeros(101)
+    ground[3:] = 1.0
+    scene = Scene((one,), ground, 0.02)
+    w, force = math.sqrt((spring - weight * H) / (inertia + M * H**2)), M * H / (spring - weight * H)
+    t, ramp = 2.0 - 0.06, 0.02
+    expected = -force * (1 - (math.sin(w * (t + ramp)) - math.sin(w * t)) / (w * ramp))
+    run = solve(scene, 1e-9)
+    assert run.end[0] == pytest.approx(H * expected, rel=1e-4)
+
+
+@pytest.mark.parametrize("xi", [0.0, 0.05, 0.6])
+def test_oscillator_under_a_ramp(xi: float) -> None:
+    """Ground whose acceleration is a straight line, half of the damping by mass and half by stiffness. Fails if a
+    sample is taken for its neighbour."""
+    omega, a0, slope, t = math.sqrt(K / M), 1.7, 5.0, 0.34
+    one = storey(rayleigh={"alpha": xi * omega, "beta": xi / omega})
+    run = solve(Scene((one,), a0 + slope * 0.02 * np.arange(18), 0.02), 1e-12)
+    u, v = oscillator_under_ramp(0.0, 0.0, a0, slope, omega, xi, t)
+    assert (run.end[0], run.end_velocity[0]) == pytest.approx((u, v), rel=1e-10)
+    held = 0.5 * (M * v**2 + K * u**2)
+    assert run.energy["kinetic"] + run.energy["stored"] == pytest.approx(held, rel=1e-10)
+    assert run.energy["damping"] == pytest.approx(run.energy["input"] - held, rel=1e-9, abs=1e-9 * held)
+
+
+@pytest.mark.parametrize("base", [SWAY, ROCK])
+def test_a_stiff_base_is_a_fixed_one(base: Mapping[str, float]) -> None:
+    """The difference goes as 1 / stiffness. Fails if a rigid base still moves."""
+    fixed = solve(Scene(({"storeys": 3, "period": 0.36},), shake(0.6), 0.02), 1e-11)
+    differences = []
+    for times in (1e1, 1e2):
+        stiffer = base | {name: value * times for name, value in base.items() if name.endswith("stiffness")}
+        run = solve(Scene(({"storeys": 3, "period": 0.36, "foundation": stiffer},), shake(0.6), 0.02), 1e-11)
+        differences.append(np.abs(run.shear / fixed.shear - 1).max())
+    assert differences[1] == pytest.approx(0.1 * differences[0], rel=0.35)
