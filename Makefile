@@ -7,7 +7,7 @@ POUND := $(BIN)/pound
 STUDIES := fig5:connector fig6:run fig7:run fig8:wall
 PAGES := $(foreach study,$(STUDIES),results/$(firstword $(subst :, ,$(study)))/report.html)
 
-.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench kills fuzz dist clean
+.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench fuzz dist clean
 
 all: figures
 
@@ -35,7 +35,7 @@ results/%/report.html: results/%.h5
 	$(POUND) report $< -o results/$*
 
 test: setup lint
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist loadgroup
 
 # Kernels by numba's own compile pipeline, as with a version of numba that is not known.
 plain-kernels: setup
@@ -67,10 +67,6 @@ peers: setup
 # What it costs, by law and as scenes grow, into docs/performance.md (about two minutes on a quiet machine).
 bench: setup
 	$(BIN)/python -m tests.bench
-
-# A study killed with SIGKILL at fifty random moments, each time run again to the same tables (two minutes).
-kills: setup
-	$(BIN)/python -m tests.batch.kills --kills 50 --gaps 40
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # results files (damaged, forged), parts, studies, motions and the cache of compiled kernels (about 25 minutes).

@@ -50,7 +50,8 @@ def name_axis(
     size: float = 9.5,
     room: int = 0,
 ) -> None:
-    """Entitle an axis ("x" or "y") with what the keys are, and in small with the keys, which figures for a paper leave out.
+    """Entitle an axis ("x" or "y") with what the keys are, and in small with the keys; figures for a paper leave these
+    out.
 
     room : characters in a line; 0: any number
     """

@@ -1,0 +1,1 @@
+"""Every question, from every engine, killed and run again: the same tables."""
