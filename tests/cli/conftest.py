@@ -5,18 +5,37 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pounding_cli.cli.main import main
-from tests.helpers import two_buildings
+
+TWO = """\
+title: Two small buildings
+records: {use: [elcentro, taft], duration: 3 s}
+buildings:
+  stiff: {storeys: 3, period: 0.3 s, mass: 200 t}
+  soft: {like: stiff, storeys: 2, period: 0.5 s}
+group: [stiff, soft]
+cases:
+  touching: {link: pounding, gap: 0 cm}
+  gap: {link: pounding, gap: 5 mm}
+analyses: [elastic, inelastic]
+estimate: none
+"""
+"""8 rows from 16 scenes, in which both cases strike under El Centro's stand-in."""
 
 
 @pytest.fixture
 def folder(request, tmp_path, monkeypatch) -> Path:
-    """A folder to stand in, with two short motions and two.yaml: STUDY of the test module, or two small buildings."""
+    """A folder to stand in, with two.yaml, STUDY of the test module or TWO, and two motions of half a second [g]."""
     monkeypatch.chdir(tmp_path)
-    two_buildings.write_motions(tmp_path)
-    (tmp_path / "two.yaml").write_text(getattr(request.module, "STUDY", two_buildings.STUDY))
+    monkeypatch.delenv("POUND_RECORDS", raising=False)
+    monkeypatch.setenv("POUND_HOME", str(tmp_path / "home"))
+    time = np.arange(0.0, 0.5, 0.01)
+    for name, peak in (("weak", 0.1), ("strong", 0.4)):
+        np.savetxt(tmp_path / f"{name}.txt", np.column_stack([time, peak * np.sin(12 * time)]))
+    (tmp_path / "two.yaml").write_text(getattr(request.module, "STUDY", TWO))
     return tmp_path
 
 
@@ -24,9 +43,8 @@ def folder(request, tmp_path, monkeypatch) -> Path:
 def pound(request, folder, monkeypatch, capsys) -> Callable[..., tuple[int, str, str]]:
     """Runs `pound ARGUMENTS` in `folder`; returns (exit code, output, errors).
 
-    solve : in place of the solver, that of the test module (SOLVE) unless given; None for the real one
+    solve : in place of the solver, that of the test module (SOLVE) unless given
     """
-
     usual = getattr(request.module, "SOLVE", None)
 
     def run(*arguments: object, solve=usual) -> tuple[int, str, str]:

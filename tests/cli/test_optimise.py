@@ -46,7 +46,7 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     assert "cases.joined.link.1.stiffness [x mean storey of A]" in out
     assert "The search ended after 4 generations" in out
     assert f"{row['points']} points; scenes:" in out
-    code, out, _ = pound("report", "results/two-optimise.h5", "-q")
+    code, out, _ = pound("report", "results/two-optimise.h5", "-q", "--format", "png")
     assert code == 0
     folder = tmp_path / "results" / "two-optimise"
     assert (folder / "optimise.png").stat().st_size > 10_000

@@ -193,7 +193,7 @@ def test_axes_of_a_sweep_keep_keys_that_move_together_and_the_unit_of_the_study(
     results.attrs = {"swept": json.dumps([["cases.gap.gap", "k.y"]])}
     results.units = {"cases.gap.gap": Unit("cm", 0.01, "m"), "k.y": Unit()}
     axis = sweep.sweep_data(results, ["touching"])["axes"][0]
-    assert axis["label"] == "cases.gap.gap [cm], k.y"
+    assert axis["label"] == "gap [cm] (cases.gap.gap), y (k.y)"
     assert axis["words"] == ["cases.gap.gap = 1 cm, k.y = 0.1", "cases.gap.gap = 2 cm, k.y = 0.2"]
     assert axis["values"] == [1, 2]
 

@@ -1,0 +1,92 @@
+"""`pound fragility` and `pound sensitivity`: what they print is in their tables, and their pages are written."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pounding_cli
+
+STUDY = """\
+title: Two small buildings
+records: {use: [elcentro, taft, olympia, parkfield], duration: 3 s, scale: {pga: 0.1 g}}
+buildings:
+  A: {storeys: 2, period: 0.3 s}
+  B: {like: A, storeys: 1, period: 0.5 s}
+group: [A, B]
+cases: {near: {link: pounding, gap: 3 mm}}
+analyses: [inelastic]
+estimate: none
+sweep: {records.scale.pga: {from: 0.05 g, to: 1 g, step: 0.05 g}}
+fragility: {limits: [mu > 4, contact]}
+"""
+
+UNCERTAIN = """\
+title: Two small buildings
+records: {use: [elcentro, taft], duration: 3 s}
+buildings:
+  A: {storeys: 2, period: 0.3 s}
+  B: {like: A, storeys: 1, period: 0.5 s}
+group: [A, B]
+cases: {near: {link: pounding, gap: 3 mm}}
+analyses: [inelastic]
+estimate: none
+uncertain:
+  motion: any
+  impact.restitution: {uniform: {from: 0.4, to: 0.65}}
+  buildings.B.period: {lognormal: {median: 0.5 s, spread: 0.1}}
+sensitivity: {outputs: [largest mu in A, max_closing], samples: 8}
+"""
+
+
+def test_fragility_curves(folder, pound):
+    """The search finds the same first passing levels as the plain grid, and prints the medians of the table."""
+    code, out, err = pound("fragility", "two.yaml")
+    assert (code, "warning" in err) == (0, False)
+    results = pounding_cli.open_results("results/two-fragility.h5")
+    fitted = results.table("fragility").dropna(subset=["median"]).iloc[0]
+    assert f"{fitted['median'] / 9.80665:.3g} (" in out
+    found = results.table("fragility_motions")
+    grid = pounding_cli.run("two.yaml", "grid.h5", engine="serial").storey()
+    key, checked = "records.scale.pga", 0
+    for name, column in (("passed", "mu"), ("passed0", "mu0")):
+        peaks = grid.groupby(["building", "record", key], observed=True)[column].max()
+        for row in found[found["limit"] == "mu > 4"].to_dict("records"):
+            mine = peaks.loc[row["building"], row["record"]]
+            above = mine[mine > 4]
+            assert row[name] == pytest.approx(above.index.min() if len(above) else np.inf)
+            checked += 1
+    assert checked == 16
+    assert pound("report", "results/two-fragility.h5", "-q", "--format", "png")[0] == 0
+    written = Path("results/two-fragility")
+    assert (written / "fragility-inelastic.png").stat().st_size > 10_000
+    assert f"{fitted['median'] / 9.80665:.3g}" in (written / "report.html").read_text(encoding="utf-8")
+    assert "Baker" in pound("cite", "results/two-fragility.h5")[1]
+
+
+def test_sensitivity_indices(folder, pound):
+    Path("uncertain.yaml").write_text(UNCERTAIN)
+    code, out, _ = pound("sensitivity", "uncertain.yaml")
+    assert code == 0
+    table = pounding_cli.open_results("results/uncertain-sensitivity.h5").table("sensitivity")
+    for row in table[table["output"] == "largest mu in A"].to_dict("records"):
+        assert f"{row['total']:.2f} ({row['total_low']:.2f} to {row['total_high']:.2f})" in out
+    assert pound("report", "results/uncertain-sensitivity.h5", "-q", "--format", "png")[0] == 0
+    written = Path("results/uncertain-sensitivity")
+    for figure in ("sensitivity.png", "sensitivity-samples.png"):
+        assert (written / figure).stat().st_size > 10_000
+    assert {path.name for path in (written / "tables").iterdir()} >= {"sensitivity.csv", "sensitivity_samples.csv"}
+    assert "Saltelli" in pound("cite", "results/uncertain-sensitivity.h5")[1]
+
+
+def test_bad_questions_are_refused_and_write_nothing(folder, pound):
+    Path("two.yaml").write_text(STUDY.replace("contact]", "acceleration > 1]"))
+    Path("uncertain.yaml").write_text(UNCERTAIN.replace("0.5 s, spread", "0.5, spread"))
+    for command, study, place in (("fragility", "two", "11:30"), ("sensitivity", "uncertain", "13:44")):
+        code, out, err = pound(command, f"{study}.yaml")
+        assert (code, out) == (2, "")
+        assert re.search(rf"{study}\.yaml:{place}: ", err)
+    assert not Path("results").exists()

@@ -1,0 +1,271 @@
+"""Commands beside `pound run` and `pound show`: what each prints, writes and refuses."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+from click.testing import CliRunner
+
+import pounding_cli
+from pounding_cli.cli.main import cli
+
+from .conftest import TWO
+
+ROOT = Path(__file__).parents[2]
+CONFIGS = sorted((ROOT / "configs").rglob("*.yaml"))
+COMMANDS = tuple(cli.list_commands(None))
+HEAVY = ("numba", "pandas", "matplotlib", "h5py")
+
+
+@pytest.fixture
+def results(folder, pound) -> Path:
+    pound("run", "two.yaml", "-o", "r.h5", "-q")
+    return folder / "r.h5"
+
+
+# help
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_help_with_an_example(name):
+    command = cli.get_command(None, name)
+    for sub in getattr(command, "commands", {"": command}):
+        words = [name, *([sub] if sub else [])]
+        shown = CliRunner().invoke(cli, [*words, "--help"])
+        assert shown.exit_code == 0
+        assert f"pound {' '.join(words)}" in shown.output.split("Example", 1)[1]
+
+
+def test_help_and_checks_load_nothing_heavy():
+    code = (
+        "import sys\nfrom click.testing import CliRunner\nfrom pounding_cli.cli.main import cli\n"
+        "for words in (['--help'], ['run', '--help'], ['report', '--help'], ['check', 'configs/fig6.yaml']):\n"
+        "    assert CliRunner().invoke(cli, words).exit_code == 0\n"
+        f"print([name for name in {HEAVY} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout == "[]\n"
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("rnu", "`pound run`"), ("Report", "`pound report`"), ("study.yaml", "`pound run study.yaml`"),
+        ("results/fig6.h5", "`pound show results/fig6.h5`"), ("zzzzzz", "`pound --help`"),
+    ],
+)  # fmt: skip
+def test_an_unknown_command_is_answered_with_what_was_meant(typed, meant):
+    refused = CliRunner().invoke(cli, [typed])
+    assert refused.exit_code == 2
+    assert meant in refused.output
+
+
+def test_shell_completion_names_the_commands():
+    asked = {"_POUND_COMPLETE": "bash_complete", "COMP_WORDS": "pound r", "COMP_CWORD": "1"}
+    code = "import sys; from pounding_cli.cli.main import main; sys.argv = ['pound']; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | asked
+    )
+    assert {line.split(",")[1] for line in done.stdout.splitlines()} == {"run", "report", "records"}
+
+
+# check, plan
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_studies_that_ship_are_sound(path):
+    done = CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
+    assert done.exit_code == 0
+    assert done.stdout.startswith(f"OK: {path}: ")
+    said = [line for line in done.stderr.splitlines() if "warning" in line]
+    assert [line for line in said if "where the mass varies" not in line] == []  # the paper states the periods
+
+
+def test_check_counts(folder, pound):
+    assert pound("check", "two.yaml")[1] == "OK: two.yaml: 2 cases x 2 analyses x 2 records = 8 rows from 16 scenes\n"
+    one = TWO.replace(", taft", "").replace(", inelastic", "").replace("  gap: {link: pounding, gap: 5 mm}\n", "")
+    (folder / "two.yaml").write_text(one)
+    assert "1 case x 1 analysis x 1 record = 1 row from 3 scenes" in pound("check", "two.yaml")[1]
+    assert "1: 1 case, 1 analysis, 1 record\n" in pound("plan", "two.yaml", "--no-prove")[1]
+
+
+def test_a_refused_study(tmp_path):
+    """Through a process of its own: exit code 2, every problem on the screen, no traceback, no file."""
+    path = tmp_path / "bad.yaml"
+    path.write_text("titel: x\nrecords: {use: [elcentroo]}\n", encoding="utf-8")
+    code = "from pounding_cli.cli.main import main; main()"
+    done = subprocess.run([sys.executable, "-c", code, "run", str(path)], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"{path}:1:1: " in done.stderr
+    assert f"{path}:2:17: " in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("given", "path", "right"),
+    [("wall", "fig6", "run"), ("wall", "fig5", "connector"), ("connector", "fig8", "wall"), ("run", "fig8", "wall")],
+)
+def test_a_command_given_another_s_study_names_the_right_one(folder, pound, given, path, right):
+    code, out, err = pound(given, ROOT / "configs" / f"{path}.yaml")
+    assert (code, out) == (2, "")
+    assert f"`pound {right} " in err
+
+
+def test_warnings_are_told_and_kept(folder, pound):
+    (folder / "two.yaml").write_text(TWO.replace("gap: 5 mm", "gap: 2"))
+    for command in ("check", "plan", "run"):
+        code, _, err = pound(command, "two.yaml")
+        assert code == 0
+        assert "warning: two.yaml:9:30: gap is 2 m" in err
+    (warning,) = pounding_cli.open_results("results/two.h5").warnings
+    assert (warning.line, warning.column) == (9, 30)
+
+
+# compare, export, cite
+
+
+def test_compare(results, folder, pound):
+    assert pound("compare", "r.h5", "r.h5")[0] == 0
+    (folder / "two.yaml").write_text(TWO.replace("Two small", "Two others"))
+    pound("run", "two.yaml", "-o", "same.h5", "-q")
+    code, out, _ = pound("compare", "r.h5", "same.h5")
+    assert code == 1
+    assert "-title: Two small buildings\n" in out
+    assert pound("compare", "r.h5", "same.h5", "--numbers")[0] == 0
+    (folder / "two.yaml").write_text(TWO.replace("period: 0.5 s", "period: 0.5001 s"))
+    pound("run", "two.yaml", "-o", "other.h5", "-q")
+    code, out, _ = pound("compare", "r.h5", "other.h5", "--numbers")
+    assert code == 1
+    counted = {name: int(count) for name, count in re.findall(r"^  (\w+ \w+): (\d+) differ", out, re.MULTILINE)}
+    mine, theirs = (pounding_cli.open_results(path).storey() for path in ("r.h5", "other.h5"))
+    changed = (mine["V"] / theirs["V"] - 1).abs()
+    assert counted["storey V"] == (changed > 2e-6).sum() > 0
+    place = changed.idxmax()
+    row = mine.loc[place]
+    named = f"{row['case']}, {row['analysis']}, {row['record']}, {row['building']}, {row['storey']}: {row['V']:.6g} -> "
+    assert named in out
+    code, out, err = pound("compare", "r.h5", "two.yaml")
+    assert (code, out) == (2, "")
+    assert "two.yaml" in err
+
+
+@pytest.mark.parametrize(("output", "read"), [("s.csv", pd.read_csv), ("s.parquet", pd.read_parquet)])
+def test_export_of_a_table(results, pound, output, read):
+    assert pound("export", "r.h5", "storey", "-o", output) == (0, f"wrote {output}\n", "")
+    exact = pounding_cli.open_results("r.h5").storey()
+    pd.testing.assert_frame_equal(read(output), exact, check_dtype=False, check_categorical=False, check_exact=True)
+
+
+def test_export_of_everything(results, folder, pound):
+    code, out, _ = pound("export", "r.h5")
+    assert code == 0
+    written = sorted(line.removeprefix("wrote ") for line in out.splitlines())
+    assert written == sorted(str(path.relative_to(folder)) for path in (folder / "r-csv").iterdir())
+    code, out, err = pound("export", "r.h5", "--format", "excel", "-o", "s.csv")
+    assert (code, out) == (2, "")
+    assert ".xlsx" in err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no ulimit there")
+@pytest.mark.parametrize("output", ["out.csv", "out.nc"])
+def test_a_disk_that_is_full_is_one_sentence_and_leaves_nothing_half_written(results, folder, output):
+    """The limit on a file's size stands for the disk."""
+    main = "import sys; from pounding_cli.cli.main import main; main()"
+    table = "storey" if output.endswith(".csv") else ""
+    shell = f"ulimit -f 2; '{sys.executable}' -c '{main}' export r.h5 {table} -o {output}"
+    found = subprocess.run(["bash", "-c", shell], capture_output=True, text=True)
+    assert found.returncode == 2
+    assert "cannot be written" in found.stderr
+    assert "Traceback" not in found.stderr
+    assert not [path for path in folder.rglob("*") if "part" in path.name or (path.name == output and path.is_file())]
+
+
+def test_a_study_and_its_results_cite_the_same(results, pound):
+    _, of_study, _ = pound("cite", "two.yaml")
+    assert pound("cite", "r.h5")[1].splitlines()[-1] == of_study.splitlines()[-1]
+    for words in ("pounding_cli", "Anagnostopoulos", "Uniform Building Code", "elcentro"):
+        assert words in of_study
+    entries = pound("cite", "two.yaml", "--format", "bibtex")[1]
+    assert len(re.findall(r"^@", entries, flags=re.MULTILINE)) == of_study.count("\n    for ")
+    assert "@article{anagnostopoulos1988," in entries
+    code, out, _ = pound("cite", "nothing.h5")
+    assert (code, out) == (2, "")
+
+
+def test_results_cite_the_methods_they_were_made_by(folder, pound):
+    """Nothing pounds, so that exact steps do; with all effects simulated, series."""
+    (folder / "two.yaml").write_text(
+        TWO.replace("gap: 0 cm", "gap: 60 cm").replace("5 mm", "50 cm").replace(", inelastic", "")
+    )
+    for options, taylor in (((), False), (("--all-effects",), True)):
+        pound("run", "two.yaml", "-o", f"{taylor}.h5", "-q", *options)
+        assert ("Taylor" in pound("cite", f"{taylor}.h5")[1]) is taylor
+
+
+# init, schema
+
+
+@pytest.mark.parametrize("template", ["pair", "measures", "wall", "connector"])
+def test_templates_are_sound_and_carry_the_name(folder, pound, template):
+    code, out, _ = pound("init", "deep/er/two_towers", "--template", template)
+    assert code == 0
+    path = Path("deep/er/two_towers.yaml")
+    assert yaml.safe_load(path.read_text())["title"] == "Two towers"
+    commands = re.findall(r"^  (pound .*?)   ", out, flags=re.MULTILINE)
+    assert len(commands) >= 3
+    code, out, err = pound(*commands[0].split()[1:])
+    assert (code, err) == (0, "")
+    assert out.startswith(f"OK: {path}")
+
+
+def test_init_takes_any_name_and_overwrites_nothing(folder, pound):
+    for name in ("null", "3", "ναός", 'a "quoted" one'):
+        assert pound("init", name)[0] == 0
+        assert yaml.safe_load(Path(f"{name}.yaml").read_text())["title"].lower() == name.lower()
+    before = Path("two.yaml").read_bytes()
+    for name in ("two", "two.yaml/a", "-"):
+        code, out, err = pound("init", "--", name)
+        assert (code, out) == (2, ""), name
+        assert "Traceback" not in err
+    assert Path("two.yaml").read_bytes() == before
+
+
+def test_the_schema_that_ships_is_that_of_the_program(folder, pound):
+    """Stale? `pound schema -o configs/pound.schema.json`. Every key is described, and nothing else is allowed."""
+    shipped = ROOT / "configs" / "pound.schema.json"
+    assert pound("schema")[1] == shipped.read_text(encoding="utf-8")
+    schema = json.loads(shipped.read_text(encoding="utf-8"))
+    for model in (schema, *(part for part in schema["$defs"].values() if "properties" in part)):
+        assert model["additionalProperties"] is False
+        assert all(key.get("description") or "$ref" in key for key in model["properties"].values())
+
+
+# accuracy
+
+
+def test_accuracy_measures_methods(folder, pound):
+    (folder / "two.yaml").write_text(TWO.replace(", taft", "").replace("3 s}", "1 s}").replace(", inelastic", ""))
+    words = ("accuracy", "two.yaml", "--methods", "taylor,central-difference", "--cases", "touching", "--budget", "1s")
+    code, out, _ = pound(*words)
+    assert code == 0
+    assert "For 0.1 % use" in out
+    written = Path("results/two-accuracy")
+    assert {path.name for path in written.iterdir()} == {
+        "accuracy.md", "accuracy.csv", "accuracy-elastic.png", "accuracy-elastic.svg",
+    }  # fmt: skip
+    runs = pd.read_csv(written / "accuracy.csv")
+    assert (runs[(runs["method"] == "taylor") & (runs["setting"] <= 1e-4)]["error_V"] < 1e-5).all()
+    assert runs[runs["status"] != "done"]["error_V"].isna().all()
+    for option, value in (("--methods", "euler"), ("--cases", "floating"), ("--budget", "ten"), ("--budget", "0 s")):
+        code, _, err = pound("accuracy", "two.yaml", option, value)
+        assert code == 2
+        assert value.split()[0] in err

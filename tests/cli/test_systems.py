@@ -1,0 +1,126 @@
+"""`pound connector` and `pound wall`: from study file to tables and fields, and what other commands say of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+
+import pounding_cli
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+PAIR = "title: t\nsecond: {frequency_ratio: 0.6}\nsweep: {damping: [5 %, 10 %]}\n"
+WALL = (
+    "title: small\nmesh: {size: 0.5 m, growth: 0, element: linear}\ntime: {end: 20 ms, step: 0.2 ms}\n"
+    "sweep:\n  contact.over: [node, patch]\n  wall.length: [1 m, 2 m]\n"
+)
+
+
+def test_figure_5(folder, pound):
+    """The ratios of the two masses against the ground are harmonics of one linear system: their sum is 2."""
+    code, out, _ = pound("connector", CONFIGS / "fig5.yaml", "-o", "fig5.h5")
+    assert code == 0
+    assert "|R1| at most 3.980 at Omega/omega10 = 0.701" in out
+    assert "0.652-0.772, 1.086-1.163" in out
+    with xr.open_dataset("fig5.h5", engine="h5netcdf") as data:
+        assert data["R1"].dims == ("damping", "frequency")
+        assert float(data["peak2"].sel(damping=0.10)) == pytest.approx(2.40, abs=0.01)
+        assert float(abs(data["R1_real"] + data["R2_real"] - 2).max()) < 1e-12
+        assert float(abs(data["R1_imag"] + data["R2_imag"]).max()) < 1e-12
+
+
+def test_general_masses_and_no_connector(folder, pound):
+    """Nothing joins them: each is an oscillator of its own, relative to the other's frequency (2 pi / 0.9 s)."""
+    Path("a.yaml").write_text(
+        "title: other\nfirst: {mass: 100 t, stiffness: 20 kN/mm, damping: 2 %}\n"
+        "second: {mass: 300 t, period: 0.9 s}\nconnector: {stiffness: 0 N/m, damping_ratio: 0.1}\n"
+    )
+    _, out, _ = pound("connector", "a.yaml", "-o", "a.h5")
+    assert f"(alone: 1, {2 * np.pi / 0.9 / np.sqrt(20e6 / 100e3):.4g})" in out
+    with xr.open_dataset("a.h5", engine="h5netcdf") as data:
+        assert float(data["peak1"]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_every_command_takes_the_study_and_its_results(folder, pound):
+    Path("a.yaml").write_text(PAIR)
+    Path("b.yaml").write_text(PAIR.replace("10 %", "12 %"))
+    for name in ("a", "b"):
+        assert pound("connector", f"{name}.yaml", "-o", f"{name}.h5", "-q") == (0, "", "")
+    assert "2 points" in pound("plan", "a.yaml")[1]
+    assert "2.241" in pound("show", "a.h5")[1]
+    assert pound("compare", "a.h5", "a.h5")[0] == 0
+    code, out, _ = pound("compare", "a.h5", "b.h5")
+    assert code == 1
+    assert "1 removed, 1 added" in out
+    assert "Numbers: 0 of 7 differ" in out
+    assert pound("export", "a.h5", "-o", "out")[0] == 0
+    assert Path("out/connector.csv").exists()
+    assert pound("show", "a.h5", "storey")[0] == 2
+    assert "Spiliopoulos" in pound("cite", "a.yaml")[1]
+    assert pound("cite", "a.h5")[1] == pound("cite", "a.yaml")[1]
+    Path("a.yaml").write_text(PAIR.replace("[5 %", "[40 %, 5 %"))
+    _, out, _ = pound("connector", "a.yaml", "-o", "a.h5")
+    assert "Points: 1 solved, 2 reused, 0 failed" in out
+
+
+def test_a_connector_from_python(folder):
+    Path("a.yaml").write_text(PAIR)
+    results = pounding_cli.run("a.yaml", "a.h5", workflow="connector")
+    assert results.dataset["R1"].dims == ("damping", "frequency")
+    assert results.tables == ("connector",)
+
+
+@pytest.fixture(scope="module")
+def wall(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wall")
+    (folder / "small.yaml").write_text(WALL)
+    return pounding_cli.run(folder / "small.yaml", folder / "small.h5", workflow="wall", engine="serial").path
+
+
+def test_a_wall_takes_the_momentum_of_its_striker(wall):
+    with xr.open_dataset(wall, engine="h5netcdf") as data:
+        assert data["peak_force"].dims == ("contact.over", "wall.length")
+        assert data["averaged_stress"].attrs["units"] == "N/m2"
+        for over in range(2):
+            for length in range(2):
+                point = data.isel({"contact.over": over, "wall.length": length})
+                assert float(point["force"].max()) == pytest.approx(float(point["peak_force"]))
+                impulse = np.trapezoid(point["force"], point["time"])
+                assert impulse == pytest.approx(200e3 * (0.5 - float(point["velocity"][-1])), rel=1e-3)
+
+
+def test_the_page_and_the_fields_of_a_wall(wall, folder, pound):
+    """The struck face is pushed away where it is struck, and the base stays."""
+    assert pound("report", wall, "-o", "page", "-q", "--format", "png")[0] == 0
+    fields = sorted(Path("page").rglob("*.vtu"))
+    assert len(fields) == 4
+    mesh = meshio.read(fields[-1])
+    peak, envelope = (mesh.cell_data[name][0] for name in ("stress_peak", "stress_envelope"))
+    assert peak.max() == pytest.approx(envelope.max())
+    assert (envelope >= peak).all()
+    moved = mesh.point_data["displacement"]
+    struck = np.argmin(np.hypot(mesh.points[:, 0], mesh.points[:, 1] - 13.4))
+    assert moved[struck, 0] > 0.99 * moved[:, 0].max()
+    assert np.abs(moved[mesh.points[:, 1] == 0]).max() == 0
+
+
+def test_figure_8(folder, pound):
+    _, out, _ = pound("wall", CONFIGS / "fig8.yaml", "-o", "fig8.h5")
+    assert "contact.over = node, mesh.size = 0.5 m\n  peak force 6.20 MN at 6.9 ms" in out
+    with xr.open_dataset("fig8.h5", engine="h5netcdf") as data:
+        under_node = data["wall_stress"].sel({"contact.over": "node"}).values / 1e6
+    assert under_node == pytest.approx([22, 34, 63, 122], rel=0.1)
+
+
+def test_a_point_that_fails_leaves_the_others(folder, pound):
+    Path("w.yaml").write_text(
+        "title: w\nmesh: {size: 1 m}\ntime: {end: 20 ms}\nsweep: {striker.mass: [200 t, 1e-6 kg]}\n"
+    )
+    code, _, err = pound("wall", "w.yaml", "-o", "w.h5")
+    assert code == 1
+    assert "failed: striker.mass = 1e-06" in err
+    frame = pounding_cli.open_results("w.h5").table("wall")
+    assert np.isnan(frame["peak_force"]).tolist() == [False, True]
