@@ -7,7 +7,7 @@ POUND := $(BIN)/pound
 STUDIES := fig5:connector fig6:run fig7:run fig8:wall
 PAGES := $(foreach study,$(STUDIES),results/$(firstword $(subst :, ,$(study)))/report.html)
 
-.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers bench fuzz dist clean
+.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers reference bench fuzz dist clean
 
 all: figures
 
@@ -39,7 +39,7 @@ test: setup lint
 
 # Kernels by numba's own compile pipeline, as with a version of numba that is not known.
 plain-kernels: setup
-	POUND_PLAIN_KERNELS=1 $(BIN)/python -m pytest tests/verification/test_impact.py tests/verification/test_hysteresis.py tests/verification/test_infill.py tests/verification/test_islands.py tests/verification/test_foundation.py
+	POUND_PLAIN_KERNELS=1 $(BIN)/python -m pytest tests/physics/test_closed_forms.py
 
 lint: setup
 	$(BIN)/ruff check .
@@ -68,13 +68,16 @@ peers: setup
 bench: setup
 	$(BIN)/python -m tests.bench
 
+# The independent integrator's runs once more, into tests/physics/references.npz (five minutes); with CHECK=--check they
+# are compared with those kept there instead.
+reference: setup
+	nice -n 5 $(BIN)/python -m tests.physics.references $(CHECK)
+
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
-# results files (damaged, forged), parts, studies, motions and the cache of compiled kernels (about 25 minutes).
+# studies and motions.
 SCENES ?= 100000
 fuzz: setup
 	nice -n 5 $(BIN)/python -m tests.hard.fuzz --scenes $(SCENES)
-	nice -n 5 $(BIN)/python -m tests.hard.damage --tries 1000
-	nice -n 5 $(BIN)/python -m tests.hard.damage_cache --tries 1000
 	nice -n 5 $(BIN)/python -m tests.hard.mutate_input --tries 1000
 
 # Wheel and sdist into dist/, each installed and used away from the source on Python 3.11, 3.12 and 3.13.

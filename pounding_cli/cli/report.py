@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import click
 
 from pounding_cli.cli.places import at_option, points_at
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 
 
@@ -26,6 +28,11 @@ from pounding_cli.numbers import counted
     type=click.Choice(("png", "svg", "pdf")),
     help="Format of the figures; may be given more than once. Default: all three.",
 )
+@click.option(
+    "--figures-for-paper",
+    is_flag=True,
+    help="Draw figures without titles and captions, as SVG and PDF; captions.md has the captions. No page.",
+)
 @click.option("--no-figures", is_flag=True, help="Write tables and claims only (much faster).")
 @click.option("--no-page", is_flag=True, help="Do not write report.html.")
 @click.option(
@@ -44,6 +51,7 @@ def command(
     files: tuple[Path, ...],
     output: Path | None,
     formats: tuple[str, ...],
+    figures_for_paper: bool,
     no_figures: bool,
     no_page: bool,
     quantities: tuple[str, ...],
@@ -73,24 +81,32 @@ def command(
     Example:
       pound report results/fig6.h5 -o report
       pound report results/fig6.h5 results/fig7.h5 --no-figures
+      pound report results/fig6.h5 -o paper --figures-for-paper
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --storey 3
     """
     from pounding_cli.report.build import FORMATS, write_comparison, write_report
     from pounding_cli.report.claims import judge
     from pounding_cli.report.evidence import points
     from pounding_cli.report.quantity import Choice
+    from pounding_cli.report.style import for_paper
     from pounding_cli.report.sweep import Asked
     from pounding_cli.store import open_results
     from pounding_cli.workflows import WORKFLOWS
 
-    chosen = () if no_figures else formats or FORMATS
+    if figures_for_paper and no_figures:
+        hint = "leave one of them out"
+        raise InputError(Problem("--figures-for-paper and --no-figures contradict each other", hint))
+    usual = tuple(name for name in FORMATS if name != "png") if figures_for_paper else FORMATS
+    chosen = () if no_figures else formats or usual
+    with_page = not (no_page or figures_for_paper)
     opened = {path: open_results(path) for path in files}
     choice = Choice("", case, analysis, building, storey, floor, link, record)
     asked = {path: Asked(quantities, choice, points_at(results, at)) for path, results in opened.items()}
     folders = _folders(files, output)
     judged = {path: results for path, results in opened.items() if not WORKFLOWS[results.workflow].solve}
     for path, results in opened.items():
-        written = write_report(results, folders[path], chosen, not no_page, asked[path])
+        with for_paper() if figures_for_paper else nullcontext():
+            written = write_report(results, folders[path], chosen, with_page, asked[path])
         if quiet:
             continue
         click.echo(f"{written[-1]}: {counted(len(written), 'file')}")

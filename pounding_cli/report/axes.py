@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal
 
@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 
 from pounding_cli.numbers import Unit
 from pounding_cli.report.evidence import Tables, axis_keys
+from pounding_cli.report.key_words import key_words, name_axis
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,13 @@ class SweptAxis:
     keys : the swept keys; more than one where they move together
     points : one tuple a point, as long as `keys`: SI numbers or texts, as in the tables
     units : per key the unit the study wrote it in
+    resolved : the study with every default filled in, which says what the keys are
     """
 
     keys: tuple[str, ...]
     points: tuple[tuple[Any, ...], ...]
     units: tuple[Unit, ...]
+    resolved: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def __len__(self) -> int:
         return len(self.points)
@@ -42,6 +45,16 @@ class SweptAxis:
     def label(self) -> str:
         """The keys with their units, for an axis title: "cases.gap.gap [cm]"."""
         return ", ".join(unit.label(key) for key, unit in zip(self.keys, self.units, strict=True))
+
+    def name(self, ax: Axes, which: str) -> None:
+        """Entitle an axis of a figure, "x" or "y"."""
+        name_axis(ax, which, self.keys, self.units, self.resolved)
+
+    @property
+    def words(self) -> str:
+        """What the keys are, with their units, and the keys in brackets."""
+        named = zip(self.keys, self.units, strict=True)
+        return ", ".join(f"{unit.label(key_words(key, self.resolved))} ({key})" for key, unit in named)
 
     @cached_property
     def coordinates(self) -> np.ndarray:
@@ -131,7 +144,12 @@ def swept_axes(results: Tables) -> tuple[SweptAxis, ...]:
     groups = json.loads(results.attrs.get("swept", "null"))
     groups = groups if groups is not None else [[key] for key in axis_keys(frame)]
     return tuple(
-        SweptAxis(tuple(keys), _points(frame, keys), tuple(results.units.get(key, Unit()) for key in keys))
+        SweptAxis(
+            tuple(keys),
+            _points(frame, keys),
+            tuple(results.units.get(key, Unit()) for key in keys),
+            results.resolved,
+        )
         for keys in groups
     )
 

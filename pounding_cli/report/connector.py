@@ -12,7 +12,7 @@ from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.statements import CAPTION, Statement, judged
-from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.store import Results
 from pounding_cli.store.points import Point, read_points
 
@@ -60,7 +60,7 @@ def draw_ratios(results: Results, points: Sequence[Point]) -> Figure:
     for ax in panels[len(points) :]:
         ax.axis("off")
     panels[0].legend(loc="upper right")
-    figure.suptitle(results.title, x=0.015, ha="left", fontsize=11, fontweight="bold")
+    entitle(figure, results.title, "bold")
     note = "Grey: both ratios exceed one. Dotted: frequencies of the connected pair."
     if (count := math.prod(map(len, results.axes.values()))) > len(points):
         note += f" The first {len(points)} of {count} points of the sweep."

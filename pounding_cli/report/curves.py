@@ -63,7 +63,7 @@ def _draw(ax: Axes, panel: Panels, places: Placed, look: Mapping[str, Look]) -> 
     if first.is_ratio:
         ax.axhline(1, color="0.35", lw=1.0, zorder=1)
     places.apply(ax, "x")
-    ax.set_xlabel(first.axes[0].label)
+    first.axes[0].name(ax, "x")
     if not joined:
         ax.set_xlim(0.6, len(x) + 0.4)
 

@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from pounding_cli.numbers import counted
 from pounding_cli.report.evidence import Evidence, by_floor, motion_sentence
 from pounding_cli.report.inset import draw_group
-from pounding_cli.report.style import VOID, Look, caption, legend, looks, new_figure, styled
+from pounding_cli.report.style import VOID, Look, caption, entitle, is_for_paper, legend, looks, new_figure, styled
 
 SPREAD = "mean over the {motions}; whiskers: smallest to largest"
 PANELS_IN_A_ROW = 6
@@ -207,7 +207,7 @@ def framed(
     cases : in the legend, none where it is empty; those of the main figures unless given
     """
     figure = new_figure(max(columns * width, 5.4), rows * height + 1.75)
-    figure.suptitle(headline, x=0.015, ha="left", fontsize=11, fontweight="bold")
+    entitle(figure, headline, "bold")
     grid = figure.add_gridspec(2, 1, height_ratios=[0.95, height * rows])
     drawing = min(0.62 * len(evidence.group) + 0.2, 0.6 * figure.get_figwidth())
     head = grid[0].subgridspec(1, 2, width_ratios=[drawing, figure.get_figwidth() - drawing])
@@ -215,7 +215,8 @@ def framed(
     side = figure.add_subplot(head[1])
     side.axis("off")
     characters = int(14 * (figure.get_figwidth() - drawing))
-    side.text(0.0, 1.0, textwrap.fill(evidence.title, characters), va="top", fontsize=8.5, color="0.25")
+    if not is_for_paper():
+        side.text(0.0, 1.0, textwrap.fill(evidence.title, characters), va="top", fontsize=8.5, color="0.25")
     cases = plotted_cases(evidence) if cases is None else cases
     if cases:
         lines = 2 if len(cases) <= 4 else 3

@@ -33,6 +33,7 @@ from pounding_cli.report.gap_text import (
     pair_heading,
     width_unit,
 )
+from pounding_cli.report.key_words import name_axis
 from pounding_cli.report.style import caption, entitle, new_figure, shared_legend, styled
 from pounding_cli.report.web.story import Grid
 from pounding_cli.store import Results
@@ -232,7 +233,7 @@ def draw_sweep(results: Results, answer: Answer, shown: Evidence) -> Figure:
                 )  # fmt: skip
             ax.set_title(f"{pair[0]} | {pair[1]}, {analysis}", loc="left")
             ax.set_ylim(0, None)
-            ax.set_xlabel(results.axis_label(key))
+            name_axis(ax, "x", [key], [results.units[key]], results.resolved)
         line[0].set_ylabel(f"gap, mean over the motions [{unit.name}]")
     shared_legend(figure, axes.flat)
     entitle(figure, shown.title)

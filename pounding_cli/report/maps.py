@@ -51,8 +51,7 @@ def draw_maps(evidence: Evidence, black: Sequence[str], headline: str, panels: S
         for ax, case in zip(line, cases, strict=False):
             _draw(ax, row.by_case[case], x, y, norm)
             ax.set_title(f"{case}, {row.heading.lower()}", loc="left")
-        for ax in line[1 : len(cases)]:
-            ax.set_ylabel("")
+        along.name(line[0], "y")
         for ax in line[len(cases) :]:
             ax.axis("off")
         bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=line[: len(cases)], pad=0.02, aspect=18)
@@ -94,9 +93,8 @@ def _draw(ax: Axes, over: OverSweep, x: Placed, y: Placed, norm: Normalize) -> N
         _print(ax, values, void, x, y, norm)
     elif over.is_ratio and min(values.shape) > 2 and values.count() and values.min() < 1 < values.max():
         ax.contour(x.positions, y.positions, values, levels=[1.0], colors="white", linewidths=1.2)
-    along, across = over.axes
-    ax.set_xlabel(across.label)
-    ax.set_ylabel(along.label)
+    _, across = over.axes
+    across.name(ax, "x")
     ax.tick_params(length=3)
 
 

@@ -11,9 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
+from pounding_cli.numbers import Unit
 from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.evidence import Evidence, motion_sentence
+from pounding_cli.report.key_words import name_axis
 from pounding_cli.report.maps import COLOURS
 from pounding_cli.report.optimise_text import (
     DESIGN_HEADS,
@@ -105,16 +107,16 @@ def _shown(found: Optimum, name: str, values: Any) -> np.ndarray:
     return np.asarray(values, float) / (unit.factor if unit else 1.0)
 
 
-def _label(found: Optimum, key: dict[Any, Any]) -> str:
-    unit = found.tried.units.get(key["key"])
-    return f"{key['key']}\n[{unit.name}]" if unit and unit.name else str(key["key"])
+def _name(ax: Axes, which: str, found: Optimum, key: dict[Any, Any]) -> None:
+    unit = found.tried.units.get(key["key"], Unit())
+    name_axis(ax, which, [key["key"]], [unit], found.resolved, 7.5, 32)
 
 
 def _along(ax: Axes, found: Optimum, key: dict[Any, Any], window: tuple[float, float]) -> None:
     """The number sought along one key through the optimum, every point behind it."""
     name, frame, line = key["key"], found.tried.frame, _slice(found, key)
     ax.set_ylim(window)
-    ax.set_xlabel(_label(found, key), fontsize=7.5)
+    _name(ax, "x", found, key)
     ax.tick_params(labelsize=7.5)
     first = found.first
     if key["option"]:
@@ -174,8 +176,8 @@ def _map(figure: Figure, ax: Axes, found: Optimum, mapped: list[dict[Any, Any]])
     )  # fmt: skip
     ax.grid(False)
     ax.tick_params(labelsize=7.5)
-    ax.set_xlabel(_label(found, x_key), fontsize=7.5)
-    ax.set_ylabel(_label(found, y_key), fontsize=7.5)
+    _name(ax, "x", found, x_key)
+    _name(ax, "y", found, y_key)
 
 
 def cite_optimise(resolved: Mapping[str, Any], used: Use) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +26,7 @@ class Optimum:
     design : what the buildings do at the optimum and with the study as written, a row of the table for each quantity
     generations : of the search, at most
     over_motions : what is taken of the values over the motions
+    resolved : the study with every default filled in
     """
 
     keys: list[dict[Any, Any]]
@@ -32,6 +34,7 @@ class Optimum:
     generations: int
     design: list[dict[Any, Any]]
     over_motions: str
+    resolved: Mapping[str, Any]
 
     @property
     def is_found(self) -> bool:
@@ -99,9 +102,8 @@ def optimum_of(results: Tables) -> Optimum:
     keys = results.answer(OPTIMUM).frame.to_dict("records")
     asked = results.resolved.get("optimise") or {}
     design = results.answer(DESIGN).frame.to_dict("records")
-    return Optimum(
-        keys, results.answer(POINTS), int(asked.get("generations", 0)), design, str(asked.get("over_motions", "mean"))
-    )
+    generations, over_motions = int(asked.get("generations", 0)), str(asked.get("over_motions", "mean"))
+    return Optimum(keys, results.answer(POINTS), generations, design, over_motions, results.resolved)
 
 
 def sentences(found: Optimum) -> list[str]:

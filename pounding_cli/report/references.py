@@ -67,7 +67,7 @@ def _article(key: str, authors: str, year: int, title: str, journal: str, volume
 _EESD = "Earthquake Engineering & Structural Dynamics"
 
 PROGRAM = Reference(
-    "pounding_cli", "software", "The pounding_cli authors", 2026,
+    "pounding_cli", "software", "pounding_cli contributors", 2026,
     "pounding_cli: batch studies of earthquake pounding between adjacent buildings",
     (("version", __version__), ("howpublished", f"Computer program, version {__version__}")),
 )  # fmt: skip

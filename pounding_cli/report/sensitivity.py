@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,11 +11,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding_cli.numbers import Unit
 from pounding_cli.report import claim_odds
 from pounding_cli.report.answer_page import AnswerPage, Illustration
 from pounding_cli.report.citations import Use
 from pounding_cli.report.claim_samples import ODDS, THRESHOLDS
 from pounding_cli.report.evidence import Evidence, motion_sentence
+from pounding_cli.report.key_words import key_words, name_axis
 from pounding_cli.report.sensitivity_text import (
     Part,
     cells,
@@ -96,7 +99,8 @@ def draw_indices(answer: Answer, drawn: list[Part], shown: Evidence) -> Figure:
     for line, part in zip(axes, drawn, strict=True):
         rows = part.rows[::-1].reset_index(drop=True)
         y = np.arange(len(rows))
-        line[0].set_yticks(y, rows["key"])
+        named = [f"{textwrap.fill(key_words(key, shown.resolved), 32)}\n{key}" for key in rows["key"]]
+        line[0].set_yticks(y, named, fontsize=7)
         line[0].set_title(part.title, loc="left")
         unit = f" [{part.unit}]" if part.unit else ""
         if is_sobol:
@@ -157,8 +161,7 @@ def draw_samples(samples: Answer, frame: pd.DataFrame, drawn: list[Part], shown:
         values = here[f"output {part.output}"].to_numpy(float)
         for ax, key in zip(line, part.rows["key"], strict=False):
             _scatter(ax, samples, here[key], values)
-            unit = samples.units[key].name if key in samples.units else ""
-            ax.set_xlabel(f"{key}\n[{unit}]" if unit else key, fontsize=7)
+            name_axis(ax, "x", [key], [samples.units.get(key, Unit())], shown.resolved, 7, 28)
             ax.tick_params(labelsize=7)
         words = f"\n{part.words}" if part.words else ""
         line[0].set_ylabel(f"{part.output}{f' [{part.unit}]' if part.unit else ''}{words}", fontsize=7)

@@ -64,12 +64,15 @@ def parts(results: Tables, frame: pd.DataFrame, among: Sequence[str] = ()) -> It
     among : swept keys that tell them apart
     """
     names = [*among, "case", "analysis"]
-    told = [name for name in names if len(set(frame[name])) > 1]
+    told = [name for name in names if name == "case" or len(set(frame[name])) > 1]
     by = "total" if "total" in frame else "mu_star"
     for _, rows in frame.groupby([*names, "output"], sort=False, dropna=False):
         first = rows.iloc[0]
         words = ", ".join(
-            f"{name} = {results.units[name].text(first[name])}" if name in among else str(first[name]) for name in told
+            f"{name} = {results.units[name].text(first[name])}"
+            if name in among
+            else f"{'case ' if name == 'case' else ''}{first[name]}"
+            for name in told
         )
         yield Part(str(first["output"]), words, rows.sort_values(by, ascending=False, kind="stable"))
 
@@ -142,11 +145,12 @@ def sentence(part: Part) -> str:
 def spread_sentence(row: dict[Any, Any]) -> str:
     """The distribution of an output."""
     low, _, high = PERCENTILES
+    what = f"{row['output']}, case {row['case']}, {row['analysis']}"
     unit = f" {row['unit']}" if row["unit"] else ""
     if row["mean"] != row["mean"]:
-        return f"{row['output']}: no distribution, {counted(int(row['failed']), 'sample')} gave no number."
+        return f"{what}: no distribution, {counted(int(row['failed']), 'sample')} gave no number."
     between = f"{_number(row[f'percentile_{low}'])} to {_number(row[f'percentile_{high}'])}"
-    return f"{row['output']}: mean {interval(row, 'mean')}{unit}; {high - low} % of the samples from {between}{unit}."
+    return f"{what}: mean {interval(row, 'mean')}{unit}; {high - low} % of the samples from {between}{unit}."
 
 
 def notes(results: Tables) -> list[str]:

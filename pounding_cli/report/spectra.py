@@ -9,7 +9,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from pounding_cli.numbers import Unit
 from pounding_cli.records.scaling import TargetSpectrum
 from pounding_cli.records.suite import SpectrumMatch
-from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.style import caption, entitle, is_for_paper, new_figure, styled
 
 TICKS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10)
 """Periods [s] written on the axis."""
@@ -22,7 +22,7 @@ def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
     """Pseudo-accelerations in `unit` over the periods, the range that was met shaded."""
     target: TargetSpectrum = match.target
     figure = new_figure(6.4, 4.3)
-    figure.suptitle("Target spectrum", x=0.015, ha="left", fontsize=11, fontweight="bold")
+    entitle(figure, "Target spectrum", "bold")
     ax = figure.add_subplot()
     ax.axvspan(target.low, target.high, color="0.94", lw=0, zorder=0)
     styles = ("-", "--", ":", "-.")
@@ -47,7 +47,7 @@ def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
     ax.xaxis.set_minor_formatter(NullFormatter())
     ax.set_xlabel("period [s]")
     ax.set_ylabel(f"pseudo-acceleration [{unit.name}], {100 * target.damping:g} % damping")
-    ax.set_title(title, loc="left", fontsize=8.5, color="0.25")
+    ax.set_title("" if is_for_paper() else title, loc="left", fontsize=8.5, color="0.25")
     ax.legend(fontsize=8)
     caption(figure, f"{match.words} Shaded: that range.")
     return figure

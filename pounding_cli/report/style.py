@@ -20,7 +20,7 @@ from matplotlib.text import Text
 from matplotlib.textpath import text_to_path
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.texts import file_name
+from pounding_cli.texts import file_name, write_markdown
 
 FORMATS = ("png", "svg", "pdf")
 """What a figure can be saved as."""
@@ -39,6 +39,7 @@ RC: Any = {
     "hatch.linewidth": 0.6,
     "savefig.dpi": 180,
     "svg.fonttype": "none",
+    "pdf.fonttype": 42,  # TrueType, which journals ask for
     "svg.hashsalt": "pound",  # the same figure gives the same file
 }
 
@@ -120,9 +121,29 @@ def legend(ax: Axes, cases: Mapping[str, str], **keywords: Any) -> None:
     ax.legend(handles=handles, handlelength=3.2, **keywords)
 
 
-def entitle(figure: Figure, title: str) -> None:
+_captions: ContextVar[dict[Figure, str] | None] = ContextVar("captions", default=None)
+
+
+@contextmanager
+def for_paper() -> Iterator[dict[Figure, str]]:
+    """Figures drawn within have no title and no caption; gives the captions, by figure."""
+    captions: dict[Figure, str] = {}
+    token = _captions.set(captions)
+    try:
+        yield captions
+    finally:
+        _captions.reset(token)
+
+
+def is_for_paper() -> bool:
+    """Whether figures are drawn without titles."""
+    return _captions.get() is not None
+
+
+def entitle(figure: Figure, title: str, weight: str = "normal") -> None:
     """The study's title at the head of a figure."""
-    figure.suptitle(title, x=0.015, ha="left", fontsize=11)
+    if not is_for_paper():
+        figure.suptitle(title, x=0.015, ha="left", fontsize=11, fontweight=weight)
 
 
 def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside right upper", columns: int = 1) -> None:
@@ -133,6 +154,9 @@ def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside ri
 
 def caption(figure: Figure, text: str) -> None:
     """A caption under the figure, wrapped to its width."""
+    if (captions := _captions.get()) is not None:
+        captions[figure] = text
+        return
     left, font = 0.015, FontProperties(size=7.5)
     room, characters = (1 - 2 * left) * 72 * figure.get_figwidth(), int(figure.get_figwidth() * 18.5)
     while True:
@@ -158,7 +182,8 @@ def literal(figure: Figure) -> None:
 
 
 def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
-    """Write every figure in every format; returns the files. Raises InputError where the folder refuses."""
+    """Write every figure in every format, of figures for a paper their captions too; returns the files. Raises
+    InputError where the folder refuses."""
     files = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -174,6 +199,11 @@ def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = F
                 with mpl.rc_context(RC):
                     figure.savefig(path, metadata=dated)
                 files.append(path)
+        if figures and (captions := _captions.get()) is not None:
+            said = {name: captions[figure] for name, figure in figures.items() if figure in captions}
+            files.append(
+                write_markdown(folder / "captions.md", [f"**{name}**: {text}\n" for name, text in said.items()])
+            )
     except OSError as error:
         raise unwritable(folder, error) from error
     return files

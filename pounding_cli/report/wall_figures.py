@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from pounding_cli.report.style import caption, new_figure, styled
+from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.store import Results
 from pounding_cli.store.points import Point
 
@@ -167,4 +167,4 @@ def draw_accuracy(results: Results, frame: pd.DataFrame) -> Figure:
 
 
 def _title(figure: Figure, results: Results) -> None:
-    figure.suptitle(results.title, x=0.015, ha="left", fontsize=11, fontweight="bold")
+    entitle(figure, results.title, "bold")

@@ -170,3 +170,17 @@ def test_the_sketch_is_to_scale_and_says_which_heights_are_assumed(pound, folder
     pound("run", "two.yaml", "-o", "r2.h5")
     pound("report", "r2.h5", "-o", "page2", "--no-figures")
     assert "The study writes no storey height for low, high: 3 m." in (folder / "page2/report.html").read_text()
+
+
+def test_sensitivity_says_the_case_in_every_line_though_there_is_one(pound, folder):
+    (folder / "two.yaml").write_text(
+        PLAIN + "uncertain:\n  cases.touching.gap: {uniform: {from: 1 cm, to: 5 cm}}\n"
+        "  impact.restitution: {uniform: {from: 0.4, to: 0.6}}\nanalyses: [inelastic]\n"
+        "sensitivity: {outputs: [mu in low, drift_ratio in high], samples: 8}\n"
+    )
+    code, out, _ = pound("sensitivity", "two.yaml", "-o", "r.h5")
+    assert code == 0
+    for output in ("mu in low", "drift_ratio in high"):
+        lines = [line for line in out.splitlines() if line.startswith(output)]
+        assert len(lines) == 2  # of the indices, and of the distribution
+        assert all(line.startswith(f"{output}, case touching") for line in lines)

@@ -138,4 +138,4 @@ def _count(axes: Sequence[SweptAxis]) -> int:
 def _axis(axis: SweptAxis) -> dict[str, Any]:
     words = [axis.at(place) for place in range(len(axis))]
     values = numbers(axis.coordinates)
-    return {"label": axis.label, "numeric": axis.numeric, "values": values, "names": list(axis.names), "words": words}
+    return {"label": axis.words, "numeric": axis.numeric, "values": values, "names": list(axis.names), "words": words}
