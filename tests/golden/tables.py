@@ -26,9 +26,12 @@ WORKFLOWS = {
     "fragility": "fragility",
     "stripes": "fragility",
     "cloud": "fragility",
+    "struck-columns": "fragility",
     "sensitivity": "sensitivity",
     "morris": "sensitivity",
+    "claims": "sensitivity",
     "optimise": "optimise",
+    "optimise-worst": "optimise",
 }
 """The question of each study; `pound run` of the others."""
 

@@ -6,7 +6,6 @@ import inspect
 import subprocess
 import sys
 import textwrap
-from pathlib import Path
 
 import pytest
 
@@ -59,32 +58,3 @@ def test_solve_means_the_same_whatever_was_imported(before):
 def test_a_name_that_is_not_there():
     with pytest.raises(AttributeError, match="no attribute 'sovle'"):
         pounding_cli.sovle  # noqa: B018
-
-
-USED = """\
-import pounding_cli as pound
-
-stiff = pound.building("stiff", storeys=5, period="0.36 s")
-scene = pound.scene([stiff, stiff], pound.motion("elcentro"), gap="2 cm")
-reveal_type(stiff)
-reveal_type(pound.solve(scene))
-reveal_type(pound.run("x.yaml").storey())
-reveal_type(pound.history(scene).frame())
-kind: type[pound.Scene] = pound.Scene
-pound.solve(1)
-"""
-
-
-def test_a_type_checker_sees_the_names(tmp_path):
-    """With py.typed. Fails without it, and if the names are made at run time only."""
-    pytest.importorskip("mypy")
-    (tmp_path / "used.py").write_text(USED)
-    root = Path(pounding_cli.__file__).parents[1]
-    assert (root / "pounding_cli" / "py.typed").exists()
-    options = ["--config-file", str(root / "pyproject.toml"), "--cache-dir", str(root / ".mypy_cache")]
-    command = [sys.executable, "-m", "mypy", *options, str(tmp_path / "used.py")]
-    done = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=240, check=False)
-    for kind in ("model.building.Building", "solve.response.Response", "pandas", "DataFrame"):
-        assert kind in done.stdout, done.stdout
-    assert 'incompatible type "int"; expected "Scene"' in done.stdout
-    assert done.stdout.count(" error: ") == 1, done.stdout
