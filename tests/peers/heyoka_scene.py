@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import heyoka as hy
 import numpy as np
 
-from pounding_cli.model.scene import Scene
+from pounding_cli import Scene
 
 START = 1e-4
 """Time [s] from which events are looked for; well before anything can part again."""

@@ -11,13 +11,12 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import openseespy.opensees as ops
 
-from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.storey import StoreyLaw
-from pounding_cli.model.scene import Scene
+from pounding_cli import Scene
 
 IMPLICIT = "Newmark"
 EXPLICIT = {"NewmarkExplicit": (0.5,), "KRAlphaExplicit": (1.0,), "CentralDifferenceAlternative": ()}
@@ -123,7 +122,7 @@ def _buildings(scene: Scene) -> tuple[list[list[int]], list[int]]:
     return nodes, storeys
 
 
-def _yielding(tag: int, law: StoreyLaw) -> None:
+def _yielding(tag: int, law: Any) -> None:
     """Storeys; z of `BoucWen` is a drift, Dy times ours."""
     k, vy, a = law.stiffness, law.yield_shear, law.hardening
     if law.name == "bouc-wen":
@@ -135,7 +134,7 @@ def _yielding(tag: int, law: StoreyLaw) -> None:
         ops.uniaxialMaterial("Steel01", tag, vy, k, a)
 
 
-def _damper(tag: int, law: LinkLaw) -> None:
+def _damper(tag: int, law: Any) -> None:
     """`ViscousDamper` has a spring in series, here SERIES, that nothing turns off."""
     if law.name == "maxwell":
         ops.uniaxialMaterial("Maxwell", tag, law.stiffness, law.damping_coefficient, 1.0, 1.0)
@@ -145,7 +144,7 @@ def _damper(tag: int, law: LinkLaw) -> None:
         ops.uniaxialMaterial("ViscousDamper", tag, SERIES, law.force_at_1_m_s, law.exponent)
 
 
-def _contact(tag: int, law: LinkLaw, masses: tuple[float, float]) -> None:
+def _contact(tag: int, law: Any, masses: tuple[float, float]) -> None:
     """Contacts that are not Kelvin and Voigt's; `ImpactMaterial` is the bilinear one of Muthukumar and DesRoches."""
     if law.name == "bilinear":
         k1, k2 = law.stiffnesses

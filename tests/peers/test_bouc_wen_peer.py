@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 
-from pounding_cli.laws.bouc_wen import BoucWen
-from pounding_cli.model.scene import Scene
-from pounding_cli.solve import solve
-from tests.helpers.scenes import INELASTIC, shake, shear_building
+from tests.adapter import Scene, solve
+from tests.peers.scenes import building
+from tests.physics.cases import shake
 
 pytest.importorskip("openseespy.opensees", reason="openseespy is not installed (pip install -e .[peers])")
 
@@ -21,12 +18,11 @@ def test_three_storeys(n, gamma):
     change places, or n is another."""
     from opensees import march
 
-    parameters = ("wen_exponent", n), ("wen_gamma", gamma)
-    building = dataclasses.replace(shear_building(0.4, 3), storey_law=BoucWen, law_parameters=parameters)
-    scene = Scene((building,), (), shake(6.0, 3.0), INELASTIC)
-    own = solve(scene, 1e-11).buildings[0]
+    storeys = building(0.4, storey_law="bouc-wen", wen_exponent=n, wen_gamma=gamma)
+    scene = Scene([storeys], shake(6.0, 3.0), 0.02, analysis="inelastic")
+    own = solve(scene, 1e-11)
     assert own.ductility.max() > 10
-    coarse, fine = (march(scene, dt) for dt in (5e-4, 2.5e-4))
+    coarse, fine = (march(scene.built, dt) for dt in (5e-4, 2.5e-4))
     for name in ("drift", "shear"):
         exact, one, two = getattr(own, name), getattr(coarse, name), getattr(fine, name)
         off = [np.abs(found / exact - 1).max() for found in (one, two)]

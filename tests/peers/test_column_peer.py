@@ -7,12 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pounding_cli.laws.pounding import Pounding
-from pounding_cli.model.links import Link
-from pounding_cli.model.meetings import column_flexibility
-from pounding_cli.model.scene import Scene
-from pounding_cli.solve import solve
-from tests.helpers.scenes import ELASTIC, oscillator, still
+from tests.adapter import Scene, solve
+from tests.physics.test_closed_forms import still, storey
 
 ops = pytest.importorskip("openseespy.opensees", reason="openseespy is not installed (pip install -e .[peers])")
 
@@ -66,19 +62,15 @@ def march(at: float, dt: float) -> np.ndarray:
 def test_a_blow_on_a_column(at):
     """Second order in OpenSees' step, in displacements and shears. Fails if the struck point moves by other weights, if
     its columns bend otherwise, or if the ends of a column take each other's shear."""
-    left, right = (oscillator(m, k) for m, k in zip(MASSES, STIFFNESSES, strict=True))
-    right = type(right)(
-        "struck", right.mass, [HEIGHT], right.stiffness, [1e9], [0.0], right.alpha, right.beta, columns=SHARE
-    )
-    stiffness = 1.0 / (1.0 / CONTACT + column_flexibility(right, 1, at))
-    link = Link(0, 1, 1, Pounding(0.0, stiffness, 0.0), right_at=at, columns=SHARE)
-    run = solve(
-        Scene((left, right), (link,), still(DURATION), ELASTIC), 1e-11,
-        initial=([np.zeros(1)] * 2, [np.array([SPEED]), np.zeros(1)]),
-    )  # fmt: skip
-    displacements = [max(b.displacement_max[0], -b.displacement_min[0]) for b in run.buildings]
-    expected = np.array([*displacements, run.columns.shear_below[0], run.columns.shear_above[0]])
+    left = storey(MASSES[0], STIFFNESSES[0], height=at * HEIGHT, slab=1e-3)
+    right = storey(MASSES[1], STIFFNESSES[1], height=HEIGHT, slab=1e-3, columns=SHARE)
+    case = {"link": "pounding", "gap": 0.0, "at_columns": "pounding"}
+    more = {"impact": {"stiffness": CONTACT, "restitution": 1.0}}
+    start = [[0.0], [0.0]], [[SPEED], [0.0]]
+    run = solve(Scene((left, right), case=case, more=more, start=start, **still(DURATION)), 1e-11)
+    displacements = np.maximum(run.displacement_max, -run.displacement_min)
+    expected = np.array([*displacements, run.shear_below[0], run.shear_above[0]])
     errors = np.array([np.abs(march(at, dt) / expected - 1) for dt in STEPS])
-    assert run.links.impacts[0] > 0
+    assert run.impacts[0] > 0
     assert (errors[-1] < 1e-6).all()
     assert np.polyfit(np.log(STEPS), np.log(np.linalg.norm(errors, axis=1)), 1)[0] > 1.7

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pounding_cli.records import read_file
+import pounding_cli as pound
 from tests.helpers import motion_layouts as layouts
 
 CM = layouts.samples(60.0, 200)
@@ -31,7 +31,7 @@ def test_gmprocess_reads_the_same_motion(tmp_path: Path, name: str) -> None:
     path.write_text(text)
     read = getattr(__import__(f"gmprocess.io.{module}.core", fromlist=[function]), function)
     trace = read(str(path))[0][0]
-    own = read_file(path).motion
+    own = pound.motion(path)
     assert own.dt == pytest.approx(trace.stats.delta, rel=1e-9)
     theirs = np.asarray(trace.data, dtype=float) * 0.01  # gmprocess gives cm/s2
     if name == "knet":  # and leaves the recorder's offset in
@@ -44,7 +44,7 @@ def test_obspy_reads_the_same_knet_motion(tmp_path: Path) -> None:
     path = tmp_path / "TST0010601020304.NS"
     path.write_text(layouts.knet(COUNTS))
     trace = obspy.read(str(path), format="KNET")[0]
-    own = read_file(path).motion
+    own = pound.motion(path)
     assert own.dt == pytest.approx(trace.stats.delta)
     theirs = trace.data * trace.stats.calib  # ObsPy's factor gives m/s2
     assert own.acceleration == pytest.approx(theirs - theirs.mean(), rel=1e-9, abs=1e-12)

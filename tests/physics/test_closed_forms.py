@@ -14,6 +14,7 @@ from scipy.special import gamma
 
 from tests.adapter import Run, Scene, solve
 from tests.physics.cases import ROCK, SWAY, formula, shake
+from tests.reference.branches import jankowski_damping
 from tests.reference.closed_forms import bilinear_throw, infill_compression, kelvin_voigt, oscillator_under_ramp
 from tests.reference.exponential import march
 
@@ -78,6 +79,20 @@ def of_bilinear(k: float, depth: float, e: float, a: float = 0.1) -> tuple[float
     return speed, {"rebound": e, "pressed": depth, "peak_force": k * depth**1.5}
 
 
+def hertz_rebound(zeta: float) -> float:
+    """e of ln((1 + zeta) / (1 - e zeta)) = zeta (1 + e) [-]."""
+    return brentq(lambda e: math.log((1 + zeta) / (1 - e * zeta)) - zeta * (1 + e), 1e-3, min(1, 0.999 / zeta))
+
+
+def jankowski_rebound(xi: float) -> float:
+    """With s = v^1.25 the approach is that of a damped oscillator of ratio sqrt(0.8) xi as far as it turns; the rebound
+    is what its spring then holds [-]."""
+    b = math.sqrt(0.8) * xi
+    damped = math.sqrt(1 - b * b)
+    turning = math.atan2(damped, b) / damped
+    return math.exp(-b * turning) * math.sin(damped * turning) / damped
+
+
 S, KH = 2e9, 2e9
 PLAIN = {"stiffness": S, "restitution": 0.5}
 UNDAMPED = PLAIN | {"restitution": 1.0}
@@ -95,6 +110,17 @@ BLOWS: dict[str, tuple[Mapping[str, Any], Mapping[str, Any], float, Known]] = {
     **{
         f"{law} {e}": ({"link": law, "hertz_stiffness": KH, "restitution": e}, {}, V0, {"rebound": e})
         for law in ("hertz-damp", "jankowski") for e in (0.1, 0.5, 0.9)
+    },
+    **{
+        f"{law} 0.5, {published}": (
+            {"link": law, "hertz_stiffness": KH, "restitution": 0.5, "damping_formula": published}, {}, V0,
+            {"rebound": rebound},
+        )
+        for law, published, rebound in (
+            ("hertz-damp", "ye", hertz_rebound(8 * (1 - 0.5) / (5 * 0.5))),
+            ("hertz-damp", "muthukumar", hertz_rebound(3 * (1 - 0.5**2) / 4)),
+            ("jankowski", "jankowski", jankowski_rebound(jankowski_damping(0.5, "jankowski"))),
+        )
     },
     **{
         f"bilinear {e}": (BILINEAR | {"restitution": e}, {}, *of_bilinear(KH, 0.01, e)) for e in (0.3, 0.5, 1.0)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding_cli.model.scene import Scene
+from pounding_cli import Scene
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from pounding_cli.model.scene import Scene
+from pounding_cli import Scene
 from tests.reference.assembly import Coordinates, coordinates, reduced_mass
 from tests.reference.pens import WenPen, pen_of
 

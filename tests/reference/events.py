@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from pounding_cli.model.scene import Scene
+from pounding_cli import Scene
 from tests.reference.assembly import ground, start
 from tests.reference.branches import ACTING, Laws
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import expm
 
-from pounding_cli.model.scene import Scene
+from pounding_cli import Scene
 from tests.reference.assembly import coordinates, ground, reduced_mass, start
 
 
