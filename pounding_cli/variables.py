@@ -73,8 +73,6 @@ RESPONSES = (
              of="building.drift", alone=True, judged=ITSELF, label="drift alone"),
     Variable("drift_ratio", STOREY, "1", "drift / height of the storey",
              charts=_BOTH, label="drift ratio", brief="storey drift over the height of the storey", always=False),
-    Variable("drift_ratio", STOREY, "1", "drift / height of the storey",
-             charts=_BOTH, label="drift ratio", brief="storey drift over the height of the storey", always=False),
     Variable("residual_drift", STOREY, "m", "storey drift at the end",
              of="building.residual_drift", judged="drift", charts=_BOTH),
     Variable("acceleration", FLOOR, "m/s2", "largest total floor acceleration",

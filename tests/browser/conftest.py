@@ -1,4 +1,4 @@
-"""A real browser over the report's page."""
+"""A real browser over the report's page of studies that are run here."""
 
 from __future__ import annotations
 
@@ -6,8 +6,31 @@ import shutil
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
-from tests.helpers.page_study import KEPT, report
+import pounding_cli
+from pounding_cli.cli.main import cli
+
+STUDY = """\
+title: Two buildings <known> & small
+claims: fig6
+records: {use: [elcentro, taft], duration: 3 s}
+buildings:
+  stiff: {storeys: 3, period: 0.3 s, mass: 200 t}
+  soft: {like: stiff, storeys: 2, period: 0.5 s}
+group: [stiff, soft]
+cases:
+  touching: {link: pounding, gap: 0 cm}
+  gap: {link: pounding, gap: 5 mm}
+  infill: {link: infill, gap: 5 mm, stiffness: 1/5 mean storey of stiff}
+  connected: {link: connector, gap: 1 mm, floors: [2], stiffness: 1 kN/mm}
+analyses: [elastic, inelastic]
+"""
+STUDIES = {
+    "kept": STUDY + "keep: {histories: {cases: [touching], records: [elcentro]}}\n",
+    "swept": STUDY + "estimate: none\nsweep: {cases.gap.gap: [5 mm, 6 mm, 7 mm], impact.restitution: [0.4, 0.6]}\n",
+    "failed": STUDY + "method: central-difference\ntime_step: 20 ms\n",
+}
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = [
@@ -17,13 +40,19 @@ FLAGS = [
 
 
 @pytest.fixture(scope="session")
-def study(tmp_path_factory):
-    """`study(name, extra)`: the folder of a report on a study with `extra` lines, made once a session."""
-    made: dict[str, Path] = {}
+def reports(tmp_path_factory):
+    """`reports(name)`: the results of a study and the file of its page, made once a session."""
+    made: dict[str, tuple[pounding_cli.Results, Path]] = {}
 
-    def make(name: str, extra: str = "", **options) -> Path:
+    def make(name: str) -> tuple[pounding_cli.Results, Path]:
         if name not in made:
-            made[name] = report(tmp_path_factory.mktemp(name), extra, **options)
+            folder = tmp_path_factory.mktemp(name)
+            (folder / "study.yaml").write_text(STUDIES[name])
+            results = pounding_cli.run(folder / "study.yaml", folder / "study.h5", engine="serial")
+            figures = ["--format", "svg"] if name == "kept" else ["--no-figures"]
+            arguments = ["report", str(results.path), "-o", str(folder / "page"), "-q", *figures]
+            CliRunner().invoke(cli, arguments, catch_exceptions=False)
+            made[name] = results, folder / "page" / "report.html"
         return made[name]
 
     return make
@@ -43,11 +72,11 @@ def browser():
 
 
 @pytest.fixture
-def visit(browser):
-    """`visit(file, width, ...)`: the page of a file, ready; its errors and requests must be none at the end."""
+def visit(browser, reports):
+    """`visit(name, width, ...)`: the page of a study, ready; its errors and requests must be none at the end."""
     contexts, wrong, asked = [], [], []
 
-    def go(file: Path, width: int = 1280, scripts: bool = True, **options):
+    def go(name: str, width: int = 1280, scripts: bool = True, **options):
         context = browser.new_context(
             viewport={"width": width, "height": 900}, java_script_enabled=scripts, accept_downloads=True, **options
         )
@@ -57,7 +86,7 @@ def visit(browser):
         page.on("pageerror", lambda error: wrong.append(error.stack))
         page.on("console", lambda message: wrong.append(message.text) if message.type in ("error", "warning") else None)
         page.on("request", lambda request: asked.append(request.url))
-        page.goto(file.as_uri())
+        page.goto(reports(name)[1].as_uri())
         if scripts:
             page.wait_for_selector("html.ready")
         return page
@@ -67,9 +96,3 @@ def visit(browser):
         context.close()
     assert wrong == []
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []
-
-
-@pytest.fixture
-def moving(study, visit):
-    """The page of a study with two kept scenes."""
-    return visit(study("moving", kept=KEPT) / "report.html")

@@ -201,6 +201,31 @@ def test_a_study_and_its_results_cite_the_same(results, pound):
     assert (code, out) == (2, "")
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "added", "gone"),
+    [
+        ("link: pounding, gap: 5 mm", "link: connector, gap: 5 mm", "westermo1989", ""),
+        ("gap: 5 mm}", "gap: 5 mm, by_floor: {2: {link: connector}}}", "westermo1989", ""),
+        ("soft: {like: stiff,", "soft: {like: stiff, yield_shear: never, storey_law: peak-oriented,", "clough1966", ""),
+        ("soft: {like: stiff,", "soft: {like: stiff, storey_law: bouc-wen,", "wen1976", ""),
+        ("duration: 3 s", "duration: 3 s, scale: {arias: taft}", "arias1970", ""),
+        ("mass: 200 t", "mass: 200 t, yield_shear: never", "", "ubc1991"),
+        ("estimate: none", "estimate: none\nmethod: newmark\ntime_step: 1 ms", "newmark1959", "moler2003"),
+    ],
+)
+def test_a_study_cites_what_it_uses(folder, pound, old, new, added, gone):
+    def keys() -> set[str]:
+        return set(re.findall(r"^@\w+{(.+),", pound("cite", "two.yaml", "--format", "bibtex")[1], flags=re.MULTILINE))
+
+    before = keys()
+    assert old in TWO
+    (folder / "two.yaml").write_text(TWO.replace(old, new))
+    after = keys()
+    assert {"pounding_cli", "spiliopoulos1996"} <= before & after
+    assert not added or added in after - before
+    assert not gone or gone in before - after
+
+
 def test_results_cite_the_methods_they_were_made_by(folder, pound):
     """Nothing pounds, so that exact steps do; with all effects simulated, series."""
     (folder / "two.yaml").write_text(

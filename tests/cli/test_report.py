@@ -75,7 +75,9 @@ def test_several_files_are_compared_on_one_page(made, folder, pound):
 def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     asked = ["--quantity", "mu_ratio", "--case", "touching", "--building", "soft", "--storey", "2"]
     assert pound("report", made / "swept.h5", "-q", "--format", "svg", "--no-page", "-o", "asked", *asked)[0] == 0
-    assert "soft-mu_ratio-sweep" in {path.stem for path in Path("asked").glob("*.svg")}
+    drawn = Path("asked/soft-mu_ratio-sweep.svg").read_text(encoding="utf-8")
+    for words in ("coefficient of restitution of impacts", "impact.restitution"):  # in words, and the key in small
+        assert words in drawn
     assert pound("report", made / "swept.h5", "-q", "--no-figures", "-o", "page")[0] == 0
     heads = "impact.restitution = 0.4 | impact.restitution = 0.5 | impact.restitution = 0.65"
     assert f"| claim | {heads} |" in Path("page/claims-sensitivity.md").read_text(encoding="utf-8")

@@ -37,7 +37,7 @@ WORKFLOWS = {
 
 SCENES = ("storey", "floor", "link", "scene", "flagged", "records", "buildings")
 """Tables of every study of scenes; those of the answers are added, and of `SUMMARISED` the summary."""
-SUMMARISED = {"fig6", "bracket", "p-delta"}
+SUMMARISED = {"fig6", "bracket", "collapse"}
 LEFT_OUT = {"optimise_points", "sensitivity_samples"}
 """Long tables from which the others follow."""
 
