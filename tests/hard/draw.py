@@ -31,6 +31,8 @@ def share(low: float, high: float, *ends: float) -> st.SearchStrategy:
 
 
 RESTITUTION = st.one_of(st.floats(0.01, 1.0).map(lambda x: round(x, 3)), st.sampled_from([1, 0.5, 0.01, 1e-9]))
+LOSSY = share(0.01, 1)
+"""Restitution of the laws of contact that have a least one."""
 MULTIPLE = st.floats(-6, 7).map(lambda x: f"{10**x:.4g} x stiffest storey")
 STIFFNESS = st.one_of(MULTIPLE, decades(1e3, 1e13))
 HERTZ = decades(1e4, 1e14)
@@ -53,16 +55,16 @@ LINKS: Mapping[str, tuple[Keys, Keys]] = {
     "hertz": ({"hertz_stiffness": HERTZ}, {}),
     "hertz-damp": (
         {"hertz_stiffness": HERTZ},
-        {"restitution": RESTITUTION, "damping_formula": st.sampled_from(["exact", "ye", "muthukumar"])},
+        {"restitution": LOSSY, "damping_formula": st.sampled_from(["exact", "ye", "muthukumar"])},
     ),
     "jankowski": (
         {"hertz_stiffness": HERTZ},
-        {"restitution": RESTITUTION, "damping_formula": st.sampled_from(["exact", "jankowski"])},
+        {"restitution": LOSSY, "damping_formula": st.sampled_from(["exact", "jankowski"])},
     ),
     "bilinear": (
         {"hertz_stiffness": HERTZ, "penetration": decades(1e-5, 0.1)},
         {
-            "restitution": RESTITUTION, "yield_share": share(0, 0.5, 5e-7, 0.5),
+            "restitution": LOSSY, "yield_share": share(0, 0.5, 5e-7, 0.4999995),
             "damping_formula": st.sampled_from(["exact", "muthukumar"]),
         },
     ),
@@ -81,7 +83,7 @@ CONTACTS = "kelvin-voigt", "hertz", "hertz-damp", "jankowski", "bilinear"
 
 CAPPED: Keys = {"capping_ductility": decades(1.0, 1e3, 1.0), "post_capping_slope": decades(1e-3, 1e3)}
 LOSSES: Keys = {
-    "residual_strength": share(0, 1), "deterioration_exponent": share(0.1, 3),
+    "residual_strength": share(0, 1, 0, 0.999999), "deterioration_exponent": share(0.1, 3),
     **{f"{mode}_capacity": CAPACITY for mode in ("strength", "capping", "unloading", "reloading")},
 }  # fmt: skip
 PINCHED: Keys = {"pinching_force": share(0, 1, 1e-6, 1), "pinching_drift": share(0, 1)}

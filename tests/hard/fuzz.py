@@ -55,7 +55,7 @@ class Hunt:
     def summary(self) -> str:
         t = self.tally
         return (
-            f"{t.scenes} scenes of {t.studies} studies, {t.refused} refused, {t.not_simulated} answered by groups; "
+            f"{t.scenes} scenes of {t.studies} studies, {t.refused} refused; "
             f"outcomes {dict(t.outcomes)}; worst energy residual {t.worst_residual:.1e} ({t.over} above 1e-8); "
             f"slowest scene {t.slowest:.2f} s; faults {dict(self.kinds)}"
         )

@@ -18,12 +18,12 @@ def folder(tmp_path_factory) -> Path:
 
 
 @settings(
-    max_examples=60, deadline=None, derandomize=True, database=None, phases=[Phase.generate, Phase.shrink],
+    max_examples=40, deadline=None, derandomize=True, database=None, phases=[Phase.generate, Phase.shrink],
     suppress_health_check=list(HealthCheck),
 )  # fmt: skip
 @given(studies())
 def test_random_studies(folder, text):
-    """About 300 scenes. Fails if one ends in a NaN, an open ledger, a traceback or an outcome without advice."""
+    """About 200 scenes. Fails if one ends in a NaN, an open ledger, a traceback or an outcome without advice."""
     path = folder / "study.yaml"
     path.write_text(text, encoding="utf-8")
     assert faults_in(path, Tally()) == []
