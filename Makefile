@@ -7,7 +7,7 @@ POUND := $(BIN)/pound
 STUDIES := fig5:connector fig6:run fig7:run fig8:wall
 PAGES := $(foreach study,$(STUDIES),results/$(firstword $(subst :, ,$(study)))/report.html)
 
-.PHONY: all setup figures studies pages test plain-kernels lint lock docs peers reference bench fuzz dist clean
+.PHONY: all setup figures studies pages test lint lock docs peers reference bench fuzz dist clean
 
 all: figures
 
@@ -36,10 +36,6 @@ results/%/report.html: results/%.h5
 
 test: setup lint
 	$(BIN)/python -m pytest -n auto --dist loadgroup
-
-# Kernels by numba's own compile pipeline, as with a version of numba that is not known.
-plain-kernels: setup
-	POUND_PLAIN_KERNELS=1 $(BIN)/python -m pytest tests/physics/test_closed_forms.py
 
 lint: setup
 	$(BIN)/ruff check .

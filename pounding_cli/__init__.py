@@ -19,8 +19,7 @@ def __getattr__(name: str) -> Any:
     if name in __all__:
         from pounding_cli import api
 
-        found = getattr(api, name)
-        return globals().get(name, found)  # `solve` is by now the subpackage of that name, which may be called
+        return getattr(api, name)
     raise AttributeError(f"module 'pounding_cli' has no attribute {name!r}")
 
 

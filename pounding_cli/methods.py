@@ -1,14 +1,10 @@
 """The methods of solution: what each is called, which setting it takes, where it is stable, who published it.
 
-They are stated here alone; the study's schema, `solve`, `pound accuracy`, citations and docs read this list. The code
-of a method stands in a file of its own and is imported when a scene is solved: reading a study needs none of it."""
+They are stated here alone; the study's schema, `solve`, `pound accuracy`, citations and docs read this list."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-AUTO = "auto"
-"""Name that stands for the cheapest method that keeps the accuracy, scene by scene."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +67,6 @@ class Method:
     stability : largest time step, in words
     contacts : what it does at a contact or a yield, in words
     source : full citation
-    code : its `solve.method.Integrator`, or where that stands as "module:name"
     solves : which scenes it runs, in words
     remembers : whether it runs laws whose force depends on events before
     keeps_ledger : whether it fills the energy ledger
@@ -85,7 +80,6 @@ class Method:
     stability: str
     contacts: str
     source: str
-    code: object
     solves: str = "every scene"
     remembers: bool = False
     keeps_ledger: bool = False
@@ -97,59 +91,32 @@ class Method:
         return self.setting is TIME_STEP
 
 
-_NEWMARK_STABLE = "any where the scene is linear; a contact may leave a step without a root"
-_EXPLICIT = "about 2.8 / ω"
 _STEPPED_OVER = "steps over it: order 1"
-_KUTTA = (
-    "Kutta, W. (1901). Beitrag zur naeherungsweisen Integration totaler Differentialgleichungen. Z. Math. Phys. 46."
-)
+_NO_MEMORY = "scenes without links or storeys whose force depends on what happened before, but for yielding storeys"
 
 _LIST = (
     Method(
         "taylor", "Taylor with events", 0, ACCURACY, "chooses its steps itself", "locates it to rounding",
         "Jorba, A. & Zou, M. (2005). A software package for the numerical integration of ODEs by means of high-order "
         "Taylor methods. Exp. Math. 14(1).",
-        "pounding_cli.solve.taylor:TAYLOR", remembers=True, keeps_ledger=True, located=True,
+        remembers=True, keeps_ledger=True, located=True,
     ),
     Method(
-        "rk4-events", "Runge-Kutta 4 with events", 4, TIME_STEP, _EXPLICIT,
-        "locates it on the step's quintic, keeps order 4",
-        f"{_KUTTA} Events: Shampine, L. F. & Thompson, S. (2000). Event location for ordinary differential equations. "
-        "Comput. Math. Appl. 39(5-6).",
-        "pounding_cli.solve.runge_kutta:RUNGE_KUTTA_EVENTS", located=True,
-    ),
-    Method(
-        "rk4", "Runge-Kutta 4", 4, TIME_STEP, _EXPLICIT, _STEPPED_OVER, _KUTTA,
-        "pounding_cli.solve.runge_kutta:RUNGE_KUTTA",
+        "dop853", "Dormand-Prince 8(5,3) with events", 8, ACCURACY, "chooses its steps itself",
+        "locates it to rounding",
+        "Hairer, E., Norsett, S. P. & Wanner, G. (1993). Solving Ordinary Differential Equations I. Springer, II.10.",
+        remembers=True, keeps_ledger=True, located=True,
     ),
     Method(
         "central-difference", "central difference", 2, TIME_STEP, "2 (√(1 + 4 ξ²) - 2 ξ) / ω", _STEPPED_OVER,
         "Newmark, N. M. (1959), with beta = 0; Bathe, K. J. (1996). Finite Element Procedures, section 9.2.1.",
-        "pounding_cli.solve.central_difference:CENTRAL_DIFFERENCE",
+        solves=_NO_MEMORY,
     ),
     Method(
-        "newmark", "Newmark", 2, TIME_STEP, _NEWMARK_STABLE, _STEPPED_OVER,
+        "newmark", "Newmark", 2, TIME_STEP, "any where the scene is linear; a contact may leave a step without a root",
+        _STEPPED_OVER,
         "Newmark, N. M. (1959). A method of computation for structural dynamics. J. Eng. Mech. Div. ASCE 85(3).",
-        "pounding_cli.solve.generalized_alpha:NEWMARK",
-    ),
-    Method(
-        "hht-alpha", "HHT-alpha", 2, TIME_STEP, _NEWMARK_STABLE, _STEPPED_OVER,
-        "Hilber, H. M., Hughes, T. J. R. & Taylor, R. L. (1977). Improved numerical dissipation for time integration "
-        "algorithms in structural dynamics. Earthquake Eng. Struct. Dyn. 5(3).",
-        "pounding_cli.solve.generalized_alpha:HHT_ALPHA",
-    ),
-    Method(
-        "generalized-alpha", "generalized-alpha", 2, TIME_STEP, _NEWMARK_STABLE, _STEPPED_OVER,
-        "Chung, J. & Hulbert, G. M. (1993). A time integration algorithm for structural dynamics with improved "
-        "numerical dissipation: the generalized-alpha method. J. Appl. Mech. 60(2).",
-        "pounding_cli.solve.generalized_alpha:GENERALIZED_ALPHA",
-    ),
-    Method(
-        "exponential", "exponential", 0, ACCURACY, "any", "does not meet any",
-        "Moler, C. & Van Loan, C. (2003). Nineteen dubious ways to compute the exponential of a matrix, twenty-five "
-        "years later. SIAM Review 45(1), methods 1 and 3.",
-        "pounding_cli.solve.exponential:EXPONENTIAL", solves="linear scenes: no links or connectors only, no yielding",
-        keeps_ledger=True,
+        solves=_NO_MEMORY,
     ),
 )  # fmt: skip
 
@@ -158,8 +125,8 @@ METHODS: dict[str, Method] = {method.name: method for method in _LIST}
 
 
 def setting_of(name: str) -> Setting:
-    """The setting of a method by its name, of AUTO the accuracy."""
-    return ACCURACY if name == AUTO else METHODS[name].setting
+    """The setting of a method by its name."""
+    return METHODS[name].setting
 
 
 def table() -> list[str]:

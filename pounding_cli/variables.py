@@ -118,7 +118,7 @@ SCENES = (
     Variable("status", PLACE, "", "outcome of the scene: done, collapsed, or what stopped it", "s"),
     Variable("advice", PLACE, "", "what to do about an outcome other than done", "s"),
     Variable("collapse_time", PLACE, "s", "when a storey collapsed; NaN where none did", always=False),
-    Variable("method", PLACE, "", "method of solution, of a row that fell into groups theirs", "s"),
+    Variable("method", PLACE, "", "method of solution", "s"),
     Variable("accuracy", PLACE, "1", "accuracy asked; NaN for a method that takes a time step"),
     Variable("time_step", PLACE, "s", "time step of a method that takes one; NaN for the others"),
     Variable("steps", PLACE, "1", "time steps", "i"),
@@ -130,14 +130,6 @@ SCENES = (
         "error_estimate", PLACE, "1", "numerical error of the peaks, relative: about so much at most", label="error"
     ),
     Variable("sensitivity", PLACE, "1", "change of the peaks under a small change of the motion, relative"),
-    Variable(
-        "estimated",
-        PLACE,
-        "",
-        "how both were found: bounded by the tangent of the run, or measured by a finer run",
-        "s",
-        always=False,
-    ),
     Variable("effects", PLACE, "", "effects simulated, one a line", "s"),
     Variable("dropped", PLACE, "", "effects left out with the reason, one a line", "s"),
     Variable("flags", PLACE, "", "what a reader of the numbers should know, one a line", "s"),

@@ -17,7 +17,8 @@ from click.testing import CliRunner
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
-from pounding_cli.solve import assess, run
+from pounding_cli.solver import estimate as estimates
+from pounding_cli.solver import solve as solver
 from pounding_cli.study import expand, load_study, study_of
 
 FLOORS = "shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift"
@@ -92,13 +93,12 @@ class Run:
 
 
 def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool = False, **settings: Any) -> Run:
-    """The run of a scene by Taylor series, everything simulated, unless `settings` (as of `pounding_cli.solve`) say
-    otherwise; with `estimate` its error is estimated as in a batch."""
-    settings = {"method": "taylor", "all_effects": True} | settings
+    """The run of a scene by Taylor series unless `settings` (as of `pounding_cli.solve`) say otherwise; with `estimate`
+    its error is estimated as in a batch."""
     built, start = (scene.built, scene.start) if isinstance(scene, Scene) else (scene, None)
-    found = run.solve(built, accuracy, initial=start, **settings)
+    found = solver.solve(built, accuracy, initial=start, **settings)
     if estimate:
-        found = assess(built, found, accuracy, all_effects=settings["all_effects"])
+        found = estimates.assess(built, found, accuracy)
     numbers = {name: np.concatenate([getattr(each, name) for each in found.buildings]) for name in FLOORS}
     numbers |= {name: np.array([getattr(each, name) for each in found.buildings]) for name in ("sway", "rocking")}
     numbers |= {name: getattr(found.links, name) for name in LINKS}

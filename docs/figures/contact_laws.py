@@ -24,7 +24,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve import solve
+from pounding_cli.solver.solve import solve
 from pounding_cli.study import expand, load_study
 
 FOLDER = Path(__file__).parent

@@ -31,7 +31,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.report.style import RC
-from pounding_cli.solve.histories import history
+from pounding_cli.solver.histories import history
 
 FOLDER = Path(__file__).parent
 BLUE, RED, GREY = "#0072B2", "#AA2211", "#777777"

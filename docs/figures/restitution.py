@@ -21,7 +21,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solve import solve
+from pounding_cli.solver.solve import solve
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parent / "contact.md"

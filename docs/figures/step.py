@@ -1,4 +1,4 @@
-"""The drawing and the numbers of docs/a-step.md: four steps of the Taylor integrator, read from the memory of a run.
+"""The drawing and the numbers of docs/a-step.md: four steps of the Taylor integrator, read from the records of a run.
 
 `python docs/figures/step.py` runs a pair of buildings up to the first contact, writes `step.svg` and puts the numbers
 into the page."""
@@ -11,12 +11,8 @@ from pathlib import Path
 import numpy as np
 
 import pounding_cli as pound
-from pounding_cli.kernels import cells as c
-from pounding_cli.kernels import clock, law_table
-from pounding_cli.kernels.ledger import MAX_POINTS, MIN_POINTS
-from pounding_cli.solve import taylor
-from pounding_cli.solve.arrays import at_rest, pack
-from pounding_cli.solve.ground import segments
+from pounding_cli.solver.energy import PLACES
+from pounding_cli.solver.solve import prepare
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parent / "a-step.md"
@@ -34,22 +30,19 @@ def scene():
 
 @dataclass(frozen=True)
 class Step:
-    """One step as the kernel left it.
+    """One step as the solver left it.
 
-    segment : of the ground motion
-    start, h, end : start of the step within its segment [s], its length [s], the part of it that counts [-]
+    h, end : its length [s], the part of it that counts [-]
     order : of the series
     closing : coefficients in s of the closing of the link [m], less the gap
     deviation : its chord deviation [m]
     terms : the largest term of the accelerations over what may be left out, by order [-]
     force : coefficients of the force of the link [N]; empty where it is open
     peak : largest force so far [N]
-    points, weights : of the ledger: s [-] and weights [s]
-    work : done on the link in this step, by the ledger [J]
+    points : where the energies look at the step [-]
+    work : done on the link in this step [J]
     """
 
-    segment: int
-    start: float
     h: float
     end: float
     order: int
@@ -59,79 +52,46 @@ class Step:
     force: np.ndarray
     peak: float
     points: np.ndarray
-    weights: np.ndarray
     work: float
 
 
 class Steps:
-    """Steps of a scene by number, from 1. A run that may take n steps leaves the n-th in its memory."""
+    """Steps of a scene by number, from 1. A run that may take n steps leaves the n-th in its records."""
 
     def __init__(self, scene, link: int) -> None:
-        self.scene, self.arrays, self.link = scene, pack(scene), link
+        self.scene, self.link = scene, link
 
     def _run(self, n: int):
-        arrays = self.arrays
-        state, peaks, ledger, _ = at_rest(arrays)
-        run = taylor.prepare(self.scene, arrays, state, ACCURACY, (n - 1, 10**6))
-        _, steps, events, *_ = run(state, peaks, ledger, *segments(self.scene))
-        return state, peaks, ledger, *taylor._last.scratch, steps, events
+        run = prepare(self.scene, ACCURACY, bounds=(n - 1, 10**6))
+        run.integrate()
+        return run.data, run.data.run[0], run.data.elements[run.layout.of_links][self.link]
 
     def first_event(self) -> int:
         """Number of the first step that ends at an event."""
         low, high = 1, 2
-        while self._run(high)[-1] == 0:
+        while self._run(high)[1]["events"] == 0:
             low, high = high, 2 * high
         while high - low > 1:
             middle = (low + high) // 2
-            low, high = (middle, high) if self._run(middle)[-1] == 0 else (low, middle)
+            low, high = (middle, high) if self._run(middle)[1]["events"] == 0 else (low, middle)
         return high
 
     def __getitem__(self, n: int) -> Step:
-        before, ledger_before = (self._run(n - 1)[i] for i in (0, 2))
-        _, peaks, ledger, memory, integers, *_ = self._run(n)
-        frame = _frame(memory, integers)
-        padded, order = integers[frame + c.RUN.places["padded"]], integers[clock.ORDER]
-        W, ends, slots, series, rule, now = (
-            memory[_at(memory, integers, frame, name) :] for name in ("W", "ends", "slots", "series", "rule", "clock")
-        )
-        row, *_ = taylor.places_of(self.arrays)
-        place = int(row.link_places[self.link])
-        left, right = (int(row.slot_places[i[self.link]]) for i in (self.arrays.links.left, self.arrays.links.right))
-        h, end = now[clock.H], now[clock.END]
-        velocities = W[: (order + 1) * padded].reshape(order + 1, padded).copy()
-        velocities[0, row.slot_places] = before.v[: row.slots]  # the kernel has gone on to the step's end by now
+        before, _, began = self._run(n - 1)
+        data, r, link = self._run(n)
+        h, end, order, q = float(r["h"]), float(r["end"]), int(r["order"]), int(r["points"])
+        velocities = data.dofs["w"][:, : order + 1].copy()
+        velocities[:, 0] = before.dofs["w"][:, 0]  # the records have gone on to the step's end by now
         k = np.arange(1, order + 1)
-        slot = lambda i, field: slots[c.of.py_func(i, field)]  # noqa: E731
-        closing = np.zeros(order + 1)
-        closing[0] = before.u[self.arrays.links.left[self.link]] - before.u[self.arrays.links.right[self.link]]
-        closing[0] -= self.arrays.links.offset[self.link]
-        closing[1:] = h / k * (velocities[:-1, left] - velocities[:-1, right])
-        allowed = np.array([slot(i, c.TERM_TOLERANCE) for i in row.slot_places])
-        terms = np.abs(velocities[1:, row.slot_places]) * k[:, None] / h / allowed
-        branches = self.arrays.links.branches.reshape(-1, law_table.BRANCH_ROW)
-        closed = branches[before.link_branch[self.link], law_table.CLOSED] != 0
-        size = integers[frame + c.RUN.places["padded_links"]] * c._TERM_FIELDS
-        first = place // 8 * 8 * c._TERM_FIELDS + c.FORCE_TERM + place % 8
-        force = series[: order * size].reshape(order, size)[:, first]
-        points, weights = rule[: 16 * MAX_POINTS : 8].reshape(2, MAX_POINTS)
-        used = slice(max((order + 8) // 6 * 2, MIN_POINTS))
+        left, right = int(link["left"]), int(link["right"])
+        closing = np.concatenate(([began["v0"]], h / k * (velocities[left, :-1] - velocities[right, :-1])))
+        terms = np.abs(velocities[:, 1:]) * k / h * data.dofs["allowed"][:, None]
+        force = data.series["f"][int(began["row"])][:order].copy() if began["closed"] else np.empty(0)
+        points = np.concatenate(([0.0], PLACES[q, :q], [1.0])) * end
         return Step(
-            int(integers[clock.SEGMENT]), now[clock.ELAPSED], h, end, int(order), closing,
-            ends[padded + left] + ends[padded + right], terms.max(axis=1), force.copy() if closed else np.empty(0),
-            peaks.force[self.link], points[used].copy(), weights[used].copy(),
-            float(ledger.links[self.link] - ledger_before.links[self.link]),
+            h, end, order, closing, float(link["dv"]), terms.max(axis=0), force, float(link["peak_f"]), points,
+            float(link["work"] - began["work"]),
         )  # fmt: skip
-
-
-def _frame(memory: np.ndarray, integers: np.ndarray) -> int:
-    """Where the frame of the run (`cells.RUN`) begins among the integers: its pointer to the tally is their address."""
-    (place,) = np.flatnonzero(integers == integers.ctypes.data)
-    return int(place) - c.RUN.places["tally"]
-
-
-def _at(memory: np.ndarray, integers: np.ndarray, frame: int, name: str) -> int:
-    """Where in the memory a pointer of the frame leads."""
-    return int(integers[frame + c.RUN.places[name]] - memory.ctypes.data) // 8
 
 
 def four_steps() -> tuple[int, list[Step]]:
@@ -221,7 +181,7 @@ def _contact(axis, steps: list[Step], numbers: tuple[int, ...]) -> None:
         axis.plot(time(step.points), 1e-3 * at(step.force, step.points), "|", color="black", ms=9)
         begin += step.h * step.end
         axis.axvline(1e3 * begin, color="0.6", lw=0.8)
-    axis.plot([], [], "|", color="black", label="points of the ledger")
+    axis.plot([], [], "|", color="black", label="points of the energies")
     axis.axhline(1e-3 * steps[-1].peak, ls="--", color="tab:red", lw=1, label="largest force")
     axis.set(title="the contact, over a sample of the motion", xlabel="time since contact [ms]", ylabel="force F [kN]")
     axis.legend(loc="lower center", fontsize=7.5)

@@ -27,7 +27,7 @@ API = {
         "pounding_cli.api.scenes.building",
         "pounding_cli.api.scenes.motion",
         "pounding_cli.api.scenes.scene",
-        "pounding_cli.solve.run.solve",
+        "pounding_cli.solver.solve.solve",
         "pounding_cli.api.scenes.history",
     ),
     "What a scene is made of": (
@@ -41,15 +41,15 @@ API = {
     ),
     "Laws of links": (
         "pounding_cli.laws.law.LinkLaw",
-        "pounding_cli.laws.branch.Branch",
-        "pounding_cli.laws.branch.Guard",
-        "pounding_cli.laws.branch.opening",
+        "pounding_cli.laws.law.Behaviour",
+        "pounding_cli.laws.law.line",
+        "pounding_cli.laws.law.opened",
         "pounding_cli.laws.law.parameter",
     ),
     "What a solution holds": (
-        "pounding_cli.solve.response.Response",
-        "pounding_cli.solve.response.BuildingResponse",
-        "pounding_cli.solve.response.LinkResponse",
+        "pounding_cli.solver.response.Response",
+        "pounding_cli.solver.response.BuildingResponse",
+        "pounding_cli.solver.response.LinkResponse",
     ),
     "Exporting and comparing": (
         "pounding_cli.store.export.export",

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from pounding_cli.model.links import Link
     from pounding_cli.model.scene import Scene
     from pounding_cli.records.motion import Motion
-    from pounding_cli.solve.response import Response
-    from pounding_cli.solve.run import solve
+    from pounding_cli.solver.response import Response
+    from pounding_cli.solver.solve import solve
     from pounding_cli.study.load import Study
 
 __all__ = [
@@ -57,7 +57,7 @@ _HOMES = {
     "Link": "model.links",
     "Motion": "records.motion",
     "Pounding": "laws.pounding",
-    "Response": "solve.response",
+    "Response": "solver.response",
     "Results": "api.results",
     "Scene": "model.scene",
     "Study": "study.load",
@@ -68,7 +68,7 @@ _HOMES = {
     "open_results": "api.studies",
     "run": "api.studies",
     "scene": "api.scenes",
-    "solve": "solve.run",
+    "solve": "solver.solve",
 }
 """Name -> the module below `pounding_cli` that holds it."""
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
-from pounding_cli.solve import histories
-from pounding_cli.solve.histories import ENERGIES
+from pounding_cli.solver import histories
+from pounding_cli.solver.histories import ENERGIES
 from pounding_cli.store.histories import FIELDS
 
 if TYPE_CHECKING:

@@ -142,7 +142,7 @@ def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -
     InputError : the output step is not above zero; the run did not end, and why
     """
     from pounding_cli.api.histories import History
-    from pounding_cli.solve.histories import history as kept
+    from pounding_cli.solver.histories import history as kept
 
     return History.of(kept(scene, accuracy, quantity(_EVERY, every, "every")))
 

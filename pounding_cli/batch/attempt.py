@@ -5,51 +5,120 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
+
+import numpy as np
 
 from pounding_cli.errors import InputError
+from pounding_cli.model.effects import effects_of
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.assess import assess, judging, judging_bounded
-from pounding_cli.solve.groups import GroupSolver
-from pounding_cli.solve.read import OneOf, read
-from pounding_cli.solve.response import Response
-from pounding_cli.solve.run import Prepared, prepare, solve
-from pounding_cli.solve.tangent import FINEST_BOUNDED
+from pounding_cli.solver.estimate import assess
+from pounding_cli.solver.response import DONE, NEVER_CLOSES, LinkResponse, Response
 from pounding_cli.store.codec import failed
 
 Solve = Callable[..., Response]
-"""solve(scene, accuracy=..., method=..., all_effects=..., watch=..., ledger=..., tangent=...) -> Response; with
-time_step=... where the study has one."""
-
-_Answer = TypeVar("_Answer", Response, OneOf)
-
+"""solve(scene, accuracy=..., method=...) -> Response; with time_step=... where the study has one."""
 
 HARDER = 0.01
 """Accuracy and time step of a second try over those of the first [-]."""
 
+ERRORS = 10.0
+"""By so many accuracies of the floors' own displacements a gap must stay open to count as never closed."""
 
-@dataclass
-class _Begun:
-    """A scene whose runs are laid out: its own and those that it is judged by; `beside` as in
-    `GroupSolver.without_a_run`."""
+MEMORY = 256
+"""Scenes whose gaps never closed that are kept for those that follow."""
 
-    scene: Scene
-    first: Prepared
-    judges: list[Prepared]
-    beside: float
 
-    def integrate(self) -> None:
-        """Run them; a run that did not end is not judged."""
-        self.first.integrate()
-        if self.judges:
-            for judge in self.done()[1:]:
-                judge.integrate()
+class NeverClosed:
+    """Neighbours with nothing between them: their response is that of every scene whose gaps never close, since no
+    force crosses those. It is solved once a scene was seen to stay open, and answers all that do without a run of their
+    own, whatever came first. Threads may share it."""
 
-    def done(self) -> list[Prepared]:
-        """The runs that are run."""
-        return [self.first, *(self.judges if self.first.is_done else ())]
+    def __init__(self, run: Callable[[Scene], Response]) -> None:
+        self._run = run
+        self._kept: OrderedDict[tuple[Any, ...], Response] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def answer(self, scene: Scene, accuracy: float) -> Response | None:
+        """The response of a scene whose gaps are known not to close, or None."""
+        with self._lock:
+            known = self._kept.get(_key(scene)) if _may_stay_open(scene) else None
+        if known is None:
+            return None
+        found = _of_scene(scene, known)
+        furthest = (max(b.displacement_max.max(), -b.displacement_min.min()) for b in known.buildings)
+        closes_to = found.links.max_closing + ERRORS * accuracy * float(max(furthest))
+        return dataclasses.replace(found, seconds=0.0) if np.all(_gaps(scene) > closes_to) else None
+
+    def of_open(self, scene: Scene, response: Response) -> Response:
+        """The response of a scene after its run: where no gap closed that of the neighbours with nothing between."""
+        if response.status != DONE or not _may_stay_open(scene) or response.links.impacts.any():
+            return response
+        key = _key(scene)
+        with self._lock:
+            known = self._kept.get(key)
+        if known is None:
+            known = self._run(dataclasses.replace(scene, links=tuple(_apart(scene))))
+            with self._lock:
+                self._kept[key] = known
+                while len(self._kept) > MEMORY:
+                    self._kept.popitem(last=False)
+        return _of_scene(scene, known) if known.status == DONE else response
+
+
+def _may_stay_open(scene: Scene) -> bool:
+    """Whether all links of a scene act across a gap alone, and none asks for the shears of columns."""
+    return bool(scene.links) and not any(link.law.joins or link.columns for link in scene.links)
+
+
+def _apart(scene: Scene) -> dict[Link, int]:
+    """Nothing between the floors that links of a scene join, with its place among them."""
+    links = dict.fromkeys(
+        Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at) for link in scene.links
+    )
+    return {link: place for place, link in enumerate(links)}
+
+
+def _of_scene(scene: Scene, apart: Response) -> Response:
+    """The response of a scene whose gaps never close, from that of the neighbours with nothing between them."""
+    places, effects = _apart(scene), effects_of(scene)
+    of_links = [
+        places[Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)]
+        for link in scene.links
+    ]
+    none = np.zeros(len(of_links))
+    links = LinkResponse(none.astype(np.int64), none, apart.links.max_closing[of_links], none, none)
+    return dataclasses.replace(apart, links=links, effects=effects.kept, dropped=effects.dropped)
+
+
+def _gaps(scene: Scene) -> np.ndarray:
+    """The closings [m] below which no link acts, in their order."""
+    return np.array([link.law.free_below for link in scene.links])
+
+
+def _key(scene: Scene) -> tuple[Any, ...]:
+    """What scenes share whose links differ in their laws alone."""
+    buildings = tuple(building.digest for building in scene.buildings)
+    return buildings, tuple(_apart(scene)), scene.motion.digest, scene.analysis, scene.tail
+
+
+def _with_open_gaps(scene: Scene, response: Response) -> Response:
+    """The response of a scene, which says of neighbours whose gap never closed how much of it stays open."""
+    if not response.has_result or not _may_stay_open(scene) or response.links.impacts.any():
+        return response
+    left_open = _gaps(scene) - response.links.max_closing
+    said = []
+    for place in dict.fromkeys(link.left for link in scene.links):
+        least = min(o for o, link in zip(left_open.tolist(), scene.links, strict=True) if link.left == place)
+        names = f"{scene.buildings[place].name} | {scene.buildings[place + 1].name}"
+        if math.isfinite(least):
+            said.append(f"links {names}: {NEVER_CLOSES}, {least * 1000:.3g} mm of it stay open")
+    return dataclasses.replace(response, dropped=(*response.dropped, *said))
 
 
 @dataclass(frozen=True)
@@ -57,8 +126,9 @@ class Task:
     """How every row of buildings is solved: a `bundles.Work`.
 
     estimate : which scenes are assessed: none, sample or all; alone, those of buildings with nothing beside them
-    all_effects : simulate what cannot matter too, and every row of buildings whole
+    all_effects : run scenes too whose gaps are known not to close
     time_step : of a method that takes one [s]
+    harder : solve a scene that fails once more, a hundred times as finely
     """
 
     solve: Solve
@@ -72,63 +142,49 @@ class Task:
 
     def __call__(self, scene: Scene) -> Response:
         """The response; an exception becomes a failed response that names it."""
-        return self._again(scene, self._caught(scene, self._respond_or_prove, scene))
+        response = self._caught(scene, self.respond, scene)
+        if self.harder and response.status != DONE:
+            step = None if self.time_step is None else self.time_step * HARDER
+            task = dataclasses.replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)
+            second = task(scene)
+            if second.status == DONE:
+                note = f"solved once more, {1 / HARDER:g} times as finely: {response.status}"
+                seconds = response.seconds + second.seconds
+                response = dataclasses.replace(second, flags=(*second.flags, note), seconds=seconds)
+        return response
 
     def each(
         self, scenes: Sequence[Scene], begins: Callable[[int], None], halted: Callable[[], bool]
-    ) -> list[Response | OneOf]:
+    ) -> list[Response]:
         """The responses of scenes in their order; only the first of them, at least one, where it is `halted`.
 
-        One thing is done for all of them before the next: what need not be run is found, what is to be run is laid out,
-        run, read. Between two runs of the solver, and between two kinds of work, Python finds its caches cold: the same
-        work takes twice to three times as long there.
-
-        begins : told the place of every scene before something of it is run
+        begins : told the place of every scene before it is run
         """
-        answers, groups = [], _group_solver(self) if self.falls_apart() else None
+        found = []
         for place, scene in enumerate(scenes):
             begins(place)
-            answers.append(self._caught(scene, self._without_a_run, scene, groups))
+            found.append(self(scene))
             if halted():
                 break
-        for place, beside in enumerate(answers):
-            if isinstance(beside, float):
-                answers[place] = self._caught(scenes[place], self._begun, scenes[place], beside)
-        for place, answer in enumerate(answers):
-            if isinstance(answer, _Begun):
-                begins(place)
-                failure = self._caught(answer.scene, answer.integrate)
-                answers[place] = failure or answer
-                if halted():
-                    del answers[place + 1 :]
-        begun = [(place, each) for place, each in enumerate(answers) if isinstance(each, _Begun)]
-        found = _read_together([run for _, each in begun for run in each.done()])
-        open_ones = [
-            (place, each) for place, each in begun if self._caught(each.scene, self._judge, each, found) is True
-        ]
-        for place, each in open_ones:
-            begins(place)
-            self._caught(each.scene, each.judges[0].integrate)
-        found |= _read_together([run for _, each in open_ones for run in each.judges])
-        ended = (
-            self._caught(each.scene, self._ended, each, found) if isinstance(each, _Begun) else each for each in answers
-        )
-        return [self._again(scene, answer) for scene, answer in zip(scenes, ended, strict=False)]
+        return found
 
-    def _again(self, scene: Scene, response: _Answer) -> _Answer | Response:
-        """The response, or of a scene that failed that of a harder try, which says so; the first where that fails."""
-        if not self.harder or response.status == "done":
-            return response
-        step = None if self.time_step is None else self.time_step * HARDER
-        task = dataclasses.replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)
-        second: Response = task._caught(scene, task.respond, scene, False)
-        if second.status != "done":
-            return response
-        first = response.response() if isinstance(response, OneOf) else response
-        note = f"solved once more, {1 / HARDER:g} times as finely: {first.status}"
-        return dataclasses.replace(second, flags=(*second.flags, note), seconds=first.seconds + second.seconds)
+    def respond(self, scene: Scene) -> Response:
+        """The response of a scene, from one with narrower gaps where that is known; assessed where the study asks for
+        that."""
+        memory = _memory(self) if self.time_step is None and not self.all_effects else None
+        response = memory.answer(scene, self.accuracy) if memory else None
+        if response is None:
+            response = self._run(scene)
+            if memory:
+                response = memory.of_open(scene, response)
+        return _with_open_gaps(scene, response)
 
-    def _caught(self, scene: Scene, work: Callable[..., Any], *arguments: Any) -> Any:
+    def _run(self, scene: Scene) -> Response:
+        told: dict[str, Any] = {} if self.time_step is None else {"time_step": self.time_step}
+        response = self.solve(scene, accuracy=self.accuracy, method=self.method, **told)
+        return assess(scene, response, self.accuracy, self.solve) if self.is_assessed(scene) else response
+
+    def _caught(self, scene: Scene, work: Callable[..., Response], *arguments: Any) -> Response:
         """What `work` gives; an exception becomes a failed response that names it."""
         try:
             return work(*arguments)
@@ -138,73 +194,6 @@ class Task:
         except Exception as error:  # one scene must not take the others with it
             advice = "this is an internal error: please report it with the study file"
             return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
-
-    def _respond_or_prove(self, scene: Scene) -> Response:
-        return _group_solver(self)(scene) if self.falls_apart() else self.respond(scene, False)
-
-    def _without_a_run(self, scene: Scene, groups: GroupSolver | None) -> Response | float:
-        """The response of a scene that need not be run as a whole, or the time that groups took, as in
-        `GroupSolver.without_a_run` [s]."""
-        if self.solve is not solve:
-            return self._respond_or_prove(scene)
-        response, beside = groups.without_a_run(scene) if groups else (None, 0.0)
-        if response is None:
-            return beside
-        return dataclasses.replace(response, seconds=response.seconds + beside) if beside else response
-
-    def _begun(self, scene: Scene, beside: float) -> _Begun:
-        """The runs of a scene laid out."""
-        is_assessed = self.is_assessed(scene)
-        first = prepare(
-            scene, self.accuracy, self.method, time_step=self.time_step, all_effects=self.all_effects,
-            tangent=is_assessed and self.accuracy >= FINEST_BOUNDED,
-        )  # fmt: skip
-        if not is_assessed or first.carries_tangent:
-            return _Begun(scene, first, [], beside)
-        asked = judging(scene, first.what.method.name, self.accuracy, self.all_effects)
-        return _Begun(scene, first, [prepare(each, **settings) for each, settings in asked], beside)
-
-    def _judge(self, begun: _Begun, found: Mapping[Prepared, OneOf]) -> bool:
-        """Whether a finer run is to judge a run whose tangent does not tell enough; it is laid out."""
-        one = found.get(begun.first)
-        if one is None or not one.is_open:
-            return False
-        method = begun.first.what.method.name
-        asked = judging_bounded(begun.scene, method, self.accuracy, one.sensitivity, self.all_effects)
-        begun.judges = [prepare(scene, **settings) for scene, settings in asked]
-        return bool(asked)
-
-    def _ended(self, begun: _Begun, found: Mapping[Prepared, OneOf]) -> Response | OneOf:
-        """The response of runs that are done, as far as they are `found` already."""
-        one, *others = [found.get(run) or read([run])[0] for run in begun.done()]
-        if not (begun.judges or begun.beside or one.is_open):
-            return one
-        response = one.response()
-        if (others or one.is_open) and response.has_result:
-            judges = [other.response() for other in others]
-            response = assess(begun.scene, response, self.accuracy, self.solve, self.all_effects, judges)
-        return dataclasses.replace(response, seconds=response.seconds + begun.beside) if begun.beside else response
-
-    def respond(self, scene: Scene, watch: bool) -> Response:
-        """The response of the scene as a whole, assessed where the study asks for that."""
-        told: dict[str, Any] = {} if self.time_step is None else {"time_step": self.time_step}
-        if self.is_assessed(scene) and self.accuracy >= FINEST_BOUNDED:
-            told["tangent"] = True
-        response = self.solve(
-            scene, accuracy=self.accuracy, method=self.method, all_effects=self.all_effects, watch=watch, **told
-        )
-        if not self.is_assessed(scene):
-            return response
-        return assess(scene, response, self.accuracy, self.solve, self.all_effects)
-
-    def free(self, scene: Scene, accuracy: float) -> Response:
-        """The response of neighbours with nothing between them; it tells its error where errors are asked for."""
-        told = {"tangent": True} if self.estimate in ("all", "sample") and accuracy >= FINEST_BOUNDED else {}
-        return self.solve(scene, accuracy=accuracy, method=self.method, **told)
-
-    def falls_apart(self) -> bool:
-        """Whether scenes may be solved in groups: a user of fixed steps wants those steps in every scene."""
-        return not self.all_effects and self.time_step is None
 
     def is_assessed(self, scene: Scene) -> bool:
         """Whether error and sensitivity of this scene are asked for; a sample is one scene in eight, the same ones in
@@ -220,15 +209,7 @@ class Task:
         return failed(storeys, len(scene.links), status, advice, self.method, *asked)
 
 
-def _read_together(runs: Sequence[Prepared]) -> dict[Prepared, OneOf]:
-    """What came of runs; none of it where one of them cannot be read, so that each is read by itself."""
-    try:
-        return dict(zip(runs, read(runs), strict=True))
-    except Exception:
-        return {}
-
-
 @functools.lru_cache(maxsize=1)
-def _group_solver(task: Task) -> GroupSolver:
-    """One memory of groups in every process, for the task at hand."""
-    return GroupSolver(task.respond, task.free, task.accuracy, task.is_assessed)
+def _memory(task: Task) -> NeverClosed:
+    """One memory in every process, for the task at hand."""
+    return NeverClosed(task._run)

@@ -9,11 +9,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pounding_cli.solve.read import OneOf
-from pounding_cli.solve.response import PointResponse, Response
+from pounding_cli.solver.response import PointResponse, Response
 from pounding_cli.store.chunk import Chunk
 
-Answer = Response | PointResponse | OneOf
+Answer = Response | PointResponse
 
 CHUNK_SECONDS = 0.5
 """Work in one chunk: long against sending and keeping it (milliseconds), little to lose."""

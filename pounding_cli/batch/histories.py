@@ -12,8 +12,8 @@ import h5py
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
-from pounding_cli.solve.histories import History, history
-from pounding_cli.solve.response import Response
+from pounding_cli.solver.histories import History, history
+from pounding_cli.solver.response import Response
 from pounding_cli.store.files import opened
 from pounding_cli.store.histories import Kept, kept_places, place_of, read_history, same_value, stored_groups
 from pounding_cli.store.structure import strings

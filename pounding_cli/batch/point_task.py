@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.errors import InputError
-from pounding_cli.solve.response import PointResponse
+from pounding_cli.solver.response import PointResponse
 from pounding_cli.workflows import WORKFLOWS
 
 

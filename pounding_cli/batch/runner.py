@@ -6,7 +6,6 @@ import contextlib
 import gc
 import itertools
 import os
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -37,7 +36,7 @@ from pounding_cli.store import (
     write_results,
 )
 from pounding_cli.store.chunk import Chunk
-from pounding_cli.store.expanded import is_long, keep_expanded
+from pounding_cli.store.expanded import keep_expanded
 from pounding_cli.store.files import is_results, refused_write
 from pounding_cli.store.keys import key_of
 from pounding_cli.store.locks import lock_of
@@ -74,7 +73,7 @@ def run_plan(
     plan : the study expanded
     output : the results file
     progress : told what happens; nothing unless given
-    solve : solves a scene; `pounding_cli.solve.solve` unless given
+    solve : solves a scene; `solver.solve.solve` unless given
     workers : scenes side by side; the cores of this machine unless given
     engine_name : one of `engines.ENGINES`; small studies are solved serially whatever it is
     scheduler : address of a Dask scheduler, e.g. tcp://node:8786; only for the dask engine
@@ -237,15 +236,12 @@ def _solve_missing(
         return time.perf_counter() - begin
 
     needs_none = isinstance(task, PointTask) or solve is not None
-    with _compile_notice(progress, needs_none):
-        if is_long(plan.axes) and chosen.name == "processes" and not needs_none:
-            _compile_apart(plan, order, task)
-        for digests in order.samples.values():
-            here(digests[0])
+    if not needs_none:
+        _tell_compiling(progress)
+    for digests in order.samples.values():
+        here(digests[0])
     progress.compiled()
     gc.freeze()  # kernels are loaded, the plan is made: to look for garbage in them takes a thirtieth of a short run
-    for note in _notes_of_kernels():
-        progress.say(note)
     work = sum(here(digests[1]) * (order.counts[sort] - 2) for sort, digests in order.samples.items() if digests[1:])
     # What takes no time need not touch the disk; of anything longer, every chunk does.
     small = work < WORTH_WORKERS
@@ -272,35 +268,16 @@ def _work(plan: Plan, solve: Solve | None) -> Work:
 
 
 def _default_solve() -> Solve:
-    from pounding_cli.solve import solve  # here, so that a finished study need not load it
+    from pounding_cli.solver.solve import solve  # here, so that a finished study need not load it
 
     return solve
 
 
-def _compile_apart(plan: Plan, order: Order, task: Work) -> None:
-    """Compile what is not on disk in another process: a compiler leaves 150 MB behind, and a long run needs its memory
-    for its plan. To load what was compiled takes a tenth of a second."""
-    from pounding_cli.batch.processes import apart
-    from pounding_cli.kernels.kept import FOLDER
+def _tell_compiling(progress: Progress) -> None:
+    """Have the solver say when it compiles."""
+    from pounding_cli.solver import solve
 
-    if FOLDER is not None:
-        apart(lambda: [task(plan.scenes[digests[0]]) for digests in order.samples.values()])
-
-
-def _compile_notice(progress: Progress, without: bool) -> contextlib.AbstractContextManager[None]:
-    """Say once that kernels are compiled, as soon as the first one is; some scenes are solved without any."""
-    if without:
-        return contextlib.nullcontext()
-    from pounding_cli.kernels.kept import when_compiling
-
-    return when_compiling(lambda: progress.say("compiling kernels (first run only)"))
-
-
-def _notes_of_kernels() -> Iterator[str]:
-    """What became of the compiled kernels on disk, each once; nothing where no kernel was needed."""
-    kept = sys.modules.get("pounding_cli.kernels.kept")
-    while kept is not None and kept.notes:
-        yield kept.notes.pop(0)
+    solve.say = progress.say
 
 
 def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:

@@ -12,7 +12,7 @@ from pounding_cli.cli import streams
 from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
-    from pounding_cli.solve.work_precision import Subject, WorkPrecision
+    from pounding_cli.solver.work_precision import Subject, WorkPrecision
     from pounding_cli.study import Study
 
 BUDGET = "60 s"
@@ -51,7 +51,7 @@ def command(study: Path, methods: str, cases: str, records: str, budget: str, ou
     from pounding_cli.outputs import check_folder
     from pounding_cli.report.accuracy_figures import draw_accuracy
     from pounding_cli.report.accuracy_page import in_words, write
-    from pounding_cli.solve.work_precision import chosen, measure
+    from pounding_cli.solver.work_precision import chosen, measure
 
     allowed = seconds_of(budget)
     names = chosen(_listed(methods))
@@ -99,7 +99,7 @@ def _listed(text: str) -> list[str]:
 def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subject]:
     """The linked scenes of the study's first point, each once."""
     from pounding_cli.errors import InputError, Problem
-    from pounding_cli.solve.work_precision import Subject
+    from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import expand
 
     plan = expand(study)

@@ -64,10 +64,9 @@ def _study(path: Path) -> _Used:
     study = load_for(path, kind)
     if WORKFLOWS[kind].solve:
         return study.title, kind, study.resolved(), {}, ()
-    from pounding_cli.batch.forecast import methods_needed
 
     plan = expansion(kind)(study)
-    return study.title, kind, study.resolved(), {use.name: use.source for use in plan.motions}, methods_needed(plan)
+    return study.title, kind, study.resolved(), {use.name: use.source for use in plan.motions}, {plan.method}
 
 
 def _results(path: Path) -> _Used:

@@ -26,29 +26,22 @@ MOST_POINTS, FEW_POINTS = 10_000, 2000
 """Points of a sweep that are all looked at, and of a larger one so many, spread evenly: each takes a quarter of a
 millisecond."""
 
-WORTH_PROVING = 5.0
-"""Buildings alone and smaller groups are run to prove what falls away if that takes no longer than this [s], or if
-asked."""
-
 
 @click.command("plan", short_help="Show what a run would solve and what it would leave out.")
 @click.argument("study", type=click.Path(path_type=Path))
-@click.option("--prove/--no-prove", default=None, help="Run the buildings alone, to find rows that need no run.")
 @click.option("--all-effects", is_flag=True, help="Show the plan of a run with all effects.")
-def command(study: Path, prove: bool | None, all_effects: bool) -> None:
+def command(study: Path, all_effects: bool) -> None:
     """Show what a run of STUDY would solve and what it would leave out.
 
-    The plan lists scenes by method, effects simulated and left out with the reason, shared baselines, rows that need
-    no run of their own, and the expected time. It also lists the questions of the other sections (`fragility:`,
+    The plan lists scenes, effects simulated and left out with the reason, shared baselines, and the expected time, for
+    which it runs one scene of each kind. It also lists the questions of the other sections (`fragility:`,
     `sensitivity:`, ...) with the scenes of their first round.
 
-    Nothing is written. If it takes only a few seconds, the command runs the buildings alone, to find whether gaps
-    close.
+    Nothing is written.
 
     \b
     Example:
       pound plan configs/fig6.yaml
-      pound plan sweep.yaml --prove
     """
     import dataclasses
 
@@ -72,7 +65,7 @@ def command(study: Path, prove: bool | None, all_effects: bool) -> None:
         streams.echo_warning(warning)
     plan = dataclasses.replace(expand(some), all_effects=all_effects)
     asked = _questions(read, some, all_effects)
-    for line in [*_lines(read, plan, prove), *asked]:
+    for line in [*_lines(read, plan), *asked]:
         click.echo(line)
 
 
@@ -83,8 +76,7 @@ def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
     """
     import dataclasses
 
-    from pounding_cli.batch.forecast import forecast
-    from pounding_cli.solve.cost import START
+    from pounding_cli.batch.forecast import START, forecast
     from pounding_cli.workflows import WORKFLOWS
 
     times = math.prod(len(axis.values) / len(few.values) for axis, few in zip(study.axes, some.axes, strict=True))
@@ -103,19 +95,15 @@ def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
             later = "; later rounds depend on its results"
         first = "the first round has" if later else "it has"
         scenes = f"{about}{counted(round(times * len(plan.scenes)), 'scene')}"
-        time = time_text(START + times * forecast(plan, prove=False).total)
+        time = time_text(START + times * forecast(plan).total)
         lines.append(f"  pound {name:<12} {first} {scenes}, about {time} on one core{later}")
     return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
 
-def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
-    from pounding_cli.batch.forecast import GROUP, PARTS, forecast
-    from pounding_cli.solve.cost import START
+def _lines(study: Study, plan: Plan) -> list[str]:
+    from pounding_cli.batch.forecast import START, forecast
 
-    found = forecast(plan, bool(prove), study)
-    proof = sum(seconds for (what, _), seconds in found.seconds.items() if what != GROUP)
-    if prove is None and not plan.all_effects and proof < WORTH_PROVING:
-        found = forecast(plan, True, study)
+    found = forecast(plan, study)
     rows = math.prod((*(len(a.values) for a in study.axes), len(plan.cases), len(plan.analyses), len(plan.records)))
     about = "" if plan.study is study else "about "
     repeated = max(0, rows - (found.all - found.alone))
@@ -131,25 +119,20 @@ def _lines(study: Study, plan: Plan, prove: bool | None) -> list[str]:
         f"method     {plan.method}, {setting}",
         f"scenes     {about}{found.all}, on one core about {time_text(START + found.total)} with estimate: "
         f"{plan.estimate}",
-        f"           timed by {counted(found.timed, 'row')} of them"
-        if found.timed
-        else "           times of a reference core; stiff links take longer",
+        f"           timed by {counted(found.timed, 'scene')} of them",
     ]
     if found.looked_at < 1:
         lines.append(f"           judged by one scene in {1 / found.looked_at:.0f}")
     if about:
         lines.append("           other combinations of swept values are checked when the run begins")
-    for (what, method), count in sorted(found.scenes.items()):
-        lines.append(f"  run      {round(count):6d} {what}, {method}, about {time_text(found.seconds[what, method])}")
-    who = "the buildings alone" + (" and smaller groups" if any(what == PARTS for what, _ in found.scenes) else "")
-    for case, count in found.not_simulated.items():
-        lines.append(f"  not run  {round(count):6d} of {case}: gaps that {who} never close")
+    for what, count in sorted(found.scenes.items()):
+        lines.append(f"  run      {round(count):6d} {what}, about {time_text(found.seconds[what])}")
     lines.append(
         f"  shared   {counted(rows * len(plan.buildings), 'baseline')} asked for, {about}{found.alone} run; "
         f"{about}{counted(repeated, 'row repeats', 'rows repeat')} another's scene"
     )
-    if not found.proven and not plan.all_effects and plan.time_step is None:
-        lines.append("  more scenes may need no run: --prove runs the buildings alone to find out")
+    if not plan.all_effects and plan.time_step is None:
+        lines.append("  not run         scenes whose gaps are wider than ones that turn out never to close")
     lines += _meetings(plan)
     lines.append("cases")
     units = plan.study.unit("gap"), plan.study.unit("link stiffness")

@@ -96,11 +96,9 @@ def _print(found: Overview, outcome: Outcome) -> None:
         click.echo(sentence)
     for group in found.flags:
         click.echo(f"{f'Meaningless ({MEANINGLESS})' if group.meaningless else 'Note'}: {group}")
-    if found.not_simulated:
-        which = "scene, whose gaps never close" if found.not_simulated == 1 else "scenes, whose gaps never close"
-        click.echo(
-            f"Not simulated: {found.not_simulated} {which}; the buildings alone, or smaller groups, give the results"
-        )
+    if found.open_gaps:
+        which = counted(found.open_gaps, "scene has a gap that never closes", "scenes have a gap that never closes")
+        click.echo(f"{which}: of scenes that differ in such gaps alone, one was simulated.")
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
     worthless = f", {counted(found.meaningless, 'row')} meaningless ({MEANINGLESS})" if found.meaningless else ""
     click.echo(

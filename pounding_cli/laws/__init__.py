@@ -1,26 +1,23 @@
-"""The laws of links, storeys and foundation springs, one file each. A new law is a file here and a line in `BUILT_IN`.
-
-Other packages add laws of theirs by an entry point of the group `pounding_cli.laws` that names the law's class."""
+"""The laws of links, storeys and foundation springs, one file each: a new law is a file and a line in `BUILT_IN`."""
 
 from __future__ import annotations
 
 import functools
-import inspect
-from importlib import metadata
-from pathlib import Path
 
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.bouc_wen import BoucWen
 from pounding_cli.laws.connector import Connector
 from pounding_cli.laws.damper import Damper
+from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.laws.friction import Friction
 from pounding_cli.laws.hertz import Hertz, HertzDamp
 from pounding_cli.laws.imk import PeakOrientedImk, PinchingImk
 from pounding_cli.laws.infill import Infill
 from pounding_cli.laws.jankowski import Jankowski
-from pounding_cli.laws.law import Law, LinkLaw
+from pounding_cli.laws.joined import JOINED
+from pounding_cli.laws.law import Behaviour, Law, LinkLaw
 from pounding_cli.laws.maxwell import Maxwell
 from pounding_cli.laws.peak_oriented import PeakOriented
 from pounding_cli.laws.pounding import Pounding
@@ -50,22 +47,18 @@ BUILT_IN: tuple[type[Law], ...] = (
 """In the order in which reference pages list them."""
 
 
+BEHAVIOURS: tuple[Behaviour, ...] = tuple(
+    dict.fromkeys(
+        (JOINED, *(law.behaviour for law in BUILT_IN if issubclass(law, LinkLaw | StoreyLaw)), WrittenLaw.behaviour)
+    )
+)
+"""What the elements of all laws do, each once: the `kind` of an element is its place here."""
+
+
 @functools.cache
 def _laws() -> dict[tuple[str, str], type[Law]]:
-    """All laws by what they act on and name; those of other packages come last."""
-    found = {(law.acts_on, law.name): law for law in BUILT_IN}
-    for entry in metadata.entry_points(group="pounding_cli.laws"):
-        law = entry.load()
-        if (law.acts_on, law.name) in (*found, ("link", "none")):
-            raise ValueError(f"two {law.acts_on} laws are called '{law.name}': one of them is {entry.value}")
-        found[law.acts_on, law.name] = law
-    return found
-
-
-def sources_elsewhere() -> list[Path]:
-    """The files of the laws of other packages."""
-    others = (law for law in _laws().values() if law not in BUILT_IN)
-    return sorted({Path(inspect.getfile(law)) for law in others})
+    """All laws by what they act on and name."""
+    return {(law.acts_on, law.name): law for law in BUILT_IN}
 
 
 @functools.cache

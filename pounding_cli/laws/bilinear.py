@@ -2,21 +2,39 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pounding_cli.laws.program import DRIFT, memory
-from pounding_cli.laws.storey import (
-    StoreyBranch,
-    StoreyLaw,
-    drift_falls_below,
-    drift_rises_above,
-    turns_down,
-    turns_up,
-)
+from pounding_cli.laws.guards import HIGH, INSIDE, START
+from pounding_cli.laws.law import Behaviour, line
+from pounding_cli.laws.storey import StoreyLaw, stored_in_two_springs
 
-PLASTIC_DRIFT = memory(0)
-"""Plastic drift Dp of the last unloading [m]."""
+K, LIMIT, A = range(3)
+"""Parameters: stiffness [N/m], yield drift [m], post-yield over initial stiffness [-]."""
+
+PLASTIC = 0
+"""History variable: plastic drift of the last unloading [m]."""
+
+LOWER, ELASTIC, UPPER = -1, 0, 1
+"""Branches: elastic, and the two yield lines."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """From the elastic line to a yield line, and back where the drift turns."""
+    k, limit, a = e.p[K], e.p[LIMIT], e.p[A]
+    if e.branch == ELASTIC and guard != START:
+        e.branch = UPPER if guard == HIGH else LOWER
+        line(e, a * k, e.c, e.branch * (1.0 - a) * k * limit, -math.inf, math.inf)
+        if e.branch == UPPER:
+            e.slow = 0.0
+        else:
+            e.fast = 0.0
+        return
+    if guard != START:  # the drift turns
+        e.h[PLASTIC] = e.v1 - e.branch * (limit - INSIDE * (limit + abs(e.v1)))
+    e.branch = ELASTIC
+    line(e, k, e.c, -(1.0 - a) * k * e.h[PLASTIC], e.h[PLASTIC] - limit, e.h[PLASTIC] + limit)
 
 
 @dataclass(frozen=True)
@@ -25,22 +43,8 @@ class Bilinear(StoreyLaw):
 
     name: ClassVar[str] = "bilinear"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (("spiliopoulos1996", "bilinear storeys, section 2"),)
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
 
-    def branches(self) -> tuple[StoreyBranch, ...]:
-        """Between the yield lines, on the upper one, on the lower one."""
-        k, a = self.stiffness, self.hardening
-        if not self.can_yield:
-            return (StoreyBranch("elastic", k, lost=0.0, stored=0.5 * k * DRIFT * DRIFT),)
-        limit, plateau = self.yield_drift, self.plateau
-        elastic_part = DRIFT - PLASTIC_DRIFT
-        between = 0.5 * k * (a * DRIFT * DRIFT + (1.0 - a) * elastic_part * elastic_part)
-        on_line = 0.5 * k * (a * DRIFT * DRIFT + (1.0 - a) * limit * limit)
-        yields = drift_rises_above(limit, "upper", 1.0), drift_falls_below(-limit, "lower", 1.0)
-        back_down = turns_down("elastic", (0, DRIFT - limit))
-        back_up = turns_up("elastic", (0, DRIFT + limit))
-        offset = (-(1.0 - a) * k) * PLASTIC_DRIFT
-        return (
-            StoreyBranch("elastic", k, offset, yields, lost=0.0, stored=between),
-            StoreyBranch("upper", a * k, plateau, (back_down,), lost=plateau, stored=on_line),
-            StoreyBranch("lower", a * k, -plateau, (back_up,), lost=-plateau, stored=on_line),
-        )
+    def stored(self, drift: Any, shear: Any) -> Any:
+        """In two springs, one of which yields."""
+        return stored_in_two_springs(self, drift, shear)

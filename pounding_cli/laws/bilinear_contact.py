@@ -2,24 +2,46 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from pounding_cli.laws.guards import FASTER, HIGH, INSIDE, LOW, SLOWER, START
 from pounding_cli.laws.hertz import DAMPING_FORMULA, LEAST_RESTITUTION
-from pounding_cli.laws.law import (
-    ROUNDING,
-    Branch,
-    Guard,
-    LinkLaw,
-    Quantity,
-    falls_below,
-    opening,
-    parameter,
-    remembering,
-    rises_above,
-)
-from pounding_cli.laws.program import CLOSING, MEMORY
+from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
+
+K1, K2, LIMIT = range(3)
+"""Parameters: stiffness up to the yield and on unloading, stiffness beyond it [N/m], yield closing [m]."""
+
+YIELDS = 0
+"""History variable: the closing at which an unloading would yield again [m]."""
+
+OPEN, ELASTIC, YIELDING, UNLOADING, RETURNING = range(5)
+"""Branches."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """Elastic up to the yield; unloading along K1 over the same closing, then returning along K2."""
+    k1, k2, limit = e.p[K1], e.p[K2], e.p[LIMIT]
+    if guard == START or (guard == LOW and e.low == 0.0):
+        opened(e)
+    elif guard == SLOWER or guard == FASTER:
+        margin = INSIDE * (limit + abs(e.v1))
+        e.h[YIELDS] = e.v1 + margin if guard == SLOWER else e.v1 + limit - margin
+        e.branch = UNLOADING
+        line(e, k1, 0.0, -(k1 - k2) * (e.h[YIELDS] - limit), max(e.h[YIELDS] - limit, 0.0), e.h[YIELDS])
+    elif e.branch == OPEN:
+        e.branch = ELASTIC
+        line(e, k1, 0.0, 0.0, 0.0, limit if k1 != k2 else math.inf)
+    elif guard == HIGH:
+        e.branch = YIELDING
+        line(e, k2, 0.0, (k1 - k2) * limit, 0.0, math.inf)
+        e.slow = 0.0
+    else:
+        e.branch = RETURNING
+        line(e, k2, 0.0, 0.0, 0.0, math.inf)
+        e.fast = 0.0
 
 
 class BilinearDamping(StrEnum):
@@ -50,6 +72,8 @@ class BilinearContact(LinkLaw):
     name: ClassVar[str] = "bilinear"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (("muthukumar2006", "the bilinear contact"),)
     subtracts_gap: ClassVar[bool] = True
+    remembers: ClassVar[bool] = True
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
     penetration: float = parameter("closing d_m of the blow for which the contact is designed", "m", open_low=True)
@@ -77,27 +101,21 @@ class BilinearContact(LinkLaw):
         effective, share = self.hertz_stiffness * self.penetration**0.5, self.damping_formula.share(self.restitution)
         return effective * (1.0 + share / self.yield_share), effective * (1.0 - share / (1.0 - self.yield_share))
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """Open; elastic, yielding, unloading and returning; unloading remembers the closing where it would yield."""
-        k1, k2 = self.stiffnesses
-        limit, opens = self.yield_closing, falls_below(0.0, "open")
-        if k1 == k2:
-            return opening(Branch("elastic", k1, guards=(opens,)))
-        apart = ROUNDING * limit
-        turns_back = Guard(Quantity.RATE, 0.0, 1.0, "unloading", once=True, sets=remembering(CLOSING + apart))
-        again = CLOSING + (limit - apart)
-        turns_up = Guard(Quantity.RATE, 0.0, -1.0, "unloading", once=True, sets=remembering(again))
-        yields = Guard(Quantity.CLOSING, 0.0, -1.0, "yielding", of_memory=1.0)
-        returns = Guard(Quantity.CLOSING, -limit, 1.0, "returning", of_memory=1.0)
-        unloading = k1 * CLOSING - (k1 - k2) * MEMORY + (k1 - k2) * limit
-        return opening(
-            Branch("elastic", k1, guards=(opens, rises_above(limit, "yielding"))),
-            Branch("yielding", k2, offset=(k1 - k2) * limit, guards=(opens, turns_back)),
-            Branch("unloading", force=unloading, guards=(opens, yields, returns)),
-            Branch("returning", k2, guards=(opens, turns_up)),
-        )
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """K1, K2 [N/m], yield closing [m]."""
+        return *self.stiffnesses, self.yield_closing
 
-    def stored(self, closing: float) -> float:
+    @property
+    def damped(self) -> bool:
+        """Where its loop has an area."""
+        return self.restitution < 1.0
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """K1."""
+        return self.stiffnesses[0], 0.0
+
+    def stored(self, closing: float, force: float) -> float:
         """What the contact gives back from a closing reached by pressing from the gap [J]."""
         (k1, k2), v, limit = self.stiffnesses, max(closing - self.offset, 0.0), self.yield_closing
         if v <= limit:

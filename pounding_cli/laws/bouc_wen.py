@@ -2,26 +2,69 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pounding_cli.laws.law import parameter
-from pounding_cli.laws.program import DRIFT, RATE, Expression, memory, whole_power
-from pounding_cli.laws.storey import (
-    StoreyBranch,
-    StoreyLaw,
-    flowing_falls_below,
-    flowing_rises_above,
-    turns_down,
-    turns_up,
-)
+from pounding_cli.laws.guards import CROSSES, HIGH, START
+from pounding_cli.laws.law import Behaviour, line, parameter
+from pounding_cli.laws.storey import StoreyLaw, stored_in_two_springs
 
-Z = memory(0)
-"""Hysteretic part of the shear over its largest value [-], -1 to 1."""
+K, LIMIT, A, EXPONENT, GAMMA = range(5)
+"""Parameters: stiffness [N/m], yield drift [m], post-yield over initial stiffness, n and gamma [-]."""
 
-FULL = 1.0 - 1e-14
-"""From here on z counts as 1: what is left of it decays without end, ever faster compared with a step."""
+Z = 0
+"""History variable: hysteretic part of the shear over its largest value [-], -1 to 1."""
+
+
+ELASTIC, RISING, RISING_BELOW, FALLING, FALLING_BELOW = range(5)
+"""Branches: from rest until z counts; then by the way of the drift, BELOW where z is below zero."""
+
+ROUNDING = 1e-14
+"""Part of the yield shear that the first, elastic branch leaves out."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """Elastic from rest; then by the signs of the rate and of z, which a branch holds."""
+    k, limit = e.p[K], e.p[LIMIT]
+    if guard == START:  # z = D / Dy but for |z|^(n + 1)
+        counts = limit * ROUNDING ** (1.0 / (e.p[EXPONENT] + 1.0))
+        e.branch = ELASTIC
+        line(e, k, e.c, 0.0, -counts, counts)
+        return
+    if e.branch == ELASTIC:
+        e.h[Z] = e.v1 / limit
+        e.branch = RISING if guard == HIGH else FALLING_BELOW
+    elif guard == CROSSES:
+        e.branch += 1 if e.branch == RISING or e.branch == FALLING else -1
+    else:  # the drift turns
+        e.branch += 2 if e.branch <= RISING_BELOW else -2
+    line(e, e.p[A] * k, e.c, 0.0, -math.inf, math.inf)
+    e.smooth = 1
+    e.crosses = 1 if e.branch == RISING or e.branch == FALLING else -1
+    if e.branch <= RISING_BELOW:
+        e.slow = 0.0
+    else:
+        e.fast = 0.0
+
+
+def force(e: Any, v: float, r: float) -> float:
+    """(1 - a) Vy z [N]."""
+    return (1.0 - e.p[A]) * e.p[K] * e.p[LIMIT] * e.h[Z]
+
+
+def history_rate(e: Any, r: float, z: float) -> float:
+    """z' [1/s]. The signs are those of the branch: a trial step may go beyond its end."""
+    if e.branch == ELASTIC:
+        return r / e.p[LIMIT]
+    rising = 1.0 if e.branch <= RISING_BELOW else -1.0
+    positive = 1.0 if e.branch == RISING or e.branch == FALLING else -1.0
+    size = positive * z
+    power = abs(size) ** e.p[EXPONENT]
+    if size < 0.0 and e.p[EXPONENT] % 2.0 == 1.0:
+        power = -power
+    return r / e.p[LIMIT] * (1.0 - power * ((1.0 - e.p[GAMMA]) * rising * positive + e.p[GAMMA]))
 
 
 @dataclass(frozen=True)
@@ -33,17 +76,19 @@ class BoucWen(StoreyLaw):
         ("bouc1967", "smooth hysteresis of storeys"),
         ("wen1976", "smooth hysteresis of storeys, with the exponent n"),
     )
+    flows: ClassVar[bool] = True
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch, force, history_rate)
 
     instead: ClassVar[Mapping[str, str]] = {
         "wen_beta": "beta = 1 - gamma, so that the storey's stiffness and strength stay its own: write `wen_gamma`"
     }
 
-    wen_exponent: int = parameter(
+    wen_exponent: float = parameter(
         "exponent n, 1 to 20: how sharply the storey turns from the initial to the post-yield stiffness",
         low=1.0,
         high=20.0,
         open_high=False,
-        default=2,
+        default=2.0,
     )
     wen_gamma: float = parameter(
         "gamma; beta = 1 - gamma. Unloading is straight at 0.5, stiffer below, softer above",
@@ -53,46 +98,10 @@ class BoucWen(StoreyLaw):
         default=0.5,
     )
 
-    def branches(self) -> tuple[StoreyBranch, ...]:
-        """By the ways of drift and shear: rising and falling while z is positive, and while it is negative; rising and
-        falling along the line that z = 1 or -1 leaves."""
-        k = self.stiffness
-        if not self.can_yield:
-            return (StoreyBranch("elastic", k, lost=0.0, stored=0.5 * k * DRIFT * DRIFT),)
-        return (
-            self._bend("rising, z > 0", 1.0, 1.0, turns_down("falling, z > 0"), self._fills(1.0)),
-            self._bend("falling, z > 0", 1.0, -1.0, turns_up("rising, z > 0"), self._empties(1.0)),
-            self._bend("falling, z < 0", -1.0, -1.0, turns_up("rising, z < 0"), self._fills(-1.0)),
-            self._bend("rising, z < 0", -1.0, 1.0, turns_down("falling, z < 0"), self._empties(-1.0)),
-            self._line("yields up", 1.0, turns_down("falling, z > 0")),
-            self._line("yields down", -1.0, turns_up("rising, z < 0")),
-        )
+    def numbers(self) -> tuple[float, ...]:
+        """As the parameters above."""
+        return self.stiffness, self.yield_drift, self.hardening, self.wen_exponent, self.wen_gamma
 
-    def _bend(self, name: str, sign: float, way: float, *guards) -> StoreyBranch:
-        """A branch on which z flows: its sign, and the way of the drift."""
-        factor = (1.0 - self.wen_gamma) * sign * way + self.wen_gamma
-        power = whole_power(sign * Z, self.wen_exponent)
-        flow = (1.0 / self.yield_drift) * (RATE * (1.0 - factor * power))
-        return StoreyBranch(
-            name, self.hardening * self.stiffness, self.plateau * Z, guards, lost=0.0, stored=self._stored, flow=flow
-        )
-
-    def _line(self, name: str, sign: float, *guards) -> StoreyBranch:
-        offset = sign * self.plateau
-        return StoreyBranch(name, self.hardening * self.stiffness, offset, guards, lost=offset, stored=self._stored)
-
-    @property
-    def _stored(self) -> Expression:
-        """In two springs side by side: a k under the drift, (1 - a) k under its elastic part Dy z."""
-        k, a = self.stiffness, self.hardening
-        return (0.5 * a * k) * DRIFT**2 + (0.5 * self.plateau * self.yield_drift) * Z**2
-
-    def _fills(self, sign: float):
-        """z comes to its largest value."""
-        guard = flowing_rises_above if sign > 0 else flowing_falls_below
-        return guard(sign * FULL, "yields up" if sign > 0 else "yields down", (0, 0.0 * Z + sign))
-
-    def _empties(self, sign: float):
-        """z changes its sign."""
-        guard = flowing_falls_below if sign > 0 else flowing_rises_above
-        return guard(0.0, "falling, z < 0" if sign > 0 else "rising, z > 0", (0, 0.0 * Z))
+    def stored(self, drift: Any, shear: Any) -> Any:
+        """In two springs: a k under the drift, (1 - a) k under its elastic part Dy z."""
+        return stored_in_two_springs(self, drift, shear)

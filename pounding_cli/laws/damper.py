@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from pounding_cli.laws.law import Branch, LinkLaw, parameter
+from pounding_cli.laws.joined import JOINED
+from pounding_cli.laws.law import Behaviour, LinkLaw, parameter
 
 
 @dataclass(frozen=True)
@@ -19,9 +20,26 @@ class Damper(LinkLaw):
     drawn: ClassVar[str] = "bar"
     beyond_gap: ClassVar[str] = "damper closes more than the gap, so the floors would have struck"
     meaningless: ClassVar[bool] = True
+    joins: ClassVar[bool] = True
+    behaviour: ClassVar[Behaviour] = JOINED
 
     damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """One without end."""
-        return (Branch("joined", dashpot=self.damping_coefficient),)
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """No spring, c [N s/m]."""
+        return 0.0, self.damping_coefficient
+
+    @property
+    def damped(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def is_linear(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """No spring, c."""
+        return 0.0, self.damping_coefficient

@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pounding_cli.laws.law import (
-    ROUNDING,
-    Branch,
-    Guard,
-    LinkLaw,
-    Quantity,
-    falls_below,
-    parameter,
-    remembering,
-    rises_above,
-)
-from pounding_cli.laws.program import CLOSING, MEMORY
+from pounding_cli.laws.guards import HIGH, INSIDE, START
+from pounding_cli.laws.law import Behaviour, LinkLaw, line, parameter
+
+K, LIMIT = range(2)
+"""Parameters: spring [N/m], closing at which it slips [m]."""
+
+SLIP = 0
+"""History variable: how far it has slipped [m]."""
+
+PARTING, STICKING, CLOSING = -1, 0, 1
+"""Branches."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """From sticking to slipping, and back where the floors turn."""
+    k, limit = e.p[K], e.p[LIMIT]
+    if e.branch == STICKING and guard != START:
+        e.branch = CLOSING if guard == HIGH else PARTING
+        line(e, 0.0, 0.0, e.branch * k * limit, -math.inf, math.inf)
+        if e.branch == CLOSING:
+            e.slow = 0.0
+        else:
+            e.fast = 0.0
+        return
+    if guard != START:
+        e.h[SLIP] = e.v1 - e.branch * (limit - INSIDE * (limit + abs(e.v1)))
+    e.branch = STICKING
+    line(e, k, 0.0, -k * e.h[SLIP], e.h[SLIP] - limit, e.h[SLIP] + limit)
 
 
 @dataclass(frozen=True)
@@ -35,25 +52,22 @@ class Friction(LinkLaw):
     stiffness_default: ClassVar[str] = "1 x mean storey"
     beyond_gap: ClassVar[str] = "friction damper closes more than the gap, so the floors would have struck"
     meaningless: ClassVar[bool] = True
+    joins: ClassVar[bool] = True
+    remembers: ClassVar[bool] = True
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
 
     stiffness: float = parameter("spring k of the damper and its brace before it slips", "N/m", open_low=True)
     slip_force: float = parameter("force Fs at which it slips", "N", open_low=True)
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """Sticking, where it remembers its slip; slipping as the floors close or part, until they turn back."""
-        k, force = self.stiffness, self.slip_force
-        limit = force / k
-        inside = limit * (1.0 - ROUNDING)  # a turning point lies within the elastic range, whatever rounding says
-        yields = (
-            rises_above(limit, "closing", of_memory=1.0),
-            falls_below(-limit, "parting", of_memory=1.0),
-        )
-        turns_back = Guard(Quantity.RATE, 0.0, 1.0, "sticking", once=True, sets=remembering(CLOSING - inside))
-        turns_up = Guard(Quantity.RATE, 0.0, -1.0, "sticking", once=True, sets=remembering(CLOSING + inside))
-        held = 0.5 * force**2 / k
-        shear = k * (CLOSING - MEMORY)
-        return (
-            Branch("sticking", force=shear, guards=yields, holds=(0.5 / k) * shear**2),
-            Branch("closing", offset=force, guards=(turns_back,), holds=held),
-            Branch("parting", offset=-force, guards=(turns_up,), holds=held),
-        )
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """k [N/m], Fs / k [m]."""
+        return self.stiffness, self.slip_force / self.stiffness
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """Before it slips."""
+        return self.stiffness, 0.0
+
+    def stored(self, closing: float, force: float) -> float:
+        """F^2 / 2 k [J]."""
+        return 0.5 * force**2 / self.stiffness

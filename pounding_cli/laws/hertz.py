@@ -6,10 +6,10 @@ import functools
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pounding_cli.laws.law import Branch, Guard, LinkLaw, Quantity, falls_below, opening, parameter, remembering
-from pounding_cli.laws.program import CLOSING, MEMORY, RATE, Expression
+from pounding_cli.laws.guards import FASTER, LEVELS, LOW, SLOWER, START
+from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw, line, opened, parameter
 
 EXPONENT = 1.5
 """Of the closing [-]."""
@@ -70,6 +70,65 @@ def _exact(restitution: float) -> float:
     return -math.expm1(-y) / e
 
 
+K, ZETA = range(2)
+"""Parameters: k_h [N/m^1.5] and damping factor zeta [-]."""
+
+FASTEST = 0
+"""History variable of a damped contact: largest approach speed so far, v0 [m/s]."""
+
+OPEN, GAINING, DAMPED, CUT = range(4)
+"""Branches: floors that approach ever faster, so that v0 is the speed; that do not; whose force would pull."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """Open and in contact."""
+    if guard == START or guard == LOW:
+        opened(e)
+        return
+    e.branch = 1
+    line(e, 0.0, 0.0, 0.0, 0.0, math.inf)
+    e.smooth = 1
+
+
+def force(e: Any, v: float, r: float) -> float:
+    """k_h v^1.5 [N]."""
+    return e.p[K] * v * math.sqrt(v) if v > 0.0 else 0.0
+
+
+def next_damped(e: Any, guard: int) -> None:
+    """Open; gaining; damped; cut."""
+    if guard == START or guard == LOW:
+        opened(e)
+        return
+    if guard == LEVELS:
+        e.h[FASTEST] = e.r1
+    if e.branch == OPEN or (guard == FASTER and e.branch == DAMPED):
+        e.branch = GAINING
+    elif e.branch == DAMPED and guard == SLOWER:
+        e.branch = CUT
+    else:
+        e.branch = DAMPED
+    line(e, 0.0, 0.0, 0.0, 0.0, math.inf)
+    e.smooth = 1
+    if e.branch == GAINING:
+        e.levels = 1
+    elif e.branch == DAMPED:
+        e.fast = e.h[FASTEST]
+        if e.p[ZETA] > 0.0:
+            e.slow = -e.h[FASTEST] / e.p[ZETA]
+    else:
+        e.fast = -e.h[FASTEST] / e.p[ZETA]
+        e.acts = e.smooth = 0
+
+
+def damped_force(e: Any, v: float, r: float) -> float:
+    """k_h v^1.5 (1 + zeta v' / v0) [N]."""
+    if v <= 0.0:
+        return 0.0
+    spring = e.p[K] * v * math.sqrt(v)
+    return spring * (1.0 + e.p[ZETA] * (1.0 if e.branch == GAINING else r / e.h[FASTEST]))
+
+
 @dataclass(frozen=True)
 class HertzSpring(LinkLaw):
     """What laws of a Hertz contact have in common: F = k_h v^1.5 for v > 0 but for damping.
@@ -81,14 +140,14 @@ class HertzSpring(LinkLaw):
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
 
-    @property
-    def spring(self) -> Expression:
-        """k_h v^1.5 [N]."""
-        return self.hertz_stiffness * CLOSING**EXPONENT
-
-    def stored(self, closing: float) -> float:
+    def stored(self, closing: float, force: float) -> float:
         """k_h v^2.5 / 2.5 [J]."""
         return self.hertz_stiffness * max(closing - self.offset, 0.0) ** (EXPONENT + 1) / (EXPONENT + 1)
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """1.5 k_h sqrt(v) at a closing of `PRESSED`."""
+        return EXPONENT * self.hertz_stiffness * PRESSED ** (EXPONENT - 1), 0.0
 
 
 @dataclass(frozen=True)
@@ -97,10 +156,11 @@ class Hertz(HertzSpring):
 
     name: ClassVar[str] = "hertz"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (("muthukumar2006", "the Hertz contact"),)
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch, force)
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """Open and in contact."""
-        return opening(Branch("contact", force=self.spring, regular=2, guards=(falls_below(0.0, "open"),)))
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """k_h [N/m^1.5]."""
+        return (self.hertz_stiffness,)
 
 
 @dataclass(frozen=True)
@@ -116,6 +176,8 @@ class HertzDamp(HertzSpring):
         ("muthukumar2006", "the Hertz contact with damping"),
         ("ye2009", "its damping from the coefficient of restitution"),
     )
+    remembers: ClassVar[bool] = True
+    behaviour: ClassVar[Behaviour] = Behaviour(next_damped, damped_force)
 
     restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
     damping_formula: HertzDamping = parameter(DAMPING_FORMULA, default=HertzDamping.EXACT)
@@ -125,20 +187,16 @@ class HertzDamp(HertzSpring):
         """zeta [-]."""
         return self.damping_formula.ratio(self.restitution)
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """Open; gaining, where v0 follows the speed; damped, where it stands; cut, where the force would pull."""
-        zeta = self.damping_factor
-        if zeta == 0.0:
-            return opening(Branch("damped", force=self.spring, regular=2, guards=(falls_below(0.0, "open"),)))
-        slows = Guard(Quantity.ACCELERATION, 0.0, 1.0, "damped", once=True, sets=remembering(RATE))
-        gains = Guard(Quantity.RATE, 0.0, -1.0, "gaining", once=True, of_memory=1.0)
-        pulls = Guard(Quantity.RATE, 0.0, 1.0, "cut", once=True, of_memory=-1.0 / zeta)
-        pushes = Guard(Quantity.RATE, 0.0, -1.0, "damped", once=True, of_memory=-1.0 / zeta)
-        opens = falls_below(0.0, "open")
-        damped = self.spring * (1.0 + zeta * RATE / MEMORY)
-        return opening(
-            Branch("gaining", force=(1.0 + zeta) * self.spring, regular=2, guards=(opens, slows)),
-            Branch("damped", force=damped, regular=2, guards=(opens, gains, pulls)),
-            Branch("cut", guards=(opens, pushes), acts=False),
-            remembers=RATE,
-        )
+    @property
+    def damped(self) -> bool:
+        """Below a restitution of 1."""
+        return self.damping_factor > 0.0
+
+    @property
+    def cut(self) -> bool:
+        """A damped force is."""
+        return self.damped
+
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """k_h [N/m^1.5], zeta [-]."""
+        return self.hertz_stiffness, self.damping_factor

@@ -6,13 +6,42 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from pounding_cli.laws.dashpot import DASHPOT, DashpotLaw
-from pounding_cli.laws.law import Branch, LinkLaw, falls_below, opening, parameter, rises_above
+from pounding_cli.laws.guards import FORCE, HIGH, LOW, START
+from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
 
 THINNEST = 1e-6
 """Least thickness in a study [m]: the cubic (s_imp - s_mat) / (3 d^2) grows without bound."""
+
+
+K, CUBIC, ROOT, K_BEYOND, F0_BEYOND, THICKNESS, CUTS = range(7)
+"""Parameters: spring [N/m], cubic [N/m3] and dashpot over sqrt(stiffness) [sqrt(kg)] of the material; spring [N/m] and
+force at v = 0 [N] of the line beyond its thickness [m]; 1 where no force pulls."""
+
+OPEN, INSIDE, BEYOND = 0, 1, 2
+"""Branches; the same from 3 on without a force."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """Open, inside its thickness, beyond it; where the tension is cut, the last two without a force too."""
+    pulls = e.branch >= 3
+    if guard == START or (guard == LOW and e.low == 0.0):
+        opened(e)
+        return
+    beyond = guard == HIGH and e.branch != OPEN
+    if guard == FORCE:
+        pulls = not pulls
+        beyond = e.low > 0.0
+    if beyond:
+        line(e, e.p[K_BEYOND], e.p[ROOT] * math.sqrt(e.p[K_BEYOND]), e.p[F0_BEYOND], e.p[THICKNESS], math.inf)
+    else:
+        line(e, e.p[K], 0.0, 0.0, 0.0, e.p[THICKNESS])
+        e.cubic, e.root = e.p[CUBIC], e.p[ROOT]
+    e.branch = (BEYOND if beyond else INSIDE) + (2 if pulls else 0)
+    e.cuts = 1 if e.p[CUTS] > 0.0 else 0
+    e.acts = 0 if pulls else 1
 
 
 class InfillLaw(StrEnum):
@@ -37,6 +66,7 @@ class Infill(LinkLaw):
     drawn: ClassVar[str] = "filling"
     stiffness_default: ClassVar[str] = "0.2 x mean storey"
     beyond_gap: ClassVar[str] = "infill compressed beyond its thickness"
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
 
     stiffness: float = parameter("spring of the material s_mat where it is not pressed", "N/m", open_low=True)
     impact_stiffness: float = parameter("what it stiffens to at v = d, s_imp", "N/m", open_low=True)
@@ -66,16 +96,34 @@ class Infill(LinkLaw):
             return "stiffness", wrong, hint
         return None
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """Open, inside its thickness and beyond it."""
-        mass, d = self.dashpot.mass(left_mass, right_mass), self.gap
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """As the parameters above."""
+        d = self.gap
         cubic = (self.impact_stiffness - self.stiffness) / (3 * d**2)
-        root = 2 * self.damping_ratio * math.sqrt(mass)
+        root = 2 * self.damping_ratio * math.sqrt(self.dashpot.mass(left_mass, right_mass))
         offset = 0.0
         if self.law is InfillLaw.CONTINUOUS:  # F(d) + s_imp (v - d)
             offset = cubic * d**3 + self.stiffness * d - self.impact_stiffness * d
-        stiffens = rises_above(d, "beyond")
-        inside = Branch("inside", self.stiffness, cubic, root=root, guards=(falls_below(0.0, "open"), stiffens))
-        c = root * math.sqrt(self.impact_stiffness)
-        beyond = Branch("beyond", self.impact_stiffness, offset=offset, dashpot=c, guards=(falls_below(d, "inside"),))
-        return opening(inside, beyond, tension_cut=self.tension_cut and self.damping_ratio > 0)
+        return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cut)
+
+    @property
+    def damped(self) -> bool:
+        """With a dashpot."""
+        return self.damping_ratio > 0
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """Beyond its thickness."""
+        return self.impact_stiffness, 2 * self.damping_ratio * math.sqrt(0.5 * self.impact_stiffness)
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Where it is not pressed."""
+        return self.stiffness
+
+    def stored(self, closing: float, force: float) -> float:
+        """Its elastic force integrated from zero [J]."""
+        k, cubic, _, impact, offset, d, _ = self.numbers(1.0, 1.0)
+        inside, beyond = min(max(closing, 0.0), d), max(closing - d, 0.0)
+        energy = 0.5 * k * inside**2 + 0.25 * cubic * inside**4
+        return energy + (impact * d + offset) * beyond + 0.5 * impact * beyond**2

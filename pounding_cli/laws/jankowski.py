@@ -7,15 +7,40 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pounding_cli.laws.hertz import (
-    DAMPING_FORMULA,
-    LEAST_RESTITUTION,
-    HertzSpring,
-)
-from pounding_cli.laws.law import Branch, Guard, Quantity, falls_below, opening, parameter
-from pounding_cli.laws.program import CLOSING, RATE
+from pounding_cli.laws.guards import LOW, SLOWER, START
+from pounding_cli.laws.hertz import DAMPING_FORMULA, LEAST_RESTITUTION, HertzSpring
+from pounding_cli.laws.law import PRESSED, Behaviour, line, opened, parameter
+
+K, DASHPOT = range(2)
+"""Parameters: k_h [N/m^1.5], dashpot 2 xi sqrt(k_h m') of v^0.25 v'."""
+
+OPEN, APPROACH, RELEASE = range(3)
+"""Branches."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """Open; approach, with the dashpot; release, without."""
+    if guard == START or guard == LOW:
+        opened(e)
+        return
+    e.branch = RELEASE if guard == SLOWER else APPROACH
+    line(e, 0.0, 0.0, 0.0, 0.0, math.inf)
+    e.smooth = 1
+    if e.branch == APPROACH:
+        e.slow = 0.0
+    else:
+        e.fast = 0.0
+
+
+def force(e: Any, v: float, r: float) -> float:
+    """k_h v^1.5, and the dashpot during the approach [N]."""
+    if v <= 0.0:
+        return 0.0
+    root = math.sqrt(v)
+    spring = e.p[K] * v * root
+    return spring + e.p[DASHPOT] * math.sqrt(root) * r if e.branch == APPROACH else spring
 
 
 class JankowskiDamping(StrEnum):
@@ -82,6 +107,8 @@ class Jankowski(HertzSpring):
         ("jankowski2005", "the Hertz contact with damping during the approach"),
         ("jankowski2006", "his formula for its damping from the coefficient of restitution"),
     )
+    remembers: ClassVar[bool] = True
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch, force)
 
     restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
     damping_formula: JankowskiDamping = parameter(DAMPING_FORMULA, default=JankowskiDamping.EXACT)
@@ -91,16 +118,17 @@ class Jankowski(HertzSpring):
         """xi [-]."""
         return self.damping_formula.ratio(self.restitution)
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """Open; approach, with the dashpot; release, without."""
-        xi, mass = self.damping_ratio, left_mass * right_mass / (left_mass + right_mass)
-        opens = falls_below(0.0, "open")
-        if xi == 0.0:
-            return opening(Branch("approach", force=self.spring, regular=2, guards=(opens,)))
-        dashpot = 2.0 * xi * math.sqrt(self.hertz_stiffness * mass) * CLOSING**0.25
-        parts = Guard(Quantity.RATE, 0.0, 1.0, "release", once=True)
-        closes = Guard(Quantity.RATE, 0.0, -1.0, "approach", once=True)
-        return opening(
-            Branch("approach", force=self.spring + dashpot * RATE, regular=4, guards=(opens, parts)),
-            Branch("release", force=self.spring, regular=2, guards=(opens, closes)),
-        )
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """k_h, and 2 xi sqrt(k_h m')."""
+        mass = left_mass * right_mass / (left_mass + right_mass)
+        return self.hertz_stiffness, 2.0 * self.damping_ratio * math.sqrt(self.hertz_stiffness * mass)
+
+    @property
+    def damped(self) -> bool:
+        """Below a restitution of 1."""
+        return self.damping_ratio > 0.0
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """At a closing of `PRESSED`."""
+        return super().steepest[0], self.numbers(1.0, 1.0)[1] * PRESSED**0.25

@@ -1,41 +1,24 @@
-"""What a law declares: its parameters and its branches (`laws.branch`); what a law of links adds.
+"""What a law declares: its parameters, and what its element does on each branch (`Behaviour`).
 
-A link acts on the closing v of its two floors, less the gap where the law says so. On one branch its force is
-    F = linear v + cubic v^3 + offset + (dashpot + root sqrt(linear + 3 cubic v^2)) v',
-or any other smooth force, written as an expression (`laws.program`). A branch ends at a *guard*: where the closing,
-its rate, the acceleration between the floors or the force passes a value. Everything else that the program needs of a
-law (its series, tangent, events, stored energy, histories) follows from this."""
+The functions of a law are plain Python on the fields of an element; the solver compiles them. Everything that acts is
+one-dimensional: a force F on a deformation v, the drift of a storey or the closing of two floors."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import cache, cached_property
 from typing import Any, ClassVar
 
-from pounding_cli.laws.branch import (
-    Branch,
-    Guard,
-    Quantity,
-    begins_to_pull,
-    begins_to_push,
-    falls_below,
-    opening,
-    remembering,
-    rises_above,
-)
-from pounding_cli.laws.program import Expression
+from pounding_cli.laws.guards import START
 
-__all__ = [
-    "ROUNDING", "Branch", "Guard", "Law", "LinkLaw", "Parameter", "Quantity", "begins_to_pull", "begins_to_push",
-    "falls_below", "opening", "parameter", "remembering", "rises_above",
-]  # fmt: skip
-"""What the file of a law imports."""
+PARAMETERS, HISTORY = 16, 14
+"""Room in the record of an element for the parameters p and the history variables h of its law."""
 
-ROUNDING = 1e-11
-"""Part of a yield closing by which a turning point is kept apart from the line that it lies on [-]: in numbers with
-rounding it would lie beyond it half of the time."""
+PRESSED = 0.01
+"""Closing [m] at which the slope of a force that stiffens without end is taken: floors press each other by
+millimetres."""
 
 
 def parameter(
@@ -139,14 +122,77 @@ def _parameters(law: type[Law]) -> Mapping[str, Field]:
 
 
 @dataclass(frozen=True)
+class Behaviour:
+    """What an element does, as functions of its record e that the solver compiles (`solver.dispatch`).
+
+    next_branch : (e, guard) -> None: the element met a guard (`laws.guards`) at the deformation e.v1 [m] with the rate
+        e.r1 [m/s]; sets its next branch and its history variables e.h. On a branch the force is
+            F = k v + c v' + f0 + cubic v^3 + root sqrt(k + 3 cubic v^2) v'   [N]
+        while low < v < high and slow < v' < fast
+    force : (e, v, r) -> F [N], added on branches with e.smooth = 1, which DOP853 steps; None where there are none
+    history_rate : (e, r, h) -> h', rate of the history variable e.h[0] that changes between events too
+    """
+
+    next_branch: Callable[[Any, int], None]
+    force: Callable[[Any, float, float], float] | None = None
+    history_rate: Callable[[Any, float, float], float] | None = None
+
+
+def line(e: Any, k: float, c: float, f0: float, low: float, high: float) -> None:
+    """Set F = k v + c v' + f0 [N/m, N s/m, N] for low < v < high [m], with no other guard; the element acts."""
+    e.k, e.c, e.f0, e.low, e.high = k, c, f0, low, high
+    e.slow, e.fast = -math.inf, math.inf
+    e.cubic = e.root = 0.0
+    e.levels = e.cuts = e.crosses = e.smooth = 0
+    e.closed = e.acts = 1
+
+
+def opened(e: Any) -> None:
+    """Set the branch of floors apart: no force until v rises to 0."""
+    line(e, 0.0, 0.0, 0.0, -math.inf, 0.0)
+    e.branch = e.closed = e.acts = 0
+
+
+@dataclass
+class Element:
+    """An element by itself, to follow a law through given deformations as the solver would: all that `Behaviour` reads
+    and writes. p : parameters; h : history variables."""
+
+    p: Sequence[float]
+    h: list[float] = field(default_factory=lambda: [0.0] * HISTORY)
+    v1: float = 0.0
+    r1: float = 0.0
+    branch: int = 0
+    k: float = 0.0
+    c: float = 0.0
+    f0: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+    slow: float = -math.inf
+    fast: float = math.inf
+    cubic: float = 0.0
+    root: float = 0.0
+    relaxation: float = 0.0
+    levels: int = 0
+    cuts: int = 0
+    crosses: int = 0
+    smooth: int = 0
+    closed: int = 1
+    acts: int = 1
+
+
+@dataclass(frozen=True)
 class LinkLaw(Law):
-    """What stands between two floors.
+    """What stands between two floors. It acts on v, their closing u_left - u_right, less the gap where the law says so.
 
     drawn : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
     beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
     meaningless : whether that takes the meaning from all numbers of the scene
+    joins : whether a force acts at all closings, not only once the floors meet
+    remembers : whether its force depends on what happened before, so that only methods that locate events know it
+    behaviour : what it does
 
     Raises
     ------
@@ -159,13 +205,21 @@ class LinkLaw(Law):
     stiffness_default: ClassVar[str] = ""
     beyond_gap: ClassVar[str] = ""
     meaningless: ClassVar[bool] = False
+    joins: ClassVar[bool] = False
+    remembers: ClassVar[bool] = False
+    behaviour: ClassVar[Behaviour]
 
     gap: float = parameter("initial distance d between the floors", "m")
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """The branches between floors of these masses [kg]; the first is the one at rest, with the floors at v = 0 or
-        further apart."""
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """Parameters p of its element between floors of these masses [kg], as `behaviour` reads them."""
         raise NotImplementedError
+
+    def element(self, left_mass: float, right_mass: float) -> Element:
+        """The element at rest between floors of these masses [kg]."""
+        e = Element(self.numbers(left_mass, right_mass))
+        self.behaviour.next_branch(e, START)
+        return e
 
     @classmethod
     def conflict(cls, **values: float) -> tuple[str, str, str] | None:
@@ -183,79 +237,37 @@ class LinkLaw(Law):
         """What v leaves out of the closing u_left - u_right [m]."""
         return self.gap if self.subtracts_gap else 0.0
 
-    @cached_property
-    def _sample(self) -> tuple[Branch, ...]:
-        """The branches between floors of some mass: what does not depend on it is read from them."""
-        return self.branches(1.0, 1.0)
-
-    @cached_property
+    @property
     def free_below(self) -> float:
         """The closing u_left - u_right [m] below which no force acts; -inf where one always does."""
-        return -math.inf if self._sample[0].closed else self.offset + self._sample[0].interval[1]
+        return -math.inf if self.joins else self.offset
 
-    @cached_property
-    def empty_below(self) -> float:
-        """The closing u_left - u_right [m] up to which it holds no energy; -inf where it may always hold some."""
-        return -math.inf if any(branch.holds is not None for branch in self._sample) else self.free_below
-
-    @cached_property
+    @property
     def damped(self) -> bool:
-        """Whether a dashpot takes energy."""
-        return any(branch.damps for branch in self._sample)
+        """Whether it takes energy."""
+        return False
 
-    @cached_property
+    @property
     def cut(self) -> bool:
         """Whether a force that would pull is cut off."""
-        return any(branch.cut for branch in self._sample)
+        return bool(getattr(self, "tension_cut", False)) and self.damped
 
-    @cached_property
-    def general(self) -> bool:
-        """Whether some branch is followed by program steps."""
-        return any(branch.general for branch in self._sample)
-
-    @cached_property
-    def remembers(self) -> bool:
-        """Whether its force does not follow from closing and rate alone, or its branch not from the closing, so that
-        only a method that locates events knows it."""
-        guards = [guard for branch in self._sample for guard in branch.guards]
-        flows = any(branch.flow is not None for branch in self._sample)
-        return flows or any(g.sets or g.quantity in (Quantity.RATE, Quantity.ACCELERATION) for g in guards)
-
-    @cached_property
+    @property
     def is_linear(self) -> bool:
         """Whether its force is linear in closing and rate at all times, as far as it can act at all."""
-        first = self._sample[0]
-        return not self.can_close or not (first.guards or first.cubic or first.root or first.force)
+        return not self.can_close
 
-    @cached_property
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """(stiffness [N/m], dashpot [N s/m]) where it is stiffest, between floors of 1 kg each; of a force that
+        stiffens without end where floors press each other by `PRESSED`."""
+        raise NotImplementedError
+
+    def stored(self, closing: float, force: float) -> float:
+        """Energy that it could give back [J] at a closing u_left - u_right [m] with the force [N]."""
+        return 0.0
+
+    @property
     def initial_stiffness(self) -> float:
         """The stiffness as the floors begin to press [N/m]; of a force without one there, its largest."""
-        first = next(branch for branch in self._sample if branch.closed)
-        return first.linear if first.force is None else first.steepest[0]
-
-    @cached_property
-    def stiffest(self) -> float:
-        """The largest stiffness of its branches [N/m]."""
-        return max(branch.steepest[0] for branch in self._sample)
-
-    def held(self, branch: int, closing: float, memory: float) -> float:
-        """Energy in the link [J] on a branch, by its place, at a closing u_left - u_right [m] with what it
-        remembers."""
-        holds = self._sample[branch].holds
-        if holds is None:
-            return self.stored(closing)
-        return float(holds.at(closing - self.offset, 0.0, memory)) if isinstance(holds, Expression) else holds
-
-    def stored(self, closing: float) -> float:
-        """Energy in the spring [J] at a closing u_left - u_right [m]: its elastic force integrated from where it
-        begins to act."""
-        if closing <= self.free_below:
-            return 0.0
-        v, energy = closing - self.offset, 0.0
-        rest = min(self._sample[0].interval[1], 0.0)
-        for branch in self._sample:
-            if branch.acts:
-                low, high = branch.interval
-                begin, end = (min(max(closing, low), high) for closing in (rest, v))
-                energy += branch.stored(end) - branch.stored(begin)
-        return energy
+        return self.steepest[0]

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pounding_cli.laws.law import Branch, LinkLaw, parameter
-from pounding_cli.laws.program import MEMORY, RATE
+from pounding_cli.laws.law import Behaviour, LinkLaw, line, parameter
 
 SHORTEST_RELAXATION = 1e-6
 """Least c / k [s]: steps are a few times as long."""
+
+K, C = range(2)
+"""Parameters: spring [N/m] and dashpot [N s/m]. The history variable h[0] is the force [N]."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """One branch without end, whose force relaxes."""
+    line(e, e.p[K], 0.0, 0.0, -math.inf, math.inf)
+    e.relaxation = e.p[K] / e.p[C]
 
 
 @dataclass(frozen=True)
@@ -26,6 +35,9 @@ class Maxwell(LinkLaw):
     stiffness_default: ClassVar[str] = "1 x mean storey"
     beyond_gap: ClassVar[str] = "Maxwell damper closes more than the gap, so the floors would have struck"
     meaningless: ClassVar[bool] = True
+    joins: ClassVar[bool] = True
+    remembers: ClassVar[bool] = True
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
 
     stiffness: float = parameter("spring k of the damper and its brace", "N/m", open_low=True)
     damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)
@@ -38,8 +50,20 @@ class Maxwell(LinkLaw):
                 f"(c / k), less than {SHORTEST_RELAXATION:g} s: write `link: damper`, which has no spring"
             )
 
-    def branches(self, left_mass: float, right_mass: float) -> tuple[Branch, ...]:
-        """One without end; what it remembers is its force."""
-        k, c = self.stiffness, self.damping_coefficient
-        flow = k * RATE - (k / c) * MEMORY
-        return (Branch("joined", force=1.0 * MEMORY, flow=flow, holds=(0.5 / k) * MEMORY**2),)
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """k [N/m], c [N s/m]."""
+        return self.stiffness, self.damping_coefficient
+
+    @property
+    def damped(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """The spring alone, which a sudden motion feels."""
+        return self.stiffness, 0.0
+
+    def stored(self, closing: float, force: float) -> float:
+        """F^2 / 2 k in the spring [J]."""
+        return 0.5 * force**2 / self.stiffness

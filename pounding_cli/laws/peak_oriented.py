@@ -3,25 +3,87 @@ side (Clough; stiffness-degrading or peak-oriented)."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pounding_cli.laws.law import Guard
-from pounding_cli.laws.program import DRIFT, Expression, memory
-from pounding_cli.laws.storey import (
-    StoreyBranch,
-    StoreyLaw,
-    drift_falls_below,
-    drift_rises_above,
-    shear_falls_below_zero,
-    shear_rises_above_zero,
-    turns_down,
-    turns_up,
-)
+from pounding_cli.laws.guards import HIGH, LOW, START
+from pounding_cli.laws.law import Behaviour, line
+from pounding_cli.laws.storey import StoreyLaw
+
+K, LIMIT, A = range(3)
+"""Parameters: stiffness [N/m], yield drift [m], post-yield over initial stiffness [-]."""
 
 LARGEST, SMALLEST, SLOPE, OFFSET, TURNED, UNLOADING = range(6)
-"""Memories: largest and smallest drift so far [m], the yield drifts at first; stiffness [N/m] and offset [N] of the
-present reloading line; drift at which it last turned back [m]; offset of the present unloading line [N]."""
+"""History variables: largest and smallest drift so far [m], the yield drifts at first; stiffness [N/m] and offset [N]
+of the present reloading line; drift at which it last turned back [m]; offset of the present unloading line [N]."""
+
+ELASTIC, BACKBONE, RELOADING, FROM_BACKBONE, FROM_RELOADING = range(5)
+"""Branches; up is positive, down negative."""
+
+
+def next_branch(e: Any, guard: int) -> None:
+    """Elastic; then on either side the backbone, unloading from it, reloading, and unloading from that."""
+    k, limit = e.p[K], e.p[LIMIT]
+    if guard == START:
+        e.h[LARGEST], e.h[SMALLEST] = limit, -limit
+        e.branch = ELASTIC
+        line(e, k, e.c, 0.0, -limit, limit)
+        return
+    side = 1 if e.branch > 0 or (e.branch == ELASTIC and guard == HIGH) else -1
+    was = abs(e.branch)
+    outward = guard == (HIGH if side > 0 else LOW)
+    if was == ELASTIC or (outward and (was == RELOADING or was == FROM_BACKBONE)):
+        _load(e, side * BACKBONE)
+    elif outward:  # back on the reloading line
+        _load(e, side * RELOADING)
+    elif was == BACKBONE or was == RELOADING:
+        _turn_back(e, side, was)
+    else:  # the shear has come to zero: reload on the other side
+        _aim(e, -side)
+        _load(e, -side * RELOADING)
+
+
+def _load(e: Any, branch: int) -> None:
+    """On the backbone or on a reloading line, until the drift turns back or reaches the largest so far."""
+    k, limit, a = e.p[K], e.p[LIMIT], e.p[A]
+    side = 1 if branch > 0 else -1
+    e.branch = branch
+    if abs(branch) == BACKBONE:
+        line(e, a * k, e.c, side * (1.0 - a) * k * limit, -math.inf, math.inf)
+    elif side > 0:
+        line(e, e.h[SLOPE], e.c, e.h[OFFSET], -math.inf, e.h[LARGEST])
+    else:
+        line(e, e.h[SLOPE], e.c, e.h[OFFSET], e.h[SMALLEST], math.inf)
+    if side > 0:
+        e.slow = 0.0
+    else:
+        e.fast = 0.0
+
+
+def _turn_back(e: Any, side: int, was: int) -> None:
+    """Unload with the initial stiffness, until the shear is zero or the drift is back where it turned."""
+    k = e.p[K]
+    e.h[UNLOADING] = (e.k - k) * e.v1 + e.f0
+    e.h[TURNED] = e.v1
+    if was == BACKBONE and side > 0:
+        e.h[LARGEST] = e.v1
+    elif was == BACKBONE:
+        e.h[SMALLEST] = e.v1
+    e.branch = side * (FROM_BACKBONE if was == BACKBONE else FROM_RELOADING)
+    zero = -e.h[UNLOADING] / k
+    if side > 0:
+        line(e, k, e.c, e.h[UNLOADING], zero, e.h[TURNED])
+    else:
+        line(e, k, e.c, e.h[UNLOADING], e.h[TURNED], zero)
+
+
+def _aim(e: Any, side: int) -> None:
+    """The straight line from zero shear here to the backbone at the largest drift so far on a side."""
+    k, limit, a = e.p[K], e.p[LIMIT], e.p[A]
+    target = e.h[LARGEST] if side > 0 else -e.h[SMALLEST]
+    e.h[SLOPE] = (a * k * target + (1.0 - a) * k * limit) / (target - side * e.v1)
+    e.h[OFFSET] = -e.h[SLOPE] * e.v1
 
 
 @dataclass(frozen=True)
@@ -34,48 +96,4 @@ class PeakOriented(StoreyLaw):
         ("clough1966", "stiffness that degrades with the largest drift"),
         ("ibarra2005", "peak-oriented reloading"),
     )
-
-    @property
-    def memories_at_rest(self) -> tuple[float, ...]:
-        """The yield drifts."""
-        return (self.yield_drift, -self.yield_drift) if self.can_yield else ()
-
-    def branches(self) -> tuple[StoreyBranch, ...]:
-        """Elastic; on the backbone; unloading from it; reloading; unloading from a reloading line."""
-        k, a = self.stiffness, self.hardening
-        if not self.can_yield:
-            return (StoreyBranch("elastic", k),)
-        limit, plateau = self.yield_drift, self.plateau
-        yields = drift_rises_above(limit, "upper"), drift_falls_below(-limit, "lower")
-        begins_down = turns_down("from upper", (LARGEST, DRIFT), (UNLOADING, plateau - (1.0 - a) * k * DRIFT))
-        begins_up = turns_up("from lower", (SMALLEST, DRIFT), (UNLOADING, -plateau - (1.0 - a) * k * DRIFT))
-        turned = (TURNED, DRIFT), (UNLOADING, (memory(SLOPE) - k) * DRIFT + memory(OFFSET))
-        return (
-            StoreyBranch("elastic", k, guards=yields),
-            StoreyBranch("upper", a * k, plateau, (begins_down,)),
-            StoreyBranch("lower", a * k, -plateau, (begins_up,)),
-            self._unloading("from upper", drift_rises_above(0.0, "upper", 1.0, LARGEST), self._crosses_down()),
-            self._unloading("from lower", drift_falls_below(0.0, "lower", 1.0, SMALLEST), self._crosses_up()),
-            self._reloading("up", drift_rises_above(0.0, "upper", 1.0, LARGEST), turns_down("from up", *turned)),
-            self._reloading("down", drift_falls_below(0.0, "lower", 1.0, SMALLEST), turns_up("from down", *turned)),
-            self._unloading("from up", drift_rises_above(0.0, "up", 1.0, TURNED), self._crosses_down()),
-            self._unloading("from down", drift_falls_below(0.0, "down", 1.0, TURNED), self._crosses_up()),
-        )
-
-    def _unloading(self, name: str, *guards: Guard) -> StoreyBranch:
-        return StoreyBranch(name, self.stiffness, memory(UNLOADING), guards)
-
-    def _reloading(self, name: str, *guards: Guard) -> StoreyBranch:
-        return StoreyBranch(name, memory(SLOPE), memory(OFFSET), guards)
-
-    def _crosses_down(self) -> Guard:
-        return shear_falls_below_zero("down", *self._towards(memory(SMALLEST), -1.0))
-
-    def _crosses_up(self) -> Guard:
-        return shear_rises_above_zero("up", *self._towards(memory(LARGEST), 1.0))
-
-    def _towards(self, drift: Expression, side: float) -> tuple[tuple[int, Expression], ...]:
-        """The straight line from zero shear here to the backbone at `drift`, on the side above (1) or below (-1)."""
-        rise = (self.hardening * self.stiffness * side) * drift + self.plateau
-        slope = rise / (side * (drift - DRIFT))
-        return (SLOPE, slope), (OFFSET, -slope * DRIFT)
+    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)

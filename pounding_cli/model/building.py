@@ -176,11 +176,6 @@ class Building:
         each = zip(self.stiffness.tolist(), self.yield_shear.tolist(), self.hardening.tolist(), strict=True)
         return tuple(self.storey_law(*values, **dict(self.law_parameters)) for values in each)
 
-    @cached_property
-    def memory_flows(self) -> bool:
-        """Whether what its storeys remember changes between events too; one that can yield tells of all."""
-        return next((law.flows for law in self.laws if law.can_yield), False)
-
     @property
     def base_shear_ratio(self) -> float:
         """Yield shear of the lowest storey over the weight, V/W [-]; inf where it cannot yield."""

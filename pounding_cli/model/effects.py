@@ -62,11 +62,6 @@ class _Links:
     cut_asked: bool
 
 
-def memories_flow(scene: Scene) -> bool:
-    """Whether a storey remembers something that changes between events too (`StoreyLaw.flows`)."""
-    return scene.analysis == Analysis.INELASTIC and any([building.memory_flows for building in scene.buildings])
-
-
 @functools.lru_cache(maxsize=256)  # a run asks five times about one scene, and many scenes are laid out together
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""

@@ -69,6 +69,7 @@ def rayleigh_factors(mass: ArrayLike, stiffness: ArrayLike, damping: float) -> t
     if not 0 <= damping < 1:
         raise ValueError(f"damping is {damping:g}: give a ratio of critical from 0 up to, not including, 1")
     w = frequencies(mass, stiffness)
+
     first, second = w[0], w[min(1, w.size - 1)]  # one storey: both are its only mode, which halves the shares
     return float(2 * damping * first * second / (first + second)), float(2 * damping / (first + second))
 

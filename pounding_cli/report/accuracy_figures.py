@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from pounding_cli.methods import METHODS
 from pounding_cli.numbers import counted
 from pounding_cli.report.style import Look, caption, new_figure, save, styled
-from pounding_cli.solve.work_precision import QUANTITIES, Run, WorkPrecision
+from pounding_cli.solver.work_precision import QUANTITIES, Run, WorkPrecision
 
 LABELS = {
     "V": "storey shear",

@@ -16,7 +16,7 @@ import pandas as pd
 from pounding_cli.methods import METHODS
 from pounding_cli.numbers import counted
 from pounding_cli.report.style import unwritable
-from pounding_cli.solve.work_precision import QUANTITIES, REFERENCE, SECOND, Run, WorkPrecision
+from pounding_cli.solver.work_precision import QUANTITIES, REFERENCE, SECOND, Run, WorkPrecision
 from pounding_cli.texts import cells, write_markdown
 
 PACKAGES = ("pounding-cli", "numpy", "scipy", "numba")

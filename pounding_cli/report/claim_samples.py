@@ -14,7 +14,7 @@ from scipy.stats import binomtest
 from pounding_cli.report.claims import CLAIMS
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.verdicts import Claim, Verdict
-from pounding_cli.solve.response import DONE
+from pounding_cli.solver.response import DONE
 from pounding_cli.store.answers import Column, Read, Table, place_columns
 from pounding_cli.store.indices import FOUND, independent_samples, indices
 from pounding_cli.store.sensitivity import Series, sample_columns, sensitivity_tables, texts

@@ -14,7 +14,7 @@ from pounding_cli.model.links import columns_struck
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import counted
-from pounding_cli.solve.response import COLLAPSED, DONE
+from pounding_cli.solver.response import COLLAPSED, DONE
 from pounding_cli.store.codec import parse
 from pounding_cli.store.dense import Shape, empty
 from pounding_cli.store.packed import Slabs

@@ -10,9 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
-from pounding_cli.solve.read import OneOf
-from pounding_cli.solve.response import PointResponse, Response
-from pounding_cli.store.codec import Header, encode, encode_together, parse
+from pounding_cli.solver.response import PointResponse, Response
+from pounding_cli.store.codec import Header, encode, parse
 
 _MAGIC = b"pound part 2\n"
 _SHA = 64
@@ -42,18 +41,12 @@ class Chunk:
     numbers: np.ndarray
 
     @classmethod
-    def of(cls, responses: Mapping[str, Response | PointResponse | OneOf]) -> Chunk:
+    def of(cls, responses: Mapping[str, Response | PointResponse]) -> Chunk:
         """The chunk of responses by scene digest."""
         texts: dict[str, int] = {}
         words, rows = [], []
-        together: dict[int, tuple[list[str], np.ndarray]] = {}
         for response in responses.values():
-            if isinstance(response, OneOf):
-                key = id(response.responses)
-                lines, numbers = together.get(key) or together.setdefault(key, encode_together(response.responses))
-                text, row = lines[response.row], numbers[response.row]
-            else:
-                text, row = encode(response)
+            text, row = encode(response)
             words.append(texts.setdefault(text, len(texts)))
             rows.append(row)
         return cls(list(responses), list(texts), np.array(words, np.int64), np.concatenate(rows or [np.zeros(0)]))

@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.solve.read import Responses
-from pounding_cli.solve.response import (
+from pounding_cli.solver.response import (
     DONE,
     OUTCOMES,
     BuildingResponse,
@@ -23,6 +22,7 @@ from pounding_cli.solve.response import (
     LinkResponse,
     PointResponse,
     Response,
+    nothing,
 )
 
 _BUILDING_ARRAYS = tuple(f.name for f in fields(BuildingResponse) if f.name not in ("sway", "rocking"))
@@ -87,32 +87,6 @@ def encode(response: Response | PointResponse) -> tuple[str, np.ndarray]:
     if response.columns.link.size:
         columns += [getattr(response.columns, name) for name in _COLUMN_ARRAYS]
     return line, np.concatenate(columns, dtype=float)
-
-
-def encode_together(responses: Responses) -> tuple[list[str], np.ndarray]:
-    """Of responses that were read together the header lines and the numbers, shape (runs, k), as of `encode`."""
-    buildings, links, columns = responses.peaks
-    scalars, energy = responses.scalars, responses.energy
-    storeys = tuple([most[0].shape[1] for most, _ in buildings])
-    struck = columns[0].link.size if columns else 0
-    size = tuple(energy), storeys, links[0].shape[1], struck
-    lines, known = [], {}
-    for run, end, flags, estimated in zip(
-        responses.runs, responses.ends, responses.flags, responses.estimated, strict=True
-    ):
-        what = run.what
-        key = end, flags, estimated, id(what.effects), id(what.dropped)  # to look at each sentence takes longer
-        if key not in known:
-            known[key] = _line((*end, what.method.name, estimated), (flags, what.effects, what.dropped), *size)
-        lines.append(known[key])
-    parts = [np.array([scalars[name] for name in _SCALARS], float).T]
-    parts += [values[:, None] for values in energy.values()]
-    for most, base in buildings:
-        parts += [*most, *(values[:, None] for values in base)]
-    parts += links
-    if struck:
-        parts += [np.array([getattr(each, name) for each in columns]) for name in _COLUMN_ARRAYS]
-    return lines, np.concatenate(parts, axis=1, dtype=float)
 
 
 @lru_cache(maxsize=1024)
@@ -235,7 +209,5 @@ def failed(
     storeys: list[int], n_links: int, status: str, advice: str, method: str, accuracy: float, time_step: float
 ) -> Response:
     """The response of a scene that gave none: NaN everywhere, and why."""
-    columns: list[dict[str, Any]] = [{name: np.full(n, np.nan) for name in _BUILDING_ARRAYS} for n in storeys]
-    buildings = tuple(BuildingResponse(**column) for column in columns)
-    links = LinkResponse(**{name: np.full(n_links, np.nan) for name in _LINK_ARRAYS})
-    return Response(buildings, links, status, advice, method, accuracy, 0, 0, 0.0, time_step=time_step)
+    buildings, links, columns = nothing(storeys, n_links, 0)
+    return Response(buildings, links, status, advice, method, accuracy, 0, 0, 0.0, time_step=time_step, columns=columns)

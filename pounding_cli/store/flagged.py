@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.solve.flags import is_meaningless
-from pounding_cli.solve.response import OUTCOMES
+from pounding_cli.solver.flags import is_meaningless
+from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
     import pandas as pd

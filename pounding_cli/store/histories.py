@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.solve.histories import ENERGIES, History
+from pounding_cli.solver.histories import ENERGIES, History
 from pounding_cli.store.structure import check_links, expect, refused, strings
 from pounding_cli.texts import plain
 from pounding_cli.variables import COORDINATES, PLACE

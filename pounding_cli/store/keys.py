@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pounding_cli.laws import sources_elsewhere
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ FORMAT = "pounding study results"
 FORMAT_VERSION = 3
 """Raised whenever a reader of the former version would misread the file."""
 
-_SOLVER_PACKAGES = ("kernels", "laws", "model", "solve")
+_SOLVER_PACKAGES = ("laws", "model", "solver")
 
 
 @cache
@@ -32,7 +31,7 @@ def package_version() -> str:
 
 @cache
 def solver_version(solve: str = "") -> str:
-    """Package version and a digest of the solver's own source, laws of other packages included.
+    """Package version and a digest of the solver's own source.
 
     solve : "module:name" of what solves the points of a model of its own; "" for the solver of rows of buildings
 
@@ -42,7 +41,7 @@ def solver_version(solve: str = "") -> str:
     root = Path(__file__).parents[1]
     sha = hashlib.sha256()
     own = (path for package in _SOLVER_PACKAGES for path in sorted((root / package).glob("*.py")))
-    for path in _sources_of(solve) if solve else (*own, *sources_elsewhere()):
+    for path in _sources_of(solve) if solve else own:
         sha.update(path.name.encode() + b"\0" + path.read_bytes())
     return f"{package_version()}+{sha.hexdigest()[:12]}"
 

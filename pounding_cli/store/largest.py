@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
-from pounding_cli.solve.flags import is_meaningless
+from pounding_cli.solver.flags import is_meaningless
 from pounding_cli.store.structure import strings
 from pounding_cli.store.swept import pieces
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.optimise.search import Point
-from pounding_cli.solve.response import OUTCOMES
+from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.store.answers import Column, Read, Table
 from pounding_cli.store.blocks import blocks
 from pounding_cli.store.dense import empty, facts, shape_of

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.numbers import Unit
-from pounding_cli.solve.response import DONE
+from pounding_cli.solver.response import NEVER_CLOSES
 from pounding_cli.store.bracket import leading, said
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import FlagGroup, SceneFlags, counts_of_flags, flag_groups
@@ -113,7 +113,7 @@ class Overview:
     flags : what is flagged, by case and analysis
     meaningless : scenes whose numbers mean nothing
     ratios : analysis -> the ratio shown of it
-    not_simulated : scenes answered by proof from smaller groups, none of them simulated
+    open_gaps : scenes with a gap that never closes
     points : those of the sweep, of a bracket only its middle; one, empty, where nothing is swept
     unknown : how results depend on unknown values, in sentences
     """
@@ -127,7 +127,7 @@ class Overview:
     motions: dict[str, list[str]]
     flags: tuple[FlagGroup, ...]
     meaningless: int
-    not_simulated: int
+    open_gaps: int
     points: Points
     unknown: tuple[str, ...]
     records: int
@@ -182,7 +182,7 @@ def overview(path: Path) -> Overview:
             {source: [r for r, s in zip(records, sources, strict=True) if s == source] for source in sources},
             flags,
             int(meaningless.sum()),
-            _not_simulated(file),
+            _open_gaps(file),
             Points([keys for keys, at in zip(axes, lead, strict=True) if isinstance(at, slice)]),
             tuple(said(file)),
             len(records),
@@ -227,11 +227,10 @@ def _flags(
                 yield SceneFlags(point, case, analysis, record, cell)
 
 
-def _not_simulated(file: h5py.File) -> int:
-    """Scenes that are done without a step."""
-    every = (slice(None),) * (file["status"].ndim - 3)
-    both = zip(pieces(file["status"].asstr(), every), pieces(file["steps"], every), strict=True)
-    return sum(int(((status == DONE) & (steps == 0)).sum()) for status, steps in both)
+def _open_gaps(file: h5py.File) -> int:
+    """Scenes with a gap that never closes."""
+    every = (slice(None),) * (file["dropped"].ndim - 3)
+    return sum(NEVER_CLOSES in text for piece in pieces(file["dropped"].asstr(), every) for text in piece.flat)
 
 
 def _worst_of(dataset: h5py.Dataset, lead: tuple[int | slice, ...], analysis: int) -> np.ndarray:

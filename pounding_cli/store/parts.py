@@ -18,7 +18,7 @@ from pounding_cli.digests import DigestMap, DigestTable, pieces, runs
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Scene
 from pounding_cli.outputs import parts_of
-from pounding_cli.solve.response import Response
+from pounding_cli.solver.response import Response
 from pounding_cli.store.chunk import Chunk, starts_of
 from pounding_cli.store.codec import Header, decode, parse
 from pounding_cli.store.packed import deflate

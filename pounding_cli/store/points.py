@@ -21,7 +21,7 @@ from pounding_cli.variables import POINTS, Variable
 from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
-    from pounding_cli.solve.response import PointResponse
+    from pounding_cli.solver.response import PointResponse
     from pounding_cli.store.results import Results
     from pounding_cli.study import Plan
 

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.solve.response import COLLAPSED
+from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.store.files import opened
 from pounding_cli.store.flagged import counts_of_flags, flagged_scenes
 from pounding_cli.store.structure import strings
@@ -41,7 +41,7 @@ _LINK = ("kind", "gap", *_OF_LINKS)
 _FACTS_OF_LINKS = tuple(variable.name for variable in LINKS)
 _SCENE = tuple(v.name for v in SCENES if v.name not in ("orders", "scene"))
 _ACCURACY = (
-    "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity", "estimated",
+    "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity",
     "energy_residual",
     "steps", "events", "orders", "seconds",
 )  # fmt: skip

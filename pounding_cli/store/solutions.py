@@ -13,7 +13,6 @@ from pounding_cli.digests import pieces
 from pounding_cli.errors import InputError
 from pounding_cli.model.placed import among
 from pounding_cli.model.scene import Scene
-from pounding_cli.solve.response import methods_in
 from pounding_cli.store import packed
 from pounding_cli.store.chunk import Chunk
 from pounding_cli.store.codec import parse
@@ -117,4 +116,4 @@ def stored_methods(file: h5py.File) -> tuple[str, ...]:
     """Keys in METHODS of the methods that solved the scenes of a study, buildings alone included."""
     used = np.unique(file["solutions/words"][: int(file.attrs["scenes"])])
     lines = [parse(line) for line in file["solutions/line"].asstr()[:][used]]
-    return tuple(sorted({name for line in lines if line.is_done for name in methods_in(line.facts["method"])}))
+    return tuple(sorted({line.facts["method"] for line in lines if line.is_done}))

@@ -19,7 +19,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError
 from pounding_cli.model.links import link_label
-from pounding_cli.solve.response import Response
+from pounding_cli.solver.response import Response
 from pounding_cli.store import answers
 from pounding_cli.store.blocks import Block, blocks
 from pounding_cli.store.datasets import Datasets

@@ -17,14 +17,12 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.study.digits import cheap_accuracy
 from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
 from pounding_cli.study.resolve import AROUND, Resolver, links_depend_on, places
 from pounding_cli.study.scenes import Expanded, Frame, LinkSets, Rows, Scenes, in_order, seen
-from pounding_cli.study.schema import StudyModel
 from pounding_cli.study.sections import Answers, Point
 
 MOST_PROBLEMS = 20
@@ -85,18 +83,13 @@ def expand(
         scenes=scenes,
         rows=rows,
         motions=tuple(used.use for used in study.motions((0,) * len(study.axes)).values()),
-        accuracy=_accuracy(model),
+        accuracy=model.accuracy,
         time_step=model.time_step,
         method=model.method,
         estimate=model.estimate,
         kept=kept,
         every=every,
     )
-
-
-def _accuracy(model: StudyModel) -> float:
-    """The relative error wanted [-]."""
-    return cheap_accuracy() if isinstance(model.accuracy, str) else model.accuracy
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from pounding_cli.laws import link_laws
-from pounding_cli.laws.formula import GIVEN, FormulaError
+from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.written import WRITTEN, WrittenLaw
 from pounding_cli.study.base import Model, Name, optional
 from pounding_cli.study.problems import Problems, Tree
 from pounding_cli.study.source import Node

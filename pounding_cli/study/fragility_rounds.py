@@ -18,7 +18,7 @@ from pounding_cli.study.plan import LinkSeen, Plan
 from pounding_cli.study.scenes import LinkSets, Scenes
 
 if TYPE_CHECKING:
-    from pounding_cli.solve.response import Response
+    from pounding_cli.solver.response import Response
 
 FIELDS = {"mu": "ductility", "drift": "drift", "acceleration": "acceleration"}
 """What a limit looks at, as responses call it."""

@@ -41,9 +41,9 @@ def check_keep(
     if spec is None:
         return
     path = ("keep", "histories")
-    if model.method not in ("auto", "taylor"):
-        message = f"method: {model.method} keeps no histories, only auto and taylor do"
-        problems.at(root, ("keep",), message, "write `method: auto`, or remove `keep`", key=True)
+    if model.method != "taylor":
+        message = f"method: {model.method} keeps no histories, only taylor does"
+        problems.at(root, ("keep",), message, "write `method: taylor`, or remove `keep`", key=True)
     known: dict[str, list[str]] = {
         "cases": list(model.cases),
         "analyses": list(model.analyses),

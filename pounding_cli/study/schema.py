@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
 
-from pounding_cli.methods import ACCURACY, AUTO, METHODS, TIME_STEP
+from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
 from pounding_cli.study import units
 from pounding_cli.study.base import Model, Name, optional, word_or_mapping
 from pounding_cli.study.building_schema import BuildingSpec
@@ -19,12 +19,10 @@ from pounding_cli.workflows import WORKFLOWS
 if TYPE_CHECKING:
     Method = str
 else:
-    Method = Literal[(AUTO, *METHODS)]
+    Method = Literal[tuple(METHODS)]
 AnalysisKind = Literal["elastic", "inelastic"]
 
-_ACCURACY_FORM = Quantity(
-    ACCURACY.title, ACCURACY.unit, ACCURACY.example, ACCURACY.low, ACCURACY.high, words=(AUTO,)
-)  # fmt: skip
+_ACCURACY_FORM = Quantity(ACCURACY.title, ACCURACY.unit, ACCURACY.example, ACCURACY.low, ACCURACY.high)
 _FILLED = Field(min_length=1, max_length=10_000)
 
 
@@ -121,14 +119,10 @@ class _StudyModel(Model):
     analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
         ("elastic", "inelastic"), description="whether storeys may yield"
     )
-    accuracy: Annotated[float | str, _ACCURACY_FORM] = optional(
-        ACCURACY.default,
-        description="relative error of the peaks [-]; `auto`: the finest that adds almost no cost",
+    accuracy: Annotated[float, _ACCURACY_FORM] = optional(
+        ACCURACY.default, description="relative error of the peaks [-]"
     )
-    method: Method = optional(
-        "auto",
-        description="how the equations of motion are solved; `auto`: the cheapest method that reaches the accuracy",
-    )
+    method: Method = optional("taylor", description="how the equations of motion are solved")
     time_step: Annotated[float, limited(units.TIME, name=TIME_STEP.title, example=TIME_STEP.example)] | None = optional(
         None, description="time step of a fixed-step method [s]"
     )

@@ -49,7 +49,7 @@ def pound(request, folder, monkeypatch, capsys) -> Callable[..., tuple[int, str,
 
     def run(*arguments: object, solve=usual) -> tuple[int, str, str]:
         if solve is not None:
-            monkeypatch.setattr("pounding_cli.solve.solve", solve)
+            monkeypatch.setattr("pounding_cli.solver.solve.solve", solve)
         monkeypatch.setattr("sys.argv", ["pound", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:
             main()

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pounding_cli.solve.response import BuildingResponse, ColumnResponse, LinkResponse, Response
+from pounding_cli.solver.response import BuildingResponse, ColumnResponse, LinkResponse, Response
 from pounding_cli.store import open_results
 from pounding_cli.study.limits import read_limit
 

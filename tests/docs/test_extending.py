@@ -1,54 +1,76 @@
-"""docs/extending.md: its recipes run from outside the package, as they stand on the page."""
+"""docs/extending.md: its method of solution, put into a copy of the package as the page says."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 from pages import ROOT, blocks
 
 PAGE = ROOT / "docs" / "extending.md"
 
-MEASURED = """
-import heun
-from pounding_cli.report.accuracy_figures import draw_accuracy
-from pounding_cli.report.accuracy_page import lines_frame
-from pounding_cli.solve.work_precision import Subject, measure
-
-touching = pound.scene([stiff, soft], pound.motion("elcentro", duration=2), link="pounding", gap=0.0)
-found = measure([Subject("touching", "elastic", "elcentro", touching)], ("heun",), 1.0)
-print(lines_frame(found)[["method", "setting"]].iloc[0].tolist())
+KNOWN = """
 from pathlib import Path
-draw_accuracy(found, Path("."), ("svg",))
-print("Heun" in Path("accuracy-elastic.svg").read_text())
+import pounding_cli.methods as methods
+Path("study.yaml").write_text(Path("study.yaml").read_text() + "method: heun\\ntime_step: 1 ms\\n")
+print(pound.load_study("study.yaml").resolved()["method"])
+print("| `heun` | 2 |" in "\\n".join(methods.table()))
+"""
+
+STUDY = """
+records: {use: [elcentro], duration: 1 s}
+buildings: {stiff: {storeys: 1, period: 0.3 s}}
+group: [stiff, stiff]
+cases: {touching: {link: pounding, gap: 0 cm}}
 """
 
 
 @pytest.fixture
-def outside(tmp_path):
-    """Runs Python text in a folder that has the page's file and nothing else."""
-    method, use = (block.text for block in blocks(PAGE) if block.word == "python" and not block.reason)
-    (tmp_path / "heun.py").write_text(method)
-    (tmp_path / "use.py").write_text(use)
+def copied(tmp_path):
+    """A copy of the package with the page's method, and the page's `use.py`."""
+    shutil.copytree(ROOT / "pounding_cli", tmp_path / "pounding_cli", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "records").symlink_to(ROOT / "records")
+    function, call, entry, use = (
+        next(block.text for block in blocks(PAGE) if mark in block.text)
+        for mark in ("def _heun(", "FIXED =", '"heun", "Heun", 2', "roofs = []")
+    )
+    listed, called = call.split("\n", 1)
+    last, end = "            else:\n                found = _newmark", ")  # fmt: skip\n\nMETHODS"
+    _replace(
+        tmp_path / "pounding_cli" / "solver" / "fixed_step.py",
+        ('FIXED = ("central-difference", "newmark")', listed),
+        (last, called + last),
+        ("@njit(**KERNEL)\ndef march", f"{function}\n\n@njit(**KERNEL)\ndef march"),
+    )
+    _replace(tmp_path / "pounding_cli" / "methods.py", (end, entry + end))
+    (tmp_path / "study.yaml").write_text(STUDY)
+    (tmp_path / "use.py").write_text(use + KNOWN)
+    return tmp_path
 
-    def run(*more: str) -> list[str]:
-        (tmp_path / "all.py").write_text("\n".join((use, *more)))
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(tmp_path), str(ROOT)))}
-        command = [sys.executable, "all.py"]
-        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        return done.stdout.splitlines()
 
-    return run
+def _replace(path, *pairs):
+    text = path.read_text()
+    for old, new in pairs:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    path.write_text(text)
 
 
-def test_a_method_of_ones_own(outside):
-    """Its order, and `pound accuracy` on a scene whose floors touch. Fails if the driver gives a step the ground
-    of another time, or if figures know this program's methods only."""
-    said = outside(MEASURED)
-    steps, errors = np.array([line.split() for line in said[:3]], float).T
-    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.2)
-    assert said[3:] == ["['heun', '0.002 s']", "True"]
+def test_a_method_of_ones_own(copied):
+    """Its order, and that studies and the table of methods know it. Fails if the driver gives a step the ground of
+    another time, or if a list of methods stands anywhere else."""
+    done = subprocess.run(
+        [sys.executable, "use.py"],
+        cwd=copied,
+        env=os.environ | {"PYTHONPATH": str(copied), "NUMBA_CACHE_DIR": str(copied)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    ratio, method, in_table = done.stdout.split()
+    assert float(ratio) == pytest.approx(4.0, abs=0.4)
+    assert (method, in_table) == ("heun", "True")

@@ -37,11 +37,11 @@ def test_scene(study: HardStudy) -> None:
     """Fails if a peak is off by more than asked, energy leaks, the steps multiply, or the blow never comes."""
     expect = study.expect
     for where, scene, accuracy in scenes(study.path):
-        run = solve(scene, accuracy, bounds=(expect.steps, expect.steps), all_effects=False)
+        run = solve(scene, accuracy, bounds=(expect.steps, expect.steps))
         assert run.status == "done", where
         assert fault_of(run, accuracy) == "", where
         assert abs(run.energy["residual"]) <= expect.residual, where
-        finer = solve(scene, max(accuracy * TIGHTER, 1e-13), all_effects=False)
+        finer = solve(scene, max(accuracy * TIGHTER, 1e-13))
         assert difference(run, finer, PEAKS) <= max(accuracy, expect.sensitive), where
         assert run.impacts.sum() >= expect.impacts or not scene.links, where
 
@@ -146,7 +146,7 @@ def test_out_of_reach_is_a_named_outcome(tmp_path: Path) -> None:
     stiff = {"storeys": 2, "stiffness": [2e8, 1.5e8], "foundation": foundation}
     path = written(tmp_path, "foundation-tiny", buildings={"stiff": stiff, "soft": {"like": "stiff", "period": 0.6}})
     for where, scene, accuracy in scenes(path):
-        run = solve(scene, accuracy, bounds=(2000, 2000), all_effects=False)
+        run = solve(scene, accuracy, bounds=(2000, 2000))
         assert run.status == "step bound reached", where
         assert "stiff" in run.advice, where
         assert np.isnan(run.shear).all(), where

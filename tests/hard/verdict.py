@@ -68,7 +68,7 @@ def faults_in(path: Path, tally: Tally) -> list[str]:
         try:
             for where, scene, accuracy in scenes(path):
                 tally.scenes += 1
-                run = solve(scene, accuracy, bounds=BOUNDS, all_effects=False)
+                run = solve(scene, accuracy, bounds=BOUNDS)
                 tally.outcomes[run.status] += 1
                 tally.slowest = max(tally.slowest, run.seconds)
                 if run.seconds > PATIENCE:

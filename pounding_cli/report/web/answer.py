@@ -13,7 +13,7 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.columns import shown
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.web.story import digits
-from pounding_cli.solve.response import OUTCOMES
+from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.store import FlagGroup, flag_groups_of
 
 MOST_BUILDINGS = 3

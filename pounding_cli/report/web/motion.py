@@ -13,7 +13,7 @@ from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.web.data import numbers
 
 if TYPE_CHECKING:
-    from pounding_cli.solve.histories import History
+    from pounding_cli.solver.histories import History
 
 MOST_BYTES = 12_000_000
 """What all series together may take on the page, as text."""

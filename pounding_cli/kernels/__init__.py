@@ -1,1 +1,0 @@
-"""The numerical heart: numba kernels on flat arrays, no classes."""

@@ -1,0 +1,211 @@
+"""How far a response can be trusted: its numerical error, and how much a small change of the motion moves it.
+
+The two are different things. A tight tolerance removes the first; the second belongs to the scene, whatever the
+method: a contact or a yielding storey that only just happens, or just does not, amplifies the last digit of the
+record."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Callable
+
+import numpy as np
+
+from pounding_cli.methods import METHODS
+from pounding_cli.model.scene import Scene
+from pounding_cli.records.motion import Motion
+from pounding_cli.solver.response import Response
+from pounding_cli.solver.solve import solve
+
+NUDGE = 1e-6
+"""Relative change of the motion's amplitude, growing from nothing at its start to this at its end. The same factor
+throughout would say little: elastic buildings in touch answer a motion twice as strong by a response twice as large,
+however chaotic."""
+
+LITTLE = 1e-2
+"""The nudge of the run that tells error and sensitivity at once, over the accuracy asked: what it moves by itself is
+far below that accuracy, and far above the finer run's error."""
+
+FINEST_AT_ONCE = 1e-9
+"""Accuracy asked below which one run does not tell both: the nudge would come near rounding."""
+
+HARMLESS = 0.1
+"""Error and sensitivity that one run tells are looked at again where they are above this part of what is flagged."""
+
+ILL_CONDITIONED = 100.0
+"""Sensitivity above which a scene is flagged: six digits of the record then give four of the response."""
+
+TIGHTER = 1e-3
+"""Accuracy of the second run over that of the first."""
+
+FINEST = 1e-14
+"""No run is asked for more than this: doubles hold little more."""
+
+SCATTER = (2.0, 4.0)
+"""Accuracies of two more runs over that of the finer one, where rounding may decide: their only use is that they round
+otherwise. Two runs of an ill-conditioned scene may agree by chance, four hardly do."""
+
+GRAZING = 1e-10
+"""What rounding may come to, over the sensitivity: a contact that grazes changes by the root of a small change, so that
+what makes S x 1e-6 of 1e-6 makes S x 1e-10 of rounding, 1e-14."""
+
+DECIDES = 1e-2
+"""Part of the accuracy asked above which estimate and rounding are looked at again."""
+
+BESIDE_FIXED_STEPS = 1e-9
+"""Accuracy of the Taylor run that a fixed-step method is judged by."""
+
+
+def finer(accuracy: float) -> float:
+    """Accuracy of the run that one at `accuracy` is judged by [-]."""
+    return max(accuracy * TIGHTER, FINEST)
+
+
+@functools.lru_cache(maxsize=16)
+def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
+    """The motion, stronger by `nudge` [-] at its end and by less before."""
+    growth = 1 + nudge * np.linspace(0.0, 1.0, motion.acceleration.size)
+    return Motion(motion.name, motion.dt, motion.acceleration * growth, motion.source)
+
+
+def change(first: Response, second: Response) -> float:
+    """Largest relative change of any storey's peak shear or drift between two responses of the same buildings [-].
+
+    Storeys at rest in both do not count; nan when either run did not end, inf where only one collapses, or another
+    storey does.
+    """
+    if not (first.has_result and second.has_result):
+        return float("nan")
+    if not _end_alike(first, second):
+        return float("inf")
+    pairs = zip(first.buildings, second.buildings, strict=True)
+    return _largest([(x, y, x) for a, b in pairs for x, y in ((a.shear, b.shear), (a.drift, b.drift))])
+
+
+def difference(first: Response, second: Response) -> float:
+    """Largest relative difference of any number of two responses of the same scene [-]; nan when either run did not
+    end, inf where only one collapses, or another storey does.
+
+    Shears, drifts (and with them ductilities), accelerations, sways and rockings are relative to themselves,
+    displacements to the floor's largest either way, drifts at the end to the storey's largest, and the forces,
+    closings, impulses and contact times of links to the largest of their kind in the scene. Counts are left out, and
+    so are energies, whose error is the ledger's residual.
+    """
+    if not (first.has_result and second.has_result):
+        return float("nan")
+    if not _end_alike(first, second):
+        return float("inf")
+    triples = []
+    if first.collapse_storey:
+        one, other = np.array([first.collapse_time]), np.array([second.collapse_time])
+        triples.append((one, other, one))
+    for a, b in zip(first.buildings, second.buildings, strict=True):
+        reach = np.maximum(a.displacement_max, -a.displacement_min)
+        ground, other = np.array([a.sway, a.rocking]), np.array([b.sway, b.rocking])
+        triples += [
+            (a.shear, b.shear, a.shear),
+            (a.drift, b.drift, a.drift),
+            (a.acceleration, b.acceleration, a.acceleration),
+            (a.displacement_max, b.displacement_max, reach),
+            (a.displacement_min, b.displacement_min, reach),
+            (a.residual_drift, b.residual_drift, a.drift),
+            (ground, other, ground),
+        ]
+    for name in ("peak_force", "max_closing", "impulse", "contact_time"):
+        x, y = getattr(first.links, name), getattr(second.links, name)
+        triples.append((x, y, np.full(x.shape, np.abs(x).max(initial=0.0))))
+    for name in ("shear_below", "shear_above"):
+        x, y = getattr(first.columns, name), getattr(second.columns, name)
+        triples.append((x, y, x))
+    return _largest(triples)
+
+
+def _end_alike(first: Response, second: Response) -> bool:
+    """Whether both runs came to the end of the motion, or in both the same storey collapsed."""
+
+    return (first.collapse_building, first.collapse_storey) == (second.collapse_building, second.collapse_storey)
+
+
+def _largest(triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
+    """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are."""
+    x, y, scale = (np.concatenate(each) for each in zip(*triples, strict=True))
+    size = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(scale))
+    return float(np.max(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))
+
+
+def assess(scene: Scene, response: Response, accuracy: float, run: Callable[..., Response] = solve) -> Response:
+    """The response with its estimated error [-], its sensitivity [-] and flags that say so where either is too large.
+
+    One run tells both, at an accuracy a thousand times finer and with a motion that grows by a hundredth of the
+    accuracy on its way: the difference is what the error is at most, and over the nudge what the sensitivity is at
+    most. Where one is above a tenth of what would be flagged, the accuracy is finer than 1e-9, or the method takes
+    fixed steps, each is told by a run of its own:
+
+    error_estimate : difference against a run at an accuracy a thousand times finer; of a fixed-step method, against
+        Taylor
+    sensitivity : change when the motion grows by 1e-6 on its way, over 1e-6; at most about 1 for a linear scene
+
+    A finer run replaces a response that misses the accuracy asked by its own estimate, and is then assessed by a still
+    finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
+    be near the accuracy, two more runs show the scatter of the numbers.
+    """
+    if not response.has_result:
+        return response
+    fixed = METHODS[response.method].takes_step
+    if not fixed and accuracy >= FINEST_AT_ONCE:
+        nudge = min(LITTLE * accuracy, NUDGE)
+        nudged = dataclasses.replace(scene, motion=nudged_motion(scene.motion, nudge))
+        judge = run(nudged, accuracy=finer(accuracy), method=response.method)
+        error, sensitivity = difference(response, judge), change(response, judge) / nudge
+        if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
+            return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity)
+    return _told_apart(scene, response, accuracy, run, fixed)
+
+
+def _told_apart(
+    scene: Scene, response: Response, accuracy: float, run: Callable[..., Response], fixed: bool
+) -> Response:
+    """`assess` by a finer run for the error and a nudged one for the sensitivity."""
+    method = "taylor" if fixed else response.method
+    tight = BESIDE_FIXED_STEPS if fixed else finer(accuracy)
+    nudged = dataclasses.replace(scene, motion=nudged_motion(scene.motion))
+    second = run(scene, accuracy=tight, method=method)
+    sensitivity = change(second, run(nudged, accuracy=tight, method=method)) / NUDGE
+    error, seconds = difference(response, second), response.seconds
+    while not fixed and error > accuracy and second.has_result:
+        response, seconds = second, seconds + second.seconds
+        if tight <= FINEST:
+            break
+        tight = finer(tight)
+        second = run(scene, accuracy=tight, method=method)
+        error = difference(response, second) if second.has_result else error
+    if not fixed and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
+        others = (run(scene, accuracy=tight * times, method=method) for times in SCATTER)
+        error = np.nanmax([error, *(difference(response, other) for other in others)])
+    return dataclasses.replace(
+        response,
+        accuracy=response.accuracy if fixed else accuracy,
+        seconds=seconds,
+        error_estimate=float(error),
+        sensitivity=sensitivity,
+        flags=(*response.flags, *_said(error, sensitivity, accuracy, tight, second.status, fixed)),
+    )
+
+
+def _said(error: float, sensitivity: float, accuracy: float, tight: float, status: str, fixed: bool) -> tuple[str, ...]:
+    """Flags of a response by its error and sensitivity [-]."""
+    flags = []
+    if sensitivity > ILL_CONDITIONED:
+        moved = f"changes a peak by {sensitivity * NUDGE:.1e}"
+        if sensitivity == np.inf:
+            moved = "decides which storey collapses, or whether one does"
+        flags.append(f"ill-conditioned: a motion that grows gradually by 1e-6 {moved}")
+    if np.isnan(error):
+        flags.append(f"no error estimate: the run at {tight:.0e} for the estimate ended with: {status}")
+    if not fixed and error > accuracy:
+        left = f"an error of about {error:.1e} is left"
+        if error == np.inf:
+            left = "which storey collapses, or whether one does, is open"
+        flags.append(f"less accurate than asked: {left}, {accuracy:.0e} was asked")
+    return tuple(flags)

@@ -1,0 +1,320 @@
+"""The end of a step, bounds that exclude events at little cost, and the first event where they do not.
+
+A function on [0, 1] deviates from the chord between its ends by at most max |p''| / 8 <= sum of k (k - 1) |p_k| / 8,
+its *chord deviation*. Nothing is searched where the chord, widened by it, stays inside the branch.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from pounding_cli.laws.guards import COLLAPSE, CROSSES, FASTER, FORCE, HIGH, LEVELS, LOW, SLOWER, START
+from pounding_cli.solver.dispatch import next_branch
+from pounding_cli.solver.options import CALLED, FLOAT, INVERSE, PART
+from pounding_cli.solver.polynomial import NEVER, first_crossing, value
+from pounding_cli.solver.records import COLLAPSED
+from pounding_cli.solver.series import LAST_DIGITS, LAST_OF_FIT, told
+
+VALUE, ITS_FORCE, RATE, RATE_AND_SLOPE = 1, 2, 3, 4
+"""What is exactly known of an element after an event, `pinned`: its deformation is that of the guard; its force is
+zero; its rate is that of the guard; and its rate neither grows nor falls."""
+
+MOST_AT_INSTANT = 4
+"""Events of an element at one instant after which it leaves a branch only if that is left at the step's end too."""
+
+INSTANT = 1e-12
+"""Part of a step [-] within which an event counts as one at its start."""
+
+
+FROM_REST = 1e-3
+"""Part of the first step of a run from rest at which floors in touch close at the earliest, where DOP853 steps their
+contact: only a series tells the sign of what begins by a high power of time."""
+
+
+@njit(**PART)
+def pad(count):
+    """The next multiple of eight."""
+    return (count + 7) & -8
+
+
+@njit(**PART)
+def summarise(dofs, elements, terms, r):
+    """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
+    h, count = r.h, pad(r.order + 1)
+    for i in range(r.n):
+        d = dofs[i]
+        for k in range(r.order + 1, count):
+            d.w[k] = 0.0
+        u = v = a = bend = 0.0
+        for k in range(count):  # LLVM makes vectors of these sums
+            w = d.w[k]
+            slope = w * FLOAT[k]
+            u += w * INVERSE[k + 1]
+            v += w
+            a += slope
+            bend += abs(slope) * (FLOAT[k] - 1.0)
+        d.u1, d.v1, d.a1 = d.u0 + h * u, v, a / h + r.g0 + r.g1
+        d.du, d.dv = 0.125 * h * (abs(d.w[1]) + bend), 0.125 * bend  # k < k (k - 1) from the third order on
+    ends_of_elements(dofs, elements, terms, r)
+    for e in range(r.m):
+        el = elements[e]
+        left, right = dofs[el.left], dofs[el.right]
+        el.dv, el.dr = left.du + el.hold * right.du, left.dv + el.hold * right.dv
+        for x in range(el.first, el.last):
+            size = abs(terms[x].weight)
+            el.dv += size * dofs[terms[x].dof].du
+            el.dr += size * dofs[terms[x].dof].dv
+
+
+@njit(**PART)
+def ends_of_elements(dofs, elements, terms, r):
+    """Deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
+    for e in range(r.m):
+        el = elements[e]
+        left, right = dofs[el.left], dofs[el.right]
+        v, of_v = left.u1 - el.offset - el.hold * right.u1, abs(left.u1 - el.offset) + abs(el.hold * right.u1)
+        rate, of_rate = left.v1 - el.hold * right.v1, abs(left.v1) + abs(el.hold * right.v1)
+        for x in range(el.first, el.last):
+            u, w = terms[x].weight * dofs[terms[x].dof].u1, terms[x].weight * dofs[terms[x].dof].v1
+            v, of_v = v + u, of_v + abs(u)
+            rate, of_rate = rate + w, of_rate + abs(w)
+        el.v1, el.r1 = told(v, of_v, LAST_DIGITS), told(rate, of_rate, LAST_DIGITS)
+
+
+@njit(**PART)
+def end_at(dofs, elements, terms, r):
+    """Replace the values at s = 1 by those at run.end, where an event was found."""
+    h, s, count = r.h, r.end, r.order + 1
+    p = r.p
+    p[0] = 1.0
+    for k in range(1, count):
+        p[k] = p[k - 1] * s
+    for i in range(r.n):
+        d = dofs[i]
+        u = v = a = 0.0
+        for k in range(count):
+            w = d.w[k] * p[k]
+            u += w * INVERSE[k + 1]
+            v += w
+            a += w * FLOAT[k]
+        d.u1, d.v1, d.a1 = d.u0 + h * s * u, v, a / (h * s) + r.g0 + r.g1 * s if s > 0.0 else d.a0
+    ends_of_elements(dofs, elements, terms, r)
+
+
+@njit(**CALLED)
+def rate_series(dofs, elements, terms, r, e):
+    """Coefficients of the rate of element e, into r.p."""
+    el, count = elements[e], r.order + 1
+    left, right, p = dofs[el.left].w, dofs[el.right].w, r.p
+    rounding = LAST_OF_FIT if r.smooth else LAST_DIGITS
+    for k in range(count):
+        total, size = left[k] - el.hold * right[k], abs(left[k]) + abs(el.hold * right[k])
+        for x in range(el.first, el.last):
+            part = terms[x].weight * dofs[terms[x].dof].w[k]
+            total, size = total + part, size + abs(part)
+        p[k] = told(total, size, rounding)
+    if el.pinned >= RATE:
+        p[0] = el.r0
+    if el.pinned == RATE_AND_SLOPE:
+        p[1] = 0.0
+
+
+@njit(**PART)
+def integral(r, side, first):
+    """`side` times the integral of r.p over the time of the step, with the value `first` at the start; its degree."""
+    p, n = r.p, r.order + 1
+    for k in range(n, 0, -1):
+        p[k] = side * p[k - 1] * r.h * INVERSE[k]
+    p[0] = first
+    return n
+
+
+@njit(**PART)
+def _until_guard(el, r, s, guard):
+    """From the rate of an element in r.p what is positive until it meets the guard; returns its degree."""
+    p, n = r.p, r.order
+    if guard == LOW:
+        return integral(r, 1.0, el.v0 - el.low)
+    if guard == HIGH:
+        return integral(r, -1.0, el.high - el.v0)
+    if guard == SLOWER:
+        p[0] -= el.slow
+        return n
+    if guard == FASTER:
+        for k in range(n + 1):
+            p[k] = -p[k]
+        p[0] += el.fast
+        return n
+    if guard == LEVELS:
+        for k in range(n):
+            p[k] = (k + 1.0) * p[k + 1]
+        return n - 1
+    if guard == CROSSES:  # the series of a smooth storey's force holds that of its line too
+        side = 1.0 * el.crosses
+        degree = integral(r, -side * el.k, -side * el.k * el.v0)
+        for k in range(n):
+            p[k] += side * s.f[k]
+        if el.pinned == ITS_FORCE:
+            p[0] = 0.0
+        return degree
+    side = 1.0 if el.acts else -1.0
+    for k in range(n):
+        p[k] = side * s.f[k]
+    if el.pinned == ITS_FORCE:
+        p[0] = 0.0
+    return n - 1
+
+
+@njit(**CALLED)
+def _meets(el, r, s, guard, end):
+    """Where in [0, end] an element, whose rate stands in r.p, first meets a guard."""
+    n = _until_guard(el, r, s, guard)
+    at = first_crossing(r, n, end)
+    often = el.stuck >= MOST_AT_INSTANT
+    if often and at < INSTANT and (el.stuck > 3 * MOST_AT_INSTANT or value(r.p, n, 1.0) > 0.0):
+        return NEVER
+    return at
+
+
+@njit(**PART)
+def _may_leave(el):
+    """Whether bounds do not show that an element stays on its branch during the step."""
+    if el.levels or el.cuts or el.crosses:
+        return True
+    least, most = min(el.v0, el.v1), max(el.v0, el.v1)
+    slowest, fastest = min(el.r0, el.r1), max(el.r0, el.r1)
+    if slowest - el.dr <= el.slow or fastest + el.dr >= el.fast:
+        return True
+    if least - el.dv > el.low and most + el.dv < el.high:
+        return False
+    starts_inside = el.v0 >= el.low and el.v0 <= el.high
+    monotone = abs(el.v1 - el.v0) > 4.0 * el.dv  # then it may begin where the branch begins
+    return not (starts_inside and monotone and el.v1 > el.low and el.v1 < el.high)
+
+
+@njit(**PART)
+def _may_meet(el, guard, is_link):
+    """Whether an element has this guard, and bounds do not show that it stays away from it."""
+    if guard == LOW or guard == HIGH:
+        at, side = (el.low, 1.0) if guard == LOW else (el.high, -1.0)
+        if is_link and el.stuck >= 2 and el.pinned == VALUE and el.exact == at:
+            return False
+        return not min(side * (el.v0 - at), side * (el.v1 - at)) > el.dv
+    if guard == SLOWER:
+        return not min(el.r0, el.r1) - el.slow > el.dr
+    if guard == FASTER:
+        return not el.fast - max(el.r0, el.r1) > el.dr
+    if guard == LEVELS:
+        return el.levels != 0
+    return el.cuts != 0 if guard == FORCE else el.crosses != 0
+
+
+@njit(**CALLED)
+def first_event(dofs, elements, terms, r, series):
+    """Whether an element leaves its branch in [0, 1]; where the first does goes to r.end."""
+    found = False
+    for e in range(r.m):
+        el = elements[e]
+        el.at = NEVER
+        if _may_leave(el):
+            for guard in range(COLLAPSE):
+                if _may_meet(el, guard, e >= r.n):
+                    rate_series(dofs, elements, terms, r, e)
+                    at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
+                    if el.eased and r.still:
+                        at = max(at, FROM_REST)
+                    if at < el.at:
+                        el.at, el.guard = at, guard
+            if el.at < r.end:
+                r.end, found = el.at, True
+    if r.collapses:
+        found = _first_collapse(dofs, elements, terms, r) or found
+    return found
+
+
+@njit(**CALLED)
+def _first_collapse(dofs, elements, terms, r):
+    """Whether a drift passes what its building stands before r.end, either way; where it does goes there."""
+    found = False
+    for e in range(r.n):
+        el = elements[e]
+        if not max(abs(el.v0), abs(el.v1)) + el.dv > el.collapse:
+            continue
+        for side in (-1.0, 1.0):
+            rate_series(dofs, elements, terms, r, e)
+            n = integral(r, side, el.collapse + side * el.v0)
+            at = first_crossing(r, n, min(r.end, 1.0))
+            if at < r.end and at <= 1.0:
+                r.end, el.at, el.guard, found = at, at, COLLAPSE, True
+    return found
+
+
+@njit(**CALLED)
+def commit(dofs, elements, terms, r, series):
+    """Change all elements that leave their branch at the end of this step, so that equal buildings stay equal."""
+    for e in range(r.m):
+        el = elements[e]
+        if el.at == r.end and el.at < NEVER:
+            if el.guard == COLLAPSE:
+                r.status = COLLAPSED
+                continue
+            _pin(el, r.end > INSTANT)
+            was_open = el.closed == 0
+            next_branch(el, el.guard)
+            if was_open and el.closed:
+                el.hits += 1
+                if el.eased and r.end == FROM_REST:
+                    el.time += r.h * r.end  # it has been closed since the start
+                if el.smooth:
+                    r.next = max(r.onset, 0.0)
+                    r.onset = -1.0
+            el.stuck += 1
+            r.events += 1
+    list_active(elements, r, series)
+
+
+@njit(**PART)
+def _pin(el, later):
+    """What is exactly known of an element that meets its guard; `later`: after the step's start."""
+    guard = el.guard
+    if guard == LOW or guard == HIGH:
+        el.exact = el.low if guard == LOW else el.high
+        el.v0 = el.v1 = el.exact
+        el.pinned = VALUE
+    elif guard == SLOWER or guard == FASTER:
+        el.r0 = el.r1 = el.slow if guard == SLOWER else el.fast
+        el.pinned = RATE
+    elif guard == LEVELS:
+        el.pinned = RATE_AND_SLOPE if later else RATE
+    else:
+        el.pinned = ITS_FORCE
+
+
+@njit(**CALLED)
+def list_active(elements, r, series):
+    """List the links whose force is not zero, and see whether a step has to be taken by DOP853."""
+    r.active, r.smooth = 0, r.always_smooth
+    for e in range(r.m):
+        el = elements[e]
+        if el.smooth:
+            r.smooth = 1
+        if e >= r.n and el.closed:
+            el.row = r.active
+            series[r.active].element = e
+            r.active += 1
+
+
+@njit(**CALLED)
+def unpin(elements, r):
+    """Time goes on: nothing is exactly known any more."""
+    for e in range(r.m):
+        elements[e].pinned = elements[e].stuck = 0
+
+
+@njit(**CALLED)
+def enter_all(elements, r, series):
+    """The branches of all elements at rest."""
+    for e in range(r.m):
+        elements[e].guard = START
+        next_branch(elements[e], elements[e].guard)
+    list_active(elements, r, series)

@@ -1,0 +1,319 @@
+"""Methods of fixed time steps, as most programs have them: for what accuracy costs, and as an independent check.
+
+They step over contacts and yields, and see peaks at the ends of steps alone.
+
+Sources: Newmark (1959), with beta = 1/4 and gamma = 1/2; central difference with half-step velocities, Bathe, Finite
+Element Procedures (1996), section 9.2.1."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from pounding_cli.laws.guards import FASTER, FORCE, HIGH, LOW, SLOWER
+from pounding_cli.solver.dispatch import next_branch, smooth_force
+from pounding_cli.solver.events import ends_of_elements
+from pounding_cli.solver.options import CALLED, KERNEL, PART
+from pounding_cli.solver.records import COLLAPSED, DONE, NO_ROOT, NOT_FINITE
+from pounding_cli.solver.run import begin
+from pounding_cli.solver.series import line_force, push
+
+BRANCHES = 8
+"""Branches that an element passes in a step, at most."""
+
+ITERATIONS, CONVERGED = 25, 1e-11
+"""Of Newton's method in a step: most, and the part of the forces that may be left."""
+
+SHORTEST = 1.0 / 1024.0
+"""Part of a step into which one without a root is cut, at least."""
+
+FIXED = ("central-difference", "newmark")
+"""The methods of this file: `march` calls each by its place here."""
+
+NEAR = 1e-7
+"""Part of a rate and of a deformation by which slopes of a force are taken."""
+
+
+def steps_a_sample(dt: float, time_step: float) -> int:
+    """The fewest equal parts of a sample of the motion, dt [s], that are not longer than `time_step` [s]."""
+    return max(1, math.ceil(dt / time_step - 1e-9))
+
+
+@njit(**CALLED)
+def _settle(el, room):
+    """Let an element pass the guards that lie between its branch and its state at the end of the step."""
+    for _ in range(BRANCHES):
+        guard = -1
+        if el.v1 < el.low:
+            guard = LOW
+        elif el.v1 > el.high:
+            guard = HIGH
+        elif el.r1 < el.slow:
+            guard = SLOWER
+        elif el.r1 > el.fast:
+            guard = FASTER
+        elif el.cuts:
+            f = _force(el, el.v1, el.r1, room)
+            if (f < 0.0 and el.acts) or (f > 0.0 and not el.acts):
+                guard = FORCE
+        if guard < 0:
+            return
+        was_open = el.closed == 0
+        next_branch(el, guard)
+        if was_open and el.closed:
+            el.hits += 1
+
+
+@njit(**PART)
+def _force(el, v, r, room):
+    """Force of a branch [N], as if it acted."""
+    f = line_force(el, v, r)
+    return f + smooth_force(el, v, r, room) if el.smooth else f
+
+
+@njit(**CALLED)
+def _pushes(dofs, elements, terms, r, room, ground):
+    """Forces on all degrees of freedom at the end of the step, into `push`: a = -push / mass."""
+    for i in range(r.n):
+        d = dofs[i]
+        d.push = d.mass * (d.loaded * ground + d.drag * d.v1)
+    for e in range(r.n, r.m):
+        el = elements[e]
+        if el.closed and el.acts:
+            push(dofs, terms, el, _force(el, el.v1, el.r1, room))
+    for i in range(r.n):
+        el, d = elements[i], dofs[i]
+        f = line_force(el, el.v1, el.r1)
+        if r.has_lean:
+            dofs[d.foot].push += d.lean * f
+        if el.load != 0.0:
+            f -= el.load * (d.u1 - d.below * dofs[i - 1].u1)
+        d.push += f
+        if d.below != 0.0:
+            dofs[i - 1].push -= f
+
+
+@njit(**CALLED)
+def _end(dofs, elements, terms, r, room, h):
+    """Count what has come of a step: largest values, and forces of links."""
+    r.steps += 1
+    for i in range(r.n):
+        d = dofs[i]
+        d.u_max, d.u_min = max(d.u_max, d.u1), min(d.u_min, d.u1)
+        d.a_max = max(d.a_max, abs(d.a1))
+        if not abs(d.u1) < 1e300:
+            r.status = NOT_FINITE
+        d.u0, d.w[0], d.a0 = d.u1, d.v1, d.a1
+    for e in range(r.m):
+        el = elements[e]
+        storey = e < r.n
+        el.peak_v = max(el.peak_v, abs(el.v1) if storey else el.v1)
+        if storey:
+            el.peak_f = max(el.peak_f, abs(el.k * el.v1 + el.f0))
+            if r.collapses and abs(el.v1) > el.collapse:
+                r.status = COLLAPSED
+        elif el.closed and el.acts:
+            f = _force(el, el.v1, el.r1, room)
+            el.peak_f = max(el.peak_f, abs(f))
+            el.impulse += f * h
+            el.time += h
+        el.v0, el.r0 = el.v1, el.r1
+
+
+@njit(**CALLED)
+def _raise_columns(elements, terms, r, columns, room):
+    """The shears of struck columns at the end of a step."""
+    for c in range(r.columns):
+        column = columns[c]
+        el = elements[column.storey]
+        f = column.share * (el.k * el.v1 + el.f0)
+        for x in range(column.first, column.last):
+            link = elements[terms[x].dof]
+            if link.closed and link.acts:
+                f += terms[x].weight * _force(link, link.v1, link.r1, room)
+        column.peak = max(column.peak, abs(f))
+
+
+@njit(**PART)
+def _central_difference(dofs, elements, terms, r, room, half, h, ground, first):
+    """u' half a step later from u'' now, u a step later; damping forces by the velocity extrapolated from two half
+    steps, so that nothing is solved for."""
+    for i in range(r.n):
+        d = dofs[i]
+        acceleration = d.a0 - d.loaded * r.g0
+        before = d.w[0] if first else half[i]
+        half[i] = before + (0.5 * h if first else h) * acceleration
+        d.u1 = d.u0 + h * half[i]
+        d.v1 = 1.5 * half[i] - 0.5 * before
+    ends_of_elements(dofs, elements, terms, r)
+    for e in range(r.m):
+        _settle(elements[e], room)
+    _pushes(dofs, elements, terms, r, room, ground)
+    for i in range(r.n):
+        d = dofs[i]
+        d.a1 = -d.push * d.inv_mass + d.loaded * ground
+    return True
+
+
+@njit(**PART)
+def _slopes(el, room):
+    """dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
+    k, c = el.k, el.c
+    if el.cubic != 0.0:
+        root = math.sqrt(el.k + 3.0 * el.cubic * el.v1 * el.v1)
+        k += 3.0 * el.cubic * el.v1 * el.v1 + el.root * 3.0 * el.cubic * el.v1 * el.r1 / root
+        c += el.root * root
+    if el.smooth:
+        f = smooth_force(el, el.v1, el.r1, room)
+        dv, dr = NEAR * max(abs(el.v1), NEAR), NEAR * max(abs(el.r1), NEAR)
+        k += (smooth_force(el, el.v1 + dv, el.r1, room) - f) / dv
+        c += (smooth_force(el, el.v1, el.r1 + dr, room) - f) / dr
+    return k, c
+
+
+@njit(**CALLED)
+def _matrix(dofs, elements, terms, r, room, h, rows, weights):
+    """M + h/2 C + h^2/4 K at the end of the step, into `rows`."""
+    n = r.n
+    rows[:, :] = 0.0
+    for i in range(n):
+        rows[i, i] = dofs[i].mass * (1.0 + 0.5 * h * dofs[i].drag)
+    for e in range(r.m):
+        el = elements[e]
+        if not (el.closed and el.acts):
+            continue
+        k, c = _slopes(el, room)
+        size = 0.25 * h * h * k + 0.5 * h * c
+        weights[:] = 0.0
+        weights[el.left] += 1.0
+        weights[el.right] -= el.hold
+        for x in range(el.first, el.last):
+            weights[terms[x].dof] += terms[x].weight
+        for i in range(n):
+            if weights[i] != 0.0:
+                for j in range(n):
+                    rows[i, j] += size * weights[i] * weights[j]
+        if e < n and el.load != 0.0:
+            size = -0.25 * h * h * el.load
+            rows[e, e] += size
+            if dofs[e].below != 0.0:
+                rows[e - 1, e - 1] += size
+                rows[e, e - 1] -= size
+                rows[e - 1, e] -= size
+
+
+@njit(**CALLED)
+def _solve_in_place(rows, x):
+    """x = rows^-1 x by Gauss's elimination with pivots; both are overwritten."""
+    n = x.size
+    for i in range(n):
+        pivot = i
+        for j in range(i + 1, n):
+            if abs(rows[j, i]) > abs(rows[pivot, i]):
+                pivot = j
+        if pivot != i:
+            for j in range(i, n):
+                rows[i, j], rows[pivot, j] = rows[pivot, j], rows[i, j]
+            x[i], x[pivot] = x[pivot], x[i]
+        for j in range(i + 1, n):
+            part = rows[j, i] / rows[i, i]
+            if part != 0.0:
+                for k in range(i, n):
+                    rows[j, k] -= part * rows[i, k]
+                x[j] -= part * x[i]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            x[i] -= rows[i, j] * x[j]
+        x[i] /= rows[i, i]
+
+
+@njit(**PART)
+def _newmark(dofs, elements, terms, r, room, kept, rows, weights, x, h, ground):
+    """The average acceleration, by Newton's method; whether it found a root."""
+    kept[:] = elements
+    n = r.n
+    for i in range(n):  # as a first guess the acceleration stays
+        dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * r.g0 + dofs[i].loaded * ground
+    for _ in range(ITERATIONS):
+        for i in range(n):
+            d = dofs[i]
+            both = d.a0 - d.loaded * r.g0 + d.a1 - d.loaded * ground
+            d.u1 = d.u0 + h * d.w[0] + 0.25 * h * h * both
+            d.v1 = d.w[0] + 0.5 * h * both
+        elements[:] = kept
+        ends_of_elements(dofs, elements, terms, r)
+        for e in range(r.m):
+            _settle(elements[e], room)
+        _pushes(dofs, elements, terms, r, room, ground)
+        left = most = 0.0
+        for i in range(n):
+            d = dofs[i]
+            inertia = d.mass * (d.a1 - d.loaded * ground)
+            x[i] = -(inertia + d.push)
+            left, most = max(left, abs(x[i])), max(most, max(abs(inertia), abs(d.push)))
+        if left <= CONVERGED * most:
+            return True
+        _matrix(dofs, elements, terms, r, room, h, rows, weights)
+        _solve_in_place(rows, x)
+        for i in range(n):
+            dofs[i].a1 += x[i]
+    elements[:] = kept
+    return False
+
+
+@njit(**KERNEL)
+def march(dofs, elements, terms, run, series, columns, room, ground, slopes, parts, method):
+    """Run a scene in `parts` equal steps a sample of the motion, by a method of `FIXED`."""
+    r = run[0]
+    begin(dofs, elements, terms, r, series)
+    n = r.n
+    kept, rows = elements.copy(), np.zeros((n, n))
+    weights, x, half = np.zeros(n), np.zeros(n), np.zeros(n)
+    for e in range(r.m):
+        _settle(elements[e], room)
+    r.g0 = ground[0]
+    _pushes(dofs, elements, terms, r, room, r.g0)
+    for i in range(n):
+        dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * r.g0
+    whole, first = r.dt / parts, True
+    for segment in range(ground.size):
+        elapsed = 0.0
+        h = whole
+        while r.status == DONE and elapsed < r.dt * (1.0 - 1e-12):
+            h = min(h, r.dt - elapsed)
+            if abs(h - whole) < 1e-9 * whole:
+                h = whole
+            r.g0 = ground[segment] + slopes[segment] * elapsed
+            g1 = ground[segment] + slopes[segment] * (elapsed + h)
+            if method == 0:
+                found = _central_difference(dofs, elements, terms, r, room, half, h, g1, first)
+            else:
+                found = _newmark(dofs, elements, terms, r, room, kept, rows, weights, x, h, g1)
+            if not found:
+                r.trials += 1
+                h *= 0.5
+                if h < SHORTEST * whole:
+                    r.status = NO_ROOT
+                continue
+            first = False
+            _end(dofs, elements, terms, r, room, h)
+            _raise_columns(elements, terms, r, columns, room)
+            elapsed += h
+            r.time = segment * r.dt + elapsed
+            h = whole
+        if r.status != DONE:
+            break
+    return r.status
+
+
+def integrate(run: Any, ground: np.ndarray, slopes: np.ndarray) -> None:
+    """Run a `solve.Prepared` at the longest step not above its own that divides the motion's."""
+    data = run.data
+    parts = steps_a_sample(run.scene.motion.dt, run.time_step)
+    march(
+        data.dofs, data.elements, data.terms, data.run, data.series, data.columns, data.room, ground, slopes, parts,
+        FIXED.index(run.method.name),
+    )  # fmt: skip

@@ -1,0 +1,45 @@
+"""Options of numba for the pieces of a run, where its compiled code is kept, and numbers that all pieces share."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+
+INVERSE = np.concatenate(([0.0], 1.0 / np.arange(1.0, 64.0)))
+"""1 / k."""
+
+FLOAT = np.arange(64.0)
+"""k."""
+
+COMMON: dict[str, Any] = {"fastmath": {"contract", "nsz", "arcp", "reassoc"}, "error_model": "numpy"}
+"""Fused products and free order of sums; values that are not finite keep their meaning."""
+
+CALLED = COMMON
+"""Of a function that is called."""
+
+PART = {**COMMON, "forceinline": True}
+"""Of one that becomes part of its callers."""
+
+KERNEL = {**COMMON, "cache": True, "nogil": True}
+"""Of a kernel: kept on disk, and other threads go on while it runs."""
+
+
+def _digest() -> str:
+    """SHA-256 over the sources of solver and laws: numba does not see that a function that a kernel calls changed."""
+    sha = hashlib.sha256()
+    package = Path(__file__).parent.parent
+    for folder in ("laws", "solver"):
+        for source in sorted((package / folder).glob("*.py")):
+            sha.update(source.name.encode() + source.read_bytes())
+    return sha.hexdigest()[:16]
+
+
+FOLDER = Path(os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache") / "pounding_cli" / _digest()
+"""Where compiled kernels are kept."""
+
+setattr(numba.config, "CACHE_DIR", str(FOLDER))  # noqa: B010 (numba makes its settings as it is imported)

@@ -1,0 +1,211 @@
+"""What a run has left: its response, and its energy balance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pounding_cli.model.scene import Scene
+from pounding_cli.solver import records
+from pounding_cli.solver.assemble import Layout, struck_columns
+from pounding_cli.solver.flags import collapse_flag, flags_of
+from pounding_cli.solver.records import Data
+from pounding_cli.solver.response import (
+    COLLAPSED,
+    DONE,
+    OUTCOMES,
+    BuildingResponse,
+    ColumnResponse,
+    LinkResponse,
+)
+
+Outcome = tuple[str, str]
+"""How a run ended, in words, and what to do about it."""
+
+ENDS: dict[int, Outcome] = {
+    records.DONE: (DONE, ""),
+    records.COLLAPSED: (COLLAPSED, ""),
+    records.EVENT_BOUND: (
+        "event bound reached",
+        "the floors strike each other too often: check the stiffness and damping of the links",
+    ),
+    records.STEP_BOUND: (
+        "step bound reached",
+        "a part of the scene is far stiffer than the rest: check stiffnesses and masses",
+    ),
+    records.NOT_FINITE: (
+        "not finite",
+        "the numbers exceed the range of double precision: check masses and stiffnesses",
+    ),
+    records.STALLED: ("stalled", "events repeat without advancing in time: check for links whose force jumps"),
+    records.NO_ROOT: (
+        "no root",
+        "Newton's method found no root at any step, because a contact force jumps: use a method with events, such as "
+        "taylor",
+    ),
+    records.UNSTABLE: ("unstable step", "the solution would grow without bound: use a shorter time step, or taylor"),
+}
+"""What a kernel says to the words a user reads and what to do about it."""
+
+LEAST_RESIDUAL = 1e-8
+"""Energy residual over the input that is always allowed; a run asked for less accuracy may leave as much open as
+that."""
+
+OPEN_BALANCE: Outcome = (
+    "energy does not close",
+    "the error of the series exceeds the accuracy asked: set a finer accuracy, or reduce extreme stiffnesses",
+)
+
+
+NO_FLAGS: tuple[str, ...] = ()
+
+
+def outcome_of(data: Data, accuracy: float, residual: float) -> Outcome:
+    """How a run ended: none with numbers that are not finite, or an energy balance that does not close, is done."""
+    end = ENDS[int(data.run["status"][0])]
+    if end[0] not in OUTCOMES:
+        return end
+    numbers = [data.dofs[name] for name in ("u_max", "u_min", "a_max", "u0")]
+    numbers += [data.elements[name] for name in ("peak_v", "peak_f", "impulse", "time")]
+    finite = all(bool(np.isfinite(each[each != -np.inf]).all()) for each in numbers)
+    if not finite:
+        return ENDS[records.NOT_FINITE]
+    return OPEN_BALANCE if not abs(residual) <= max(accuracy, LEAST_RESIDUAL) else end
+
+
+def buildings_of(layout: Layout, data: Data) -> tuple[BuildingResponse, ...]:
+    """The peaks of every building."""
+    elements, dofs = data.elements, data.dofs
+    furthest = np.maximum(dofs["u_max"], -dofs["u_min"])
+    found = []
+    for b, building in enumerate(layout.buildings):
+        span = layout.floors[b]
+        storeys, floors = elements[span], dofs[span]
+        drift = storeys["peak_v"].copy()
+        shear = np.where(storeys["yields"] > 0, storeys["peak_f"], building.stiffness * drift)
+        found.append(
+            BuildingResponse(
+                shear,
+                drift,
+                drift / building.yield_drift,
+                floors["a_max"].copy(),
+                floors["u_max"].copy(),
+                floors["u_min"].copy(),
+                storeys["v1"].copy(),
+                float(furthest[layout.bases[b]]) if layout.bases[b] >= 0 else 0.0,
+                float(furthest[layout.feet[b]]) if layout.feet[b] >= 0 else 0.0,
+            )
+        )
+    return tuple(found)
+
+
+def links_of(layout: Layout, data: Data) -> LinkResponse:
+    """The peaks of every link."""
+    links = data.elements[layout.of_links]
+    time = links["time"].copy()
+    time[[n for n, link in enumerate(layout.links) if not link.law.can_close]] = 0.0
+    closing = links["peak_v"] + links["offset"]
+    return LinkResponse(links["hits"].copy(), links["peak_f"].copy(), closing, links["impulse"].copy(), time)
+
+
+def columns_of(layout: Layout, data: Data) -> ColumnResponse:
+    """The shears of struck columns, one entry for each link that asks for them."""
+    struck = struck_columns(layout.links)
+    if not struck:
+        return ColumnResponse()
+    below, above = data.columns["peak"].reshape(-1, 2).T.copy()
+    strength = [each.share * layout.buildings[each.building].yield_shear[each.storey - 1] for each in struck]
+    demand = np.maximum(below, above) / np.array(strength, float)
+    demand[np.isinf(strength)] = np.nan
+    return ColumnResponse(np.array([each.link for each in struck], np.int64), below, above, demand)
+
+
+def stored_in_storeys(
+    layout: Layout, deformation: np.ndarray, force: np.ndarray, u: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(energy in storeys and foundations [J], of them in storeys that yield) at deformations [m], forces without
+    dashpots [N] and displacements [m], shape (..., n) each. What the weights have lost in height by P-Delta counts as
+    less than nothing."""
+    n = layout.number
+    elements = layout.elements[:n]
+    yields = elements["yields"] > 0
+    stored = np.where(yields, 0.0, 0.5 * elements["p"][:, 0] * deformation[..., :n] ** 2)
+    for b, building in enumerate(layout.buildings):
+        first = layout.floors[b].start
+        for j in np.flatnonzero(yields[layout.floors[b]]).tolist():
+            place = first + j
+            stored[..., place] = building.laws[j].stored(deformation[..., place], force[..., place])
+    below = np.concatenate((np.zeros((*u.shape[:-1], 1)), u[..., :-1]), axis=-1)
+    leaned = u - layout.dofs["below"] * below
+    lost = 0.5 * np.sum(elements["load"] * leaned**2, axis=-1)
+    return stored.sum(axis=-1) - lost, stored[..., yields].sum(axis=-1)
+
+
+def balance(layout: Layout, data: Data, before: float = 0.0) -> dict[str, float]:
+    """The energy balance [J]; `residual` is what is missing over the largest entry [-], or over what storeys held at
+    their peaks if that is more: a run may have given back what it took in.
+
+    input : work of the ground, plus what the scene held at the start (`before`)
+    kinetic, stored, links_stored : held at the end
+    damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
+    """
+    dofs, elements, r, n = data.dofs, data.elements, data.run[0], layout.number
+    storeys, links = elements[:n], elements[layout.of_links]
+    kinetic = 0.5 * float(np.sum(dofs["mass"] * dofs["w"][:, 0] ** 2))
+    stored, yielding = stored_in_storeys(layout, storeys["v1"], forces_now(data, n), dofs["u0"])
+    in_links = links_stored(layout, data)
+    entries = {
+        "input": float(r["input"]) + before,
+        "kinetic": kinetic,
+        "stored": float(stored),
+        "links_stored": in_links,
+        "damping": float(r["drag"] + r["dashpots"] + elements["work"][n : layout.of_links.start].sum()),
+        "hysteresis": float(storeys["work"].sum() - yielding),
+        "links": float(links["work"].sum()) - in_links,
+    }
+    values = list(entries.values())
+    peaks = np.where(storeys["yields"] > 0, storeys["peak_f"], storeys["p"][:, 0] * storeys["peak_v"])
+    firm = storeys["p"][:, 0] > 0
+    held = 0.5 * float(np.sum(peaks[firm] ** 2 / storeys["p"][firm, 0]))
+    scale = max(held, *(abs(value) for value in values))
+    missing = values[0] - sum(values[1:])
+    return entries | {"residual": missing / scale if scale > 0 else 0.0}
+
+
+def forces_now(data: Data, n: int) -> np.ndarray:
+    """Forces of the first n elements, storeys, at the end of a run, without dashpots [N]."""
+    storeys = data.elements[:n]
+    force = storeys["k"] * storeys["v1"] + storeys["f0"]
+    for i in np.flatnonzero(storeys["smooth"]).tolist():
+        p, z = storeys["p"][i], storeys["h"][i, 0]
+        force[i] += (1.0 - p[2]) * p[0] * p[1] * z
+    return force
+
+
+def links_stored(layout: Layout, data: Data) -> float:
+    """Energy in all links at the end of a run [J]."""
+    links = data.elements[layout.of_links]
+    total = 0.0
+    for link, element in zip(layout.links, links, strict=True):
+        if not link.law.can_close:
+            continue
+        force = element["h"][0] if element["relaxation"] > 0 else element["k"] * element["v1"] + element["f0"]
+        total += link.law.stored(float(element["v1"] + element["offset"]), float(force))
+    return total
+
+
+def collapse_of(layout: Layout, data: Data) -> tuple[int, int]:
+    """(building from 0, storey from 1) of the storey that has drifted furthest of what it stands."""
+    storeys = data.elements[: layout.number]
+    parts = [storeys["peak_v"][span] / storeys["collapse"][span] for span in layout.floors]
+    building = int(np.argmax([part.max() for part in parts]))
+    return building, int(np.argmax(parts[building])) + 1
+
+
+def said_of(scene: Scene, layout: Layout, data: Data, status: str, links: LinkResponse) -> tuple[str, ...]:
+    """The flags of a run."""
+    said: tuple[str, ...] = ()
+    if status == COLLAPSED:
+        said += collapse_flag(scene, float(data.run["time"][0]), *collapse_of(layout, data))
+    if any(link.law.beyond_gap for link in layout.links):
+        said += flags_of(scene, links)
+    return said

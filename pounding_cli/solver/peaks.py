@@ -1,0 +1,142 @@
+"""The largest values of a run, between the ends of steps too."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from pounding_cli.solver.events import integral, rate_series
+from pounding_cli.solver.options import CALLED, FLOAT, INVERSE, PART
+from pounding_cli.solver.polynomial import highest
+
+
+@njit(**PART)
+def _may_turn(first, last, deviation):
+    """Whether a quantity may have its largest value inside the step: its slope differs from the mean by four chord
+    deviations at most."""
+    return not abs(last - first) > 4.0 * deviation
+
+
+@njit(**PART)
+def raise_peaks(dofs, elements, terms, r, series, columns):
+    """Raise every largest value that this step, up to s = run.end, exceeds."""
+    for i in range(r.n):
+        d = dofs[i]
+        if max(d.u0, d.u1) + d.du > d.u_max or min(d.u0, d.u1) - d.du < d.u_min:
+            d.u_max, d.u_min = max(d.u_max, d.u0, d.u1), min(d.u_min, d.u0, d.u1)
+            if _may_turn(d.u0, d.u1, d.du):
+                _displacement_peak(d, r)
+        largest = max(abs(d.a0), abs(d.a1))
+        if largest + (r.order - 2.0) * d.dv / r.h > d.a_max:  # a first bound of the chord deviation
+            _acceleration_peak(d, r, largest)
+    for e in range(r.m):
+        el = elements[e]
+        if _ends_rise(el, e < r.n):
+            rate_series(dofs, elements, terms, r, e)
+            _deformation_peaks(el, r, e < r.n)
+        if el.acts and (el.closed if e >= r.n else el.smooth):
+            _force_peak(el, r, series[el.row])
+    for c in range(r.columns):
+        _column_peak(dofs, elements, terms, r, series, columns[c])
+
+
+@njit(**PART)
+def _ends_rise(el, storey):
+    """Raise the largest |v| and |k v + f0| (without the dashpot) of a storey, or the largest v of a link, to the ends
+    of the step; whether it may rise above them inside."""
+    first, last = (abs(el.v0), abs(el.v1)) if storey else (el.v0, el.v1)
+    rises = max(first, last) + el.dv > el.peak_v
+    el.peak_v = max(el.peak_v, first, last)
+    if storey and el.yields and not el.smooth:
+        first, last = abs(el.k * el.v0 + el.f0), abs(el.k * el.v1 + el.f0)
+        rises = rises or max(first, last) + abs(el.k) * el.dv > el.peak_f
+        el.peak_f = max(el.peak_f, first, last)
+    return rises and _may_turn(el.v0, el.v1, el.dv)
+
+
+@njit(**CALLED)
+def _deformation_peaks(el, r, storey):
+    """The same inside the step, for an element whose rate stands in r.p."""
+    n = integral(r, 1.0, el.v0)
+    el.peak_v = highest(r, n, r.end, el.peak_v, storey)
+    if storey and el.yields and not el.smooth:
+        for k in range(n + 1):
+            r.p[k] *= el.k
+        r.p[0] += el.f0
+        el.peak_f = highest(r, n, r.end, el.peak_f, storey)
+
+
+@njit(**CALLED)
+def _displacement_peak(d, r):
+    """Largest and smallest displacement inside the step."""
+    p, absolute = r.p, r.h < 0.0
+    p[0] = d.u0
+    for k in range(r.order + 1):
+        p[k + 1] = d.w[k] * r.h * INVERSE[k + 1]
+    d.u_max = highest(r, r.order + 1, r.end, d.u_max, absolute)
+    for k in range(r.order + 2):
+        p[k] = -p[k]
+    d.u_min = -highest(r, r.order + 1, r.end, -d.u_min, absolute)
+
+
+@njit(**CALLED)
+def _acceleration_peak(d, r, largest):
+    """Largest |total acceleration| inside the step."""
+    deviation = 0.0
+    for k in range(3, r.order + 1):
+        deviation += FLOAT[k] * (FLOAT[k] - 1.0) * (FLOAT[k] - 2.0) * abs(d.w[k])
+    deviation *= 0.125 / r.h
+    if not largest + deviation > d.a_max:
+        return
+    d.a_max = max(d.a_max, largest)
+    if _may_turn(d.a0, d.a1, deviation):
+        p, absolute = r.p, r.h > 0.0
+        for k in range(r.order):
+            p[k] = (k + 1) / r.h * d.w[k + 1]
+        p[0] += r.g0
+        p[1] += r.g1
+        d.a_max = highest(r, r.order - 1, r.end, d.a_max, absolute)
+
+
+@njit(**CALLED)
+def _force_peak(el, r, s):
+    """Largest |force|, impulse and time of an element that acts."""
+    first, deviation, last, impulse = s.f[0], 0.0, 0.0, 0.0
+    for k in range(r.order - 1, -1, -1):
+        f = s.f[k]
+        last = last * r.end + f
+        impulse = impulse * r.end + f * INVERSE[k + 1]
+        deviation += k * (k - 1.0) * abs(f)
+    if el.relaxation > 0.0:
+        el.h[0] = last
+    el.impulse += impulse * r.h * r.end
+    el.time += r.h * r.end
+    deviation *= 0.125
+    if max(abs(first), abs(last)) + deviation > el.peak_f:
+        el.peak_f = max(el.peak_f, abs(first), abs(last))
+        if _may_turn(first, last, deviation):
+            p, absolute = r.p, r.h > 0.0
+            for k in range(r.order):
+                p[k] = s.f[k]
+            el.peak_f = highest(r, r.order - 1, r.end, el.peak_f, absolute)
+
+
+@njit(**CALLED)
+def _column_peak(dofs, elements, terms, r, series, column):
+    """Largest |shear| in struck columns: their share of the storey's, and what blows on them add at that end."""
+    el, p, absolute = elements[column.storey], r.p, r.h > 0.0
+    if el.smooth:
+        s = series[el.row]
+        n = r.order
+        for k in range(n):
+            p[k] = column.share * s.f[k]
+    else:
+        rate_series(dofs, elements, terms, r, np.int64(column.storey))
+        n = integral(r, column.share * el.k, column.share * (el.k * el.v0 + el.f0)) + 1
+    for x in range(column.first, column.last):
+        link = elements[terms[x].dof]
+        if link.closed and link.acts:
+            s = series[link.row]
+            for k in range(r.order):
+                p[k] += terms[x].weight * s.f[k]
+    column.peak = highest(r, n - 1, r.end, column.peak, absolute)

@@ -1,0 +1,138 @@
+"""What a run works on: one record per degree of freedom, one per element, and one for the step.
+
+An element is one-dimensional: it deforms by v = sum of weight x u over its degrees of freedom, less an offset (the gap
+of a contact), and its force acts back on the same degrees of freedom by the same weights. Element i < n is the *storey*
+below degree of freedom i (or the spring under a foundation), v = u_i - below u_(i-1) + lean u_foot, whose forces a walk
+up the storeys adds; the others are links. All have two ends and any number of further terms.
+
+SI units: m, m/s, N, kg, s, J; for a rocking base rad, N m, kg m2.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pounding_cli.laws.law import HISTORY, PARAMETERS
+
+ORDERS = 32
+"""Room for the orders of a series, a multiple of eight: no series has more than 31 terms."""
+
+MOST_POINTS = 12
+"""Places inside a step where powers are looked at, at most: a multiple of four."""
+
+
+def _dtype(**fields: str) -> np.dtype:
+    """Fields by kind: `f8="a b w:32"` are two numbers and a row of 32; whatever follows the kind's two letters tells
+    lists of one kind apart."""
+    made: list[Any] = []
+    for kind, names in fields.items():
+        for each in names.split():
+            name, _, shape = each.partition(":")
+            made.append((name, kind[:2], tuple(map(int, shape.split("x")))) if shape else (name, kind[:2]))
+    return np.dtype(made, align=True)
+
+
+DOF = _dtype(
+    # w: coefficients of the velocity in the step, zero beyond the order up to a multiple of eight [m/s]
+    # inside: the velocity at the places of the quadrature
+    # drag: mass-proportional damping [1/s]
+    # below: 1 where the storey stands on the degree of freedom before it; lean: what a unit of `foot` (rocking) adds to
+    # its drift; loaded: part of the mass that the ground accelerates
+    # u0 at the step's start; u1, v1, a1 at its end; a0 and a1 are total accelerations; du, dv chord deviations
+    # push: sum of forces of links, order by order
+    # allowed: 1 / what a term of the series may leave out; scale: recent acceleration
+    # apart: nine lines of the cache a record: eight (512 bytes) lie in the same places of it and slow the walks
+    f8=f"inv_mass drag below push allowed lean u0 a0 w:{ORDERS} inside:{MOST_POINTS} u1 v1 a1 du dv mass loaded scale"
+    " u_max u_min a_max apart:8",
+    u8="foot",
+)
+ELEMENT = _dtype(
+    # present branch, see laws.law.Behaviour; stiffness: k, less the load over the height of P-Delta
+    # previous: rate of the order before
+    # v0, r0 deformation and rate at the step's start, v1, r1 at its end, dv, dr chord deviations
+    # exact: deformation at the guard just met; at: where in the step the branch ends
+    # load: P / h of P-Delta [N/m]; collapse: drift at which the storey counts as collapsed [m]
+    # peak_v: largest |v| of a storey, v of a link; peak_f likewise
+    # impulse, time: of a link's force; work: done on it
+    f8="k c stiffness previous f0 low high slow fast cubic relaxation v0 v1 r0 r1 dv dr offset hold root exact"
+    " load collapse peak_v peak_f impulse time work at",
+    f8_history=f"p:{PARAMETERS} h:{HISTORY}",
+    # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
+    # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
+    # yields: 1 for a storey whose work is kept; eased: 1 for a contact that DOP853 steps (`events.FROM_REST`)
+    i8="kind branch levels cuts crosses smooth closed acts guard pinned stuck hits row state yields eased",
+    # v = u_left - hold u_right - offset + further terms, first to last; hold: 0 where the right end is the ground
+    u8="left right first last",
+)
+TERM = _dtype(f8="weight", u8="dof")
+"""Further term of an element; of a struck column the weight of a link's force in its shear."""
+
+COLUMN = _dtype(f8="share peak", u8="storey first last")
+"""Shear in struck columns: share of the storey's shear, and terms of links' forces."""
+
+SERIES = _dtype(
+    # of a link that acts: deformation, rate, force, and two that a cubic force needs
+    f8=" ".join(f"{name}:{ORDERS}" for name in ("v", "rate", "f", "square", "cubic_root")),
+    u8="element",
+)
+RUN = _dtype(
+    f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset input drag dashpots time",
+    i8="n m drags columns points trials active max_order order steps events orders instant status smooth always_smooth"
+    " has_lean size most_steps most_events collapses output still",
+    # p: room for one polynomial; powers: of the places inside a step
+    f8_=f"p:{ORDERS + 8} powers:{MOST_POINTS}x{ORDERS}",
+)
+
+DONE, COLLAPSED, STEP_BOUND, EVENT_BOUND, STALLED, NOT_FINITE, NO_ROOT, UNSTABLE = range(8)
+"""How a run ends: run.status."""
+
+
+class Room(NamedTuple):
+    """Room for steps by DOP853: states, derivatives at the stages, sizes of states; the operations of all formulas and
+    the registers they fill."""
+
+    Y: np.ndarray
+    K: np.ndarray
+    scale: np.ndarray
+    operations: np.ndarray
+    registers: np.ndarray
+
+
+class Watch(NamedTuple):
+    """What is kept over time.
+
+    times : from 0, shape (t,) [s]
+    dofs : displacement [m], velocity [m/s] and total acceleration [m/s2], shape (t, n, 3)
+    elements : deformation [m] and force without dashpots of storeys [N], shape (t, m, 2)
+    energy : work of the ground, what damping took, work done on links [J], shape (t, 3)
+    storeys : work done on storeys that yield [J], shape (t, n)
+    """
+
+    times: np.ndarray
+    dofs: np.ndarray
+    elements: np.ndarray
+    energy: np.ndarray
+    storeys: np.ndarray
+
+
+class Data(NamedTuple):
+    """The arrays of a run; all functions take them in this order, with the one record of `run` as r.
+
+    dofs, elements, terms : records; `terms` are those of links and of struck columns
+    run : one record
+    series : of the links whose force is not zero; those of smooth storeys stand behind them
+    columns : of struck columns, one at least
+    room : None where all laws have Taylor series
+    watch : what is kept over time, of no times where nothing is
+    """
+
+    dofs: np.ndarray
+    elements: np.ndarray
+    terms: np.ndarray
+    run: np.ndarray
+    series: np.ndarray
+    columns: np.ndarray
+    room: Room | None
+    watch: Watch

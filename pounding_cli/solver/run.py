@@ -1,0 +1,171 @@
+"""The run: steps that end at a sample of the ground motion, at an output time, or exactly at an event, whichever is
+first."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from pounding_cli.solver.energy import add_energy
+from pounding_cli.solver.events import (
+    RATE,
+    VALUE,
+    commit,
+    end_at,
+    ends_of_elements,
+    enter_all,
+    first_event,
+    summarise,
+    unpin,
+)
+from pounding_cli.solver.options import CALLED, KERNEL, PART
+from pounding_cli.solver.peaks import raise_peaks
+from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, STALLED, STEP_BOUND
+from pounding_cli.solver.series import expand, shorten, shrink, start
+from pounding_cli.solver.smooth import end_of_smooth, take_smooth
+from pounding_cli.solver.watch import keep
+
+FORGET = 0.9
+"""What is left of an acceleration as a scale after one step."""
+
+INSTANT = 1e-15
+"""Part of a step [-] in which time does not go on."""
+
+SHORTEST = 1e-14
+"""Part of a step to which series are never shortened: their numbers are not finite."""
+
+AT_INSTANT = 20, 4
+"""Events at one instant after which a run has stalled: so many, and so many more an element."""
+
+NEAR = 1e-9
+"""Part of a sample of the motion [-] within which two times are one."""
+
+
+@njit(**PART)
+def begin_step(r, elapsed, g, slope, output):
+    """Length of the next step, and the ground in it; whether it reaches the end of the segment."""
+    h = r.dt - elapsed
+    whole = h <= r.longest
+    if not whole:
+        h /= np.ceil(h / r.longest - 1e-9)
+    if output < h - NEAR * r.dt:
+        h, whole = output, False
+    r.h, r.end = h, 2.0
+    r.g0, r.g1 = g + slope * elapsed, slope * h
+    return whole
+
+
+@njit(**PART)
+def advance(dofs, elements, r):
+    """The end of this step is the start of the next."""
+    for i in range(r.n):
+        d = dofs[i]
+        d.scale = max(FORGET * d.scale, abs(d.a0), abs(d.a1))
+        d.u0 = d.u1
+        d.w[0] = d.v1
+        if d.u0 != 0.0 or d.w[0] != 0.0:
+            r.still = 0
+    for e in range(r.m):
+        el = elements[e]
+        el.v0 = el.exact if el.pinned == VALUE else el.v1
+        if el.pinned < RATE:
+            el.r0 = el.r1
+
+
+@njit(**PART)
+def count(r, happened):
+    """Count a step and see whether the run may go on."""
+    r.steps += 1
+    r.orders += r.order
+    if r.end > INSTANT:
+        r.instant = 0
+    if happened:
+        r.instant += 1
+        if r.instant > AT_INSTANT[0] + AT_INSTANT[1] * r.m:
+            r.status = STALLED
+    if r.steps > r.most_steps:
+        r.status = STEP_BOUND
+    if r.events > r.most_events:
+        r.status = EVENT_BOUND
+
+
+@njit(**CALLED)
+def begin(dofs, elements, terms, r, series):
+    """The branches of all elements, and their deformations at the displacements and velocities of the start."""
+    r.status, r.still = DONE, 1
+    for i in range(r.n):
+        d = dofs[i]
+        if d.u0 != 0.0 or d.w[0] != 0.0:
+            r.still = 0
+        d.u1, d.v1 = d.u0, d.w[0]
+        d.u_max = d.u_min = d.u0
+    ends_of_elements(dofs, elements, terms, r)
+    enter_all(elements, r, series)
+    for e in range(r.m):
+        el = elements[e]
+        el.v0, el.r0 = el.v1, el.r1
+        el.peak_v = abs(el.v0) if e < r.n else el.v0
+
+
+@njit(**KERNEL)
+def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, slopes):
+    """Run a scene through the whole motion; `ground` [m/s2] and `slopes` [m/s3] of its segments of run.dt each. How it
+    ends is run.status.
+
+    Without `room` for steps by DOP853 (None) a kernel is compiled that has series alone.
+    """
+    r = run[0]
+    begin(dofs, elements, terms, r, series)
+    if watch.times.size > 0:
+        keep(dofs, elements, r, room, watch)
+    pinned = False
+    for segment in range(ground.size):
+        elapsed, r.longest = 0.0, r.dt
+        while r.status == DONE and elapsed < r.dt:
+            output = np.inf
+            if r.output < watch.times.size:
+                output = watch.times[r.output] - (segment * r.dt + elapsed)
+            whole = begin_step(r, elapsed, ground[segment], slopes[segment], output)
+            planned, shortened, smooth = r.h, False, r.smooth
+            if smooth:
+                if room is not None:
+                    take_smooth(dofs, elements, terms, r, series, room)
+                    shortened = r.h < planned
+            else:
+                start(dofs, elements, terms, r, series)
+                if not expand(dofs, elements, terms, r, series):
+                    ratio = shrink(dofs, elements, r, series)
+                    if not ratio > SHORTEST:
+                        r.status = NOT_FINITE
+                    shortened = shorten(dofs, r, series, ratio)
+            if r.status != DONE:
+                break
+            summarise(dofs, elements, terms, r)
+            happened = first_event(dofs, elements, terms, r, series)
+            if r.end < 1.0:
+                end_at(dofs, elements, terms, r)
+            else:
+                r.end = 1.0
+            if room is not None:
+                if smooth:
+                    end_of_smooth(dofs, elements, r, room)
+            add_energy(dofs, elements, r, series)
+            raise_peaks(dofs, elements, terms, r, series, columns)
+            if pinned and r.end > INSTANT:
+                unpin(elements, r)
+                pinned = False
+            advance(dofs, elements, r)
+            count(r, happened)
+            elapsed += r.h * r.end
+            r.time = segment * r.dt + elapsed
+            if output <= r.h * r.end + NEAR * r.dt:
+                keep(dofs, elements, r, room, watch)
+            if happened:
+                commit(dofs, elements, terms, r, series)
+                pinned = True
+                r.longest = r.dt
+            if whole and not shortened and r.end == 1.0:
+                break
+        if r.status != DONE:
+            break
+    return r.status

@@ -1,0 +1,252 @@
+"""The Taylor series of a step: every order from the one before by the equations of motion (Jorba & Zou 2005).
+
+Time runs as s = (t - t0) / h from 0 to 1. `w[k]` of a degree of freedom is coefficient k of its velocity; that of the
+displacement is h / k w[k - 1]. Each order is one walk over the links that act and one over the storeys, from the ground
+up.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from pounding_cli.solver.options import CALLED, INVERSE, PART
+
+MIN_ORDER = 4
+"""No series is shorter."""
+
+ORDER_FROM_REST = 30
+"""Of the first series of a run from rest: floors n storeys up that touch begin to close by t^(2 n + 2)."""
+
+LAST_DIGITS, LAST_OF_FIT = 1e-13, 1e-10
+"""Part of its terms [-] below which a sum is rounding: floors that move alike. The second is for coefficients that a
+polynomial was fitted to (`smooth`), which multiplies rounding."""
+
+
+@njit(**PART)
+def told(total, size, rounding):
+    """A sum of terms whose sizes add up to `size`, or exactly 0 where what is left of them is rounding."""
+    return total if abs(total) > rounding * size else 0.0
+
+
+@njit(**PART)
+def line_force(e, v, r):
+    """Force [N] of the line, cubic or relaxing force of a branch, at the deformation v [m] and the rate r [m/s]."""
+    if e.relaxation > 0.0:
+        return e.h[0]
+    f = e.k * v + e.c * r + e.f0
+    if e.cubic != 0.0:
+        f += e.cubic * v**3 + e.root * math.sqrt(e.k + 3.0 * e.cubic * v * v) * r
+    return f
+
+
+@njit(**PART)
+def _link_rate(dofs, terms, k, el):
+    """Order k of the rate of a link."""
+    rate = dofs[el.left].w[k] - dofs[el.right].w[k]
+    for x in range(el.first, el.last):
+        rate += terms[x].weight * dofs[terms[x].dof].w[k]
+    return rate
+
+
+@njit(**PART)
+def push(dofs, terms, el, f):
+    """Let the force f of a link act on its degrees of freedom."""
+    dofs[el.left].push += f
+    dofs[el.right].push -= f
+    for x in range(el.first, el.last):
+        dofs[terms[x].dof].push += terms[x].weight * f
+
+
+@njit(**PART)
+def start(dofs, elements, terms, r, series):
+    """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
+    for i in range(r.n):
+        dofs[i].push = dofs[i].mass * dofs[i].loaded * r.g0
+    for a in range(r.active):
+        s = series[a]
+        el = elements[s.element]
+        f = line_force(el, el.v0, el.r0)
+        s.v[0], s.rate[0], s.f[0] = el.v0, el.r0, f
+        el.previous = el.r0
+        if el.cubic != 0.0:
+            s.square[0] = el.v0 * el.v0
+            s.cubic_root[0] = math.sqrt(el.k + 3.0 * el.cubic * s.square[0])
+        if el.acts:
+            push(dofs, terms, el, f)
+    for i in range(r.n):
+        el, d = elements[i], dofs[i]
+        f = line_force(el, el.v0, el.r0)
+        if r.has_lean:
+            dofs[d.foot].push += d.lean * f
+        if el.load != 0.0:
+            f -= el.load * (d.u0 - d.below * dofs[i - 1].u0)
+        d.push += f
+        if d.below != 0.0:
+            dofs[i - 1].push -= f
+    for i in range(r.n):
+        d = dofs[i]
+        a = -d.inv_mass * d.push - d.drag * d.w[0]
+        d.push = d.mass * d.loaded * r.g1
+        d.a0 = a + r.g0
+        d.w[1] = a * r.h
+        d.allowed = 1.0 / (r.tolerance * max(d.scale, r.least))
+
+
+@njit(**PART)
+def _cubic_term(el, s, k, v, rate):
+    """Order k of the force k v + p v^3 + root sqrt(k + 3 p v^2) v' [N]."""
+    s.v[k], s.rate[k] = v, rate
+    square = cube = root = dash = 0.0
+    for j in range(k + 1):
+        square += s.v[j] * s.v[k - j]
+    s.square[k] = square
+    for j in range(1, k):
+        root += s.cubic_root[j] * s.cubic_root[k - j]
+    s.cubic_root[k] = (3.0 * el.cubic * square - root) / (2.0 * s.cubic_root[0])
+    for j in range(k + 1):
+        cube += s.square[j] * s.v[k - j]
+        dash += s.cubic_root[j] * s.rate[k - j]
+    return el.k * v + el.cubic * cube + el.root * dash
+
+
+@njit(**PART)
+def _push_of_links(dofs, elements, terms, series, count, k, part):
+    """Order k of the forces of the links that act; `part` is h / k. Returns the largest term of a force that is cut
+    off, over what may be left out: it moves no floor, but its sign is asked for."""
+    largest = 0.0
+    for a in range(count):
+        s = series[a]
+        el = elements[s.element]
+        rate = _link_rate(dofs, terms, k, el)
+        v = part * el.previous
+        el.previous = rate
+        if el.relaxation > 0.0:  # F' = k v' - F / relaxation time
+            f = el.k * v - el.relaxation * part * s.f[k - 1]
+        elif el.cubic != 0.0:
+            f = _cubic_term(el, s, k, v, rate)
+        else:
+            f = el.k * v + el.c * rate
+        s.v[k], s.rate[k], s.f[k] = v, rate, f
+        if el.acts:
+            push(dofs, terms, el, f)
+        else:
+            one, other = dofs[el.left], dofs[el.right]
+            largest = max(largest, abs(f) * max(one.inv_mass * one.allowed, other.inv_mass * other.allowed))
+    return largest
+
+
+@njit(**PART)
+def _next_velocity(d, k, w, f, after):
+    """Order k + 1 of the velocity of a degree of freedom, where order k is w and the forces of its storeys add up to f;
+    returns the size of its acceleration, over what may be left out."""
+    a = -d.inv_mass * (f + d.push) - d.drag * w
+    d.push = 0.0
+    d.w[k + 1] = a * after
+    return abs(a) * d.allowed
+
+
+@njit(**PART)
+def _walk_up(dofs, elements, n, k, part, after):
+    """Order k of all storeys, from the ground up: a floor is done when the force of the storey above it is."""
+    size = left = before = own = 0.0
+    for i in range(n):  # from 0 on by the same sums, so that equal buildings move alike to the last digit
+        d, el = dofs[i], elements[i]
+        w, earlier = d.w[k], d.w[k - 1]
+        f = el.stiffness * (part * (earlier - d.below * before)) + el.c * (w - d.below * left)
+        if i > 0:
+            size = max(size, _next_velocity(dofs[i - 1], k, left, own - d.below * f, after))
+        left, before, own = w, earlier, f
+    return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
+
+
+@njit(**PART)
+def _walk_up_leaning(dofs, elements, n, k, part, after):
+    """The same over bases that rock: these come after their floors, whose forces they feel. The weight on a storey
+    acts on the floors alone."""
+    size = left = before = own = 0.0
+    for i in range(n):
+        d, el = dofs[i], elements[i]
+        w, earlier, foot = d.w[k], d.w[k - 1], dofs[d.foot]
+        moved, rate = part * (earlier - d.below * before), w - d.below * left
+        f = el.k * (moved + d.lean * part * foot.w[k - 1]) + el.c * (rate + d.lean * foot.w[k])
+        foot.push += d.lean * f
+        f -= el.load * moved
+        if i > 0:
+            size = max(size, _next_velocity(dofs[i - 1], k, left, own - d.below * f, after))
+        left, before, own = w, earlier, f
+    return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
+
+
+@njit(**PART)
+def expand(dofs, elements, terms, r, series):
+    """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
+    the highest one. Returns whether they are; the order goes to run.order."""
+    n, h, count, has_lean = r.n, r.h, r.active, r.has_lean
+    least = ORDER_FROM_REST if r.still else MIN_ORDER
+    most = max(r.max_order, least)
+    small, k = 0, 1
+    while (small < 2 or k <= least) and k < most:
+        part, after = h * INVERSE[k], h * INVERSE[k + 1]
+        size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
+        if has_lean:
+            size = max(size, _walk_up_leaning(dofs, elements, n, k, part, after))
+        else:
+            size = max(size, _walk_up(dofs, elements, n, k, part, after))
+        small = small + 1 if size < 1.0 else 0
+        k += 1
+    r.order = k
+    return small > 1
+
+
+@njit(**PART)
+def shrink(dofs, elements, r, series):
+    """The part of the step in which the last two terms are small enough [-]; NaN beyond the range of doubles."""
+    worst = 0.0
+    for k in (r.order - 1, r.order):
+        size = 0.0
+        for i in range(r.n):
+            size = max(size, abs(dofs[i].w[k]) * k / r.h * dofs[i].allowed)
+        for a in range(r.active):
+            el = elements[series[a].element]
+            if not el.acts:
+                one, other = dofs[el.left], dofs[el.right]
+                most = max(one.inv_mass * one.allowed, other.inv_mass * other.allowed)
+                size = max(size, abs(series[a].f[k - 1]) * most)
+        if not size < 1e300:
+            return np.nan
+        if size > 0.0:
+            worst = max(worst, size ** (1.0 / (k - 1)))
+    return 0.9 / worst if worst > 0.9 else 1.0
+
+
+@njit(**PART)
+def rescale(dofs, r, series, ratio):
+    """Make the step `ratio` times as long: the motion is the same, s is measured anew."""
+    power = 1.0
+    for k in range(r.order + 1):
+        for i in range(r.n):
+            dofs[i].w[k] *= power
+        for a in range(r.active):
+            s = series[a]
+            s.v[k] *= power
+            s.rate[k] *= power
+            s.f[k] *= power
+        power *= ratio
+    r.h *= ratio
+    r.g1 *= ratio
+
+
+@njit(**CALLED)
+def shorten(dofs, r, series, ratio):
+    """Shorten a step whose series do not converge to about `ratio` of it; whether it was."""
+    if not ratio < 1.0:
+        return False
+    if ratio > 0.1:
+        ratio = 1.0 / np.ceil(1.0 / ratio)
+    rescale(dofs, r, series, ratio)
+    if ratio > 0.1:
+        r.longest = r.h
+    return True

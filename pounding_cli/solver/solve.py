@@ -1,0 +1,268 @@
+"""`solve`: one scene in, one response out, whatever the method."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from math import isfinite, nan
+from typing import Any
+
+import numpy as np
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.methods import METHODS, Method
+from pounding_cli.model.effects import effects_of
+from pounding_cli.model.scene import Scene
+from pounding_cli.solver import outcome, records
+from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments
+from pounding_cli.solver.records import Data
+from pounding_cli.solver.response import COLLAPSED, Response, nothing
+
+say: Callable[[str], None] = lambda text: None  # noqa: E731 (replaced by whoever shows progress)
+"""Told when something is about to be compiled, which takes its time."""
+
+_loaded: set[str] = set()
+
+Start = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
+
+
+def solve(
+    scene: Scene,
+    accuracy: float = 1e-6,
+    method: str = "taylor",
+    initial: Start | None = None,
+    bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    *,
+    time_step: float | None = None,
+) -> Response:
+    """The response of a scene.
+
+    Parameters
+    ----------
+    scene : in SI units
+    accuracy : wanted relative error of the peaks [-]; a method that takes a time step has no use for it
+    method : a key of METHODS
+    initial : floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; None is
+        rest
+    bounds : most steps, most events
+    time_step : of a method that takes one (`methods.METHODS`) [s]
+
+    Raises
+    ------
+    InputError : unknown method, a setting that it does not take or that is not above zero, or a scene that it does not
+        run
+    """
+    run = prepare(scene, accuracy, method, initial, bounds, time_step=time_step)
+    run.integrate()
+    return run.response()
+
+
+def solve_many(scenes: Iterable[Scene], accuracy: float = 1e-6, method: str = "taylor") -> list[Response]:
+    """The responses of scenes, in their order; other threads go on while they are solved. Errors as of `solve`."""
+    return [solve(scene, accuracy, method) for scene in scenes]
+
+
+@dataclass(eq=False)
+class Prepared:
+    """A scene laid out for its run; `integrate`, and then `response`, once each.
+
+    before : energy held at the start [J]
+    seconds : time inside the kernel [s]
+    limit : longest stable time step [s], where it was asked for
+    """
+
+    scene: Scene
+    layout: Layout
+    data: Data
+    method: Method
+    accuracy: float
+    time_step: float
+    before: float = 0.0
+    seconds: float = field(default=0.0, init=False)
+    limit: float = field(default=nan, init=False)
+
+    def integrate(self) -> None:
+        """Run it, with a kernel that is compiled or loaded first if it has to be."""
+        ready(self.method.name, self.data.room is not None)
+        ground, slopes = segments(self.scene)
+        begin = time.perf_counter()
+        if self.method.takes_step:
+            self._step(ground, slopes)
+        else:
+            _kernel()(*self.data, ground, slopes)
+        self.seconds = time.perf_counter() - begin
+
+    def _step(self, ground: np.ndarray, slopes: np.ndarray) -> None:
+        """By a method of fixed steps, unless the step is too long to be stable."""
+        from pounding_cli.solver import fixed_step, stability
+
+        if self.method.name == "central-difference":
+            dt = self.scene.motion.dt
+            self.limit = stability.central_difference_limit(self.layout)
+            if dt / fixed_step.steps_a_sample(dt, self.time_step) > self.limit:
+                self.data.run["status"] = records.UNSTABLE
+                return
+        fixed_step.integrate(self, ground, slopes)
+
+    @property
+    def is_done(self) -> bool:
+        """Whether its run went to the end of the motion, or to a collapse."""
+        return int(self.data.run["status"][0]) in (records.DONE, records.COLLAPSED)
+
+    def response(self) -> Response:
+        """What came of it."""
+        scene, layout, data, r = self.scene, self.layout, self.data, self.data.run[0]
+        energy: dict[str, float] = {}
+        fixed = self.method.takes_step
+        if not fixed:
+            with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
+                energy = outcome.balance(layout, data, self.before)
+        status, advice = outcome.outcome_of(data, self.accuracy, energy.get("residual", 0.0))
+        if int(r["status"]) == records.UNSTABLE:
+            longest = f"use a time step below {self.limit:.2g} s, or method: taylor"
+            advice = f"the solution would grow without bound: {longest}"
+        storeys = [building.storeys for building in layout.buildings]
+        buildings, links, columns = nothing(storeys, len(layout.links), len(layout.struck))
+        collapse, flags = (-1, 0), outcome.NO_FLAGS
+        final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
+        if status in outcome.OUTCOMES:
+            buildings, links = outcome.buildings_of(layout, data), outcome.links_of(layout, data)
+            columns = outcome.columns_of(layout, data)
+            collapse = outcome.collapse_of(layout, data) if status == COLLAPSED else collapse
+            flags = outcome.said_of(scene, layout, data, status, links)
+            if fixed and r["trials"]:
+                cut = f"Newton found no root in {r['trials']} of {r['steps']} steps, because a contact force jumps"
+                flags += (f"{cut}; these were cut in half",)
+            final = tuple((data.dofs["u0"][span].copy(), data.dofs["w"][span, 0].copy()) for span in layout.floors)
+        else:
+            energy = dict.fromkeys(energy, nan)
+            final = tuple((np.full(n, nan), np.full(n, nan)) for n in storeys)
+        effects = effects_of(scene)
+        return Response(
+            buildings, links, status, advice, self.method.name, nan if fixed else self.accuracy, int(r["steps"]),
+            int(r["events"]), self.seconds, energy, flags, effects.kept, effects.dropped, int(r["orders"]),
+            time_step=self.time_step if fixed else nan, final=final,
+            collapse_time=float(r["time"]) if status == COLLAPSED else nan, columns=columns,
+            collapse_building=collapse[0], collapse_storey=collapse[1],
+        )  # fmt: skip
+
+
+def prepare(
+    scene: Scene,
+    accuracy: float = 1e-6,
+    method: str = "taylor",
+    initial: Start | None = None,
+    bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    *,
+    time_step: float | None = None,
+    times: np.ndarray | None = None,
+) -> Prepared:
+    """A scene laid out for its run; `times` [s]: what is kept over time. Other parameters and errors as of `solve`."""
+    chosen, setting = chosen_method(method, accuracy, time_step)
+    if reason := refusal_of(chosen, scene):
+        hint = "write `method: taylor`, which runs every scene"
+        raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
+    layout = layout_of(scene.buildings, scene.links, scene.analysis)
+    always_smooth = chosen.name == "dop853"
+    data = records_of(
+        scene,
+        layout,
+        accuracy,
+        always_smooth=always_smooth,
+        has_room=chosen.takes_step,
+        initial=initial,
+        times=times,
+        bounds=bounds,
+    )
+    before = 0.0
+    if initial is not None:
+        before = _held_at_start(layout, data)
+    return Prepared(scene, layout, data, chosen, accuracy, setting if chosen.takes_step else nan, before)
+
+
+def _held_at_start(layout: Layout, data: Data) -> float:
+    """Energy in a scene at its initial displacements and velocities [J]: it has not yielded, and lies on its first
+    line."""
+    n, u = layout.number, data.dofs["u0"]
+    below = np.concatenate(([0.0], u[:-1])) * data.dofs["below"]
+    drift = u - below + data.dofs["lean"] * u[data.dofs["foot"].astype(int)]
+    stored = 0.5 * float(np.sum(data.elements["p"][:n, 0] * drift**2))
+    stored -= 0.5 * float(np.sum(data.elements["load"][:n] * (u - below) ** 2))
+    links = 0.0
+    for link, element in zip(layout.links, data.elements[layout.of_links], strict=True):
+        if link.law.can_close:
+            left, right, hold = int(element["left"]), int(element["right"]), float(element["hold"])
+            closing = u[left] - hold * u[right]
+            terms = data.terms[element["first"] : element["last"]]
+            closing += float(terms["weight"] @ u[terms["dof"].astype(int)])
+            links += link.law.stored(float(closing), float(element["p"][0] * closing))
+    return 0.5 * float(np.sum(data.dofs["mass"] * data.dofs["w"][:, 0] ** 2)) + stored + links
+
+
+def chosen_method(name: str, accuracy: float, time_step: float | None = None) -> tuple[Method, float]:
+    """The method of that name and its setting, checked.
+
+    Raises
+    ------
+    InputError : no such method, a setting that it does not take, or one that is not above zero
+    """
+    if name not in METHODS:
+        raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
+    method = METHODS[name]
+    if method.takes_step and time_step is None:
+        hint = "give it one, e.g. `time_step=1e-4` [s]; fixed steps do not use an accuracy"
+        raise InputError(Problem(f"method {name} takes a time step", hint))
+    if time_step is not None and not method.takes_step:
+        raise InputError(
+            Problem(f"method {name} does not use a time step", "leave it out; `accuracy` controls the cost")
+        )
+    setting = accuracy if time_step is None else time_step
+    if not (isfinite(setting) and setting > 0):
+        what = method.setting
+        hint = f"write e.g. `{what.key}: {what.example}`"
+        raise InputError(Problem(f"{what.title} is {setting:g}; it must be above zero", hint))
+    return method, setting
+
+
+def refusal_of(method: Method, scene: Scene) -> str:
+    """Why a method does not run a scene; "" when it does."""
+    if method.remembers:
+        return ""
+    if laws := sorted({link.kind for link in scene.links if link.law.remembers}):
+        return f"the force of {' and '.join(laws)} depends on events before, which it does not keep"
+    smooth = effects_of(scene).yielding
+    if smooth and (named := sorted({b.storey_law.name for b in scene.buildings if b.storey_law.flows})):
+        return f"the shear of {' and '.join(named)} storeys depends on all that went before, which it does not keep"
+    return ""
+
+
+def _kernel() -> Any:
+    from pounding_cli.solver.run import integrate
+
+    return integrate
+
+
+COMPILES = {
+    "taylor": "compiling the solver, once on this machine (half a minute)",
+    "dop853": "compiling the solver for smooth laws, once on this machine (half a minute)",
+    "fixed": "compiling the methods of fixed time steps, once on this machine (half a minute)",
+}
+"""What is said before a kernel is compiled."""
+
+
+def ready(method: str, has_room: bool) -> None:
+    """Say that a kernel is about to be compiled where it is not kept on disk."""
+    part = "fixed" if METHODS[method].takes_step else "dop853" if has_room else "taylor"
+    if part in _loaded:
+        return
+    from pounding_cli.solver.options import FOLDER
+
+    mark = FOLDER / f"{part}.compiled"
+    if not mark.exists():
+        say(COMPILES[part])
+    _loaded.add(part)
+    with contextlib.suppress(OSError):
+        FOLDER.mkdir(parents=True, exist_ok=True)
+        mark.touch()
