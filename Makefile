@@ -35,6 +35,7 @@ results/%/report.html: results/%.h5
 	$(POUND) report $< -o results/$*
 
 test: setup lint
+	$(BIN)/python -m tests.warm
 	$(BIN)/python -m pytest -n auto --dist loadgroup
 
 lint: setup
@@ -68,6 +69,7 @@ bench: setup
 # are compared with those kept there instead.
 reference: setup
 	nice -n 5 $(BIN)/python -m tests.physics.references $(CHECK)
+	POUND_NIGHTLY=1 $(BIN)/python -m pytest tests/docs/test_extending.py tests/docs/test_extending_laws.py
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # studies and motions.
