@@ -67,8 +67,9 @@ class TestEveryLaw:
     """Other scenes of a row."""
 
     def test_chain_of_ten(self, row: Row) -> None:
-        """What is solved with an estimate keeps its accuracy on ten buildings. Fails if a link takes another's building,
-        or a step is too long."""
+        """A run with an estimate keeps its accuracy on ten buildings.
+
+        Fails if a link takes another's building, or a step is too long."""
         coarse, fine = solve(row.chain(), 1e-6, estimate=True), solve(row.chain(), 1e-10)
         assert difference(coarse, fine) <= 1e-6
         assert coarse.impacts.tolist() == fine.impacts.tolist()
