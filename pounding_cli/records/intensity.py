@@ -6,6 +6,8 @@ quadratic, displacement piecewise cubic, the cumulative Arias intensity piecewis
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pounding_cli.records.motion import GRAVITY, Motion
@@ -39,29 +41,15 @@ def husid(motion: Motion) -> np.ndarray:
     return total / total[-1] if total[-1] > 0 else total
 
 
-def husid_times(motion: Motion, fractions: np.ndarray | tuple[float, ...]) -> np.ndarray:
-    """Times [s] at which the Husid curve reaches `fractions` in (0, 1), on its exact cubic; shape as given.
+def husid_times(motion: Motion, fractions: Sequence[float]) -> np.ndarray:
+    """Times [s] at which the Husid curve reaches `fractions` in (0, 1), in a straight line between samples.
 
     Raises ValueError for a motion at rest or a fraction outside (0, 1).
     """
-    wanted = np.atleast_1d(np.asarray(fractions, dtype=float))
-    total = cumulative_arias(motion)
-    if total[-1] <= 0:
-        raise ValueError("a motion at rest has no Husid curve")
-    if ((wanted <= 0) | (wanted >= 1)).any():
-        raise ValueError("a fraction of the Arias intensity lies between 0 and 1")
-    target = wanted * total[-1]
-    step = np.searchsorted(total, target, side="left") - 1
-    first, last = motion.acceleration[step], motion.acceleration[step + 1]
-    need = (target - total[step]) * 2.0 * GRAVITY / np.pi / motion.dt
-    # Bisection of p^2 x + p (q-p) x^2 + (q-p)^2 x^3 / 3 = need on [0, 1]: rising, so it cannot fail.
-    low, high = np.zeros_like(need), np.ones_like(need)
-    slope = last - first
-    for _ in range(60):
-        x = 0.5 * (low + high)
-        below = first**2 * x + first * slope * x**2 + slope**2 * x**3 / 3.0 < need
-        low, high = np.where(below, x, low), np.where(below, high, x)
-    return motion.dt * (step + 0.5 * (low + high))
+    curve = husid(motion)
+    if not curve[-1] > 0 or not all(0 < each < 1 for each in fractions):
+        raise ValueError("a motion that moves has a Husid curve, for fractions between 0 and 1")
+    return np.interp(fractions, curve, motion.dt * np.arange(curve.size))
 
 
 def significant_duration(motion: Motion, start: float = 0.05, end: float = 0.95) -> float:
@@ -130,22 +118,15 @@ def oscillator(
     return u, z.real + root.real * u
 
 
-def spectral_displacement(
-    motion: Motion, periods: np.ndarray | tuple[float, ...], damping: float = SPECTRUM_DAMPING
-) -> np.ndarray:
-    """Largest relative displacement [m] of oscillators with `periods` [s], between samples too."""
-    return np.array([_peak_displacement(motion, float(period), damping) for period in np.atleast_1d(periods)])
-
-
-def spectrum(motion: Motion, periods: np.ndarray | tuple[float, ...], damping: float = SPECTRUM_DAMPING) -> np.ndarray:
+def spectrum(motion: Motion, periods: Sequence[float] | np.ndarray, damping: float = SPECTRUM_DAMPING) -> np.ndarray:
     """Pseudo-acceleration response spectrum w^2 max|u| [m/s2] at `periods` [s], shape (len,).
 
     Exact for the straight line between samples: see `oscillator`; peaks between points come from the cubic
     through displacement and velocity (relative error below 1e-6).  Lasts as long as the motion does,
     without the free vibration after it.
     """
-    omega = 2.0 * np.pi / np.atleast_1d(np.asarray(periods, dtype=float))
-    return omega**2 * spectral_displacement(motion, periods, damping)
+    omega = 2.0 * np.pi / np.asarray(periods, dtype=float)
+    return omega**2 * np.array([_peak_displacement(motion, float(period), damping) for period in periods])
 
 
 def _peak_displacement(motion: Motion, period: float, damping: float) -> float:
