@@ -150,7 +150,7 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     if reading.unit_from == "nobody" or reading.stated:
         click.echo(f"Read {reading.words}; another unit: --unit cm/s2 --force")
     told = [f"  - {line}" for line in known.differences(motion)]
-    agrees = "It agrees with the catalogue in peak, Arias intensity, time step and length."
+    agrees = "It agrees with the catalogue in peak, Arias intensity and time step."
     click.echo("\n".join(["Differences from the catalogue:", *told]) if told else agrees)
     used, *_ = locate(name)
     if used != target:
@@ -159,10 +159,9 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
 
 def _print_measures(motion: Motion, title: str, place: str, read_as: str | None) -> None:
     from pounding_cli.records import GRAVITY, arias, pgv, significant_duration, spectrum
-    from pounding_cli.records.intensity import husid_times, pgd
+    from pounding_cli.records.intensity import displacement
 
-    first = float(husid_times(motion, (0.05,))[0])
-    d5_95 = significant_duration(motion)
+    first, last = significant_duration(motion)
     for label, value in (
         ("motion", f"{title} ({motion.source})"),
         ("from", place),
@@ -171,9 +170,9 @@ def _print_measures(motion: Motion, title: str, place: str, read_as: str | None)
         ("samples", f"{motion.acceleration.size} at {motion.dt:g} s: {motion.duration:g} s"),
         ("peak", f"{motion.pga / GRAVITY:.4f} g = {motion.pga:.4f} m/s2"),
         ("peak velocity", f"{pgv(motion):.4f} m/s"),
-        ("peak displacement", f"{pgd(motion):.4f} m (no baseline correction)"),
+        ("peak displacement", f"{abs(displacement(motion)).max():.4f} m (no baseline correction)"),
         ("Arias intensity", f"{arias(motion):.4f} m/s"),
-        ("D5-95", f"{d5_95:.3f} s, from {first:.3f} to {first + d5_95:.3f} s"),
+        ("D5-95", f"{last - first:.3f} s, from {first:.3f} to {last:.3f} s"),
     ):
         if value is not None:
             click.echo(f"{label:<18}{value}")

@@ -18,32 +18,3 @@ from pounding_cli.records.scaling import (
     spectrum_match,
 )
 from pounding_cli.records.units import UNITS, acceleration_unit
-
-__all__ = [
-    "FORMATS",
-    "GRAVITY",
-    "UNITS",
-    "Entry",
-    "Motion",
-    "Reading",
-    "SpectrumMatch",
-    "TargetSpectrum",
-    "acceleration_unit",
-    "arias",
-    "arias_factor",
-    "catalogue",
-    "entry",
-    "find",
-    "locate",
-    "names",
-    "pga_factor",
-    "pgv",
-    "pgv_factor",
-    "read_file",
-    "read_motion",
-    "sa_factor",
-    "significant_duration",
-    "spectrum",
-    "spectrum_factors",
-    "spectrum_match",
-]

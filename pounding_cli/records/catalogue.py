@@ -10,7 +10,7 @@ from __future__ import annotations
 import difflib
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from fnmatch import fnmatch
@@ -23,18 +23,14 @@ from pounding_cli.records.intensity import arias
 from pounding_cli.records.motion import GRAVITY, Motion
 from pounding_cli.records.reading import read_motion
 
-_DIFFERS = 0.02
-# Relative differences of peak and Arias intensity worth telling; two digitisations of one film often differ by more.
-
 
 @dataclass(frozen=True)
 class Entry:
-    """One motion of the paper's Table 1.
+    """One motion of the paper's Table 1, which prints `peak` [m/s2], `duration` [s] and `scale` [-].
 
-    `peak` [m/s2], `duration` [s] and `scale` [-] are what Table 1 prints. `facts` says more, as it stands in the file,
-    of the first `duration`: `peak_g` [g], `arias` [m/s], for a motion at hand `dt_s` [s] and `samples`, and `of`
-    whether they were measured ("real") or estimated ("estimate") from `sources`. `files` are the patterns of names
-    under which a raw file is known, each with how it is read.
+    facts : as in the file, of the first `duration`; among them `peak_g` [g], `arias` [m/s], `dt_s` [s] of a motion at
+        hand, and `of`: whether they were measured ("real") or estimated ("estimate") from `sources`
+    files : patterns of names under which a raw file is known, each with how it is read
     """
 
     name: str
@@ -48,8 +44,8 @@ class Entry:
     duration: float
     scale: float
     facts: Mapping[str, Any]
-    sources: tuple[str, ...]
-    files: tuple[Mapping[str, Any], ...]
+    sources: Sequence[str]
+    files: Sequence[Mapping[str, Any]]
 
     def differences(self, motion: Motion) -> Iterator[str]:
         """What of a motion differs from the catalogue, in words: length, peak, Arias intensity, time step."""
@@ -58,19 +54,15 @@ class Entry:
             yield f"length: {motion.duration:g} s, shorter than Table 1's {seconds}: all is used"
         known = "measured on a public digitisation" if facts["of"] == "real" else "estimated from Table 1"
         peak, found = window.pga / GRAVITY, arias(window)
-        if abs(peak / facts["peak_g"] - 1.0) > _DIFFERS:
+        if abs(peak / facts["peak_g"] - 1.0) > 0.02:
             against = f"{facts['peak_g']:.3f} g {known} and {self.peak / GRAVITY:.2f} g in Table 1"
             yield f"peak: {peak:.3f} g in the first {seconds}, against {against}"
-        if abs(found / facts["arias"] - 1.0) > _DIFFERS:
+        if abs(found / facts["arias"] - 1.0) > 0.02:
             change = f"an Arias scale changes by {(facts['arias'] / found) ** 0.5:.3f}"
             against = f"against {facts['arias']:.3f} m/s {known}: {change}"
             yield f"Arias intensity: {found:.3f} m/s in the first {seconds}, {against}"
-        if "dt_s" in facts:
-            step, length = facts["dt_s"], facts["dt_s"] * (facts["samples"] - 1)
-            if abs(motion.dt / step - 1.0) > 1e-6:
-                yield f"time step: {motion.dt:g} s, against {step:g} s: another digitisation"
-            if abs(motion.duration - length) > step:
-                yield f"whole length: {motion.duration:g} s, against {length:g} s: cut, or another digitisation"
+        if abs(motion.dt / facts.get("dt_s", motion.dt) - 1.0) > 1e-6:
+            yield f"time step: {motion.dt:g} s, against {facts['dt_s']:g} s: another digitisation"
 
 
 def shipped_folder() -> Path:
@@ -110,19 +102,12 @@ def catalogue() -> Mapping[str, Entry]:
     import yaml
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    raw = yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)
-    entries = {}
-    for name, told in raw["motions"].items():
-        printed = told.pop("table1")
-        told["sources"], told["files"] = tuple(told["sources"]), tuple(told.get("files", ()))
-        entries[name] = Entry(
-            name=name,
-            peak=printed["peak_g"] * GRAVITY,
-            duration=float(printed["duration_s"]),
-            scale=printed["scale"],
-            **{key: value for key, value in told.items() if key != "stand_in"},
-        )
-    return entries
+    raw = yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)["motions"]
+    for name, told in raw.items():
+        printed, _ = told.pop("table1"), told.pop("stand_in")
+        told |= {"name": name, "peak": printed["peak_g"] * GRAVITY, "scale": printed["scale"]}
+        told |= {"duration": float(printed["duration_s"]), "files": told.get("files", ())}
+    return {name: Entry(**told) for name, told in raw.items()}
 
 
 def names() -> tuple[str, ...]:
@@ -175,17 +160,11 @@ def keep(name: str, motion: Motion, origin: Path) -> Path:
     """Write a real motion into the user's folder as catalogue motion `name`, in m/s2 and in full: reading the file
     gives the very motion back.  The file."""
     known, path = entry(name), user_folder() / f"{name}.txt"
-    head = {
-        "motion": known.title,
-        "event": f"{known.event}, {known.date.isoformat()}",
-        "station": f"{known.station}, {known.component}",
-        "imported from": origin.name,
-        "name": name,
-        "unit": "m/s2",
-        "dt": f"{motion.dt!r} s",
-        "samples": motion.acceleration.size,
-    }
-    lines = [f"# {key}: {value}" for key, value in head.items()] + [repr(float(each)) for each in motion.acceleration]
+    head = (
+        f"# motion: {known.title}\n# event: {known.event}, {known.date.isoformat()}\n"
+        f"# station: {known.station}, {known.component}\n# imported from: {origin.name}\n# name: {name}\n"
+        f"# unit: m/s2\n# dt: {motion.dt!r} s\n# samples: {motion.acceleration.size}\n"
+    )
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    path.write_text(head + "".join(f"{float(each)!r}\n" for each in motion.acceleration), encoding="utf-8")
     return path

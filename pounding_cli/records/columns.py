@@ -28,10 +28,10 @@ _STEP = re.compile(
     re.IGNORECASE,
 )
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
-_TOP = 60
-# Lines of a header searched for units and a time step.
-_ROWS_OF_HEADINGS = 3
-# Lines over the columns that may hold their headings: names and units stand in one line or in two.
+_TOP, _ROWS_OF_HEADINGS = 60, 3
+# Lines over the numbers searched for units and a time step, and those that may hold headings: names and units stand in
+# one line or in two.
+_ROW_BY_ROW = "for values printed row by row say format 'column' and dt"
 
 
 def kind_of(text: Text, asked: Asked) -> str:
@@ -41,19 +41,14 @@ def kind_of(text: Text, asked: Asked) -> str:
     """
     start = _first_row(text)
     width = len(tokens(text.lines[start]))
-    if asked.column is not None:
-        return "table"
-    if width <= 2:
-        return ("column", "two-column")[width - 1]
-    above = _above(text, start)
-    headings = _cells(above[0][1], width) if above else []
-    shown = ", ".join(f"{place}: {words}" for place, words in enumerate(headings, 1) if words)
-    raise text.refuse(
-        f"{width} values on a line{f' ({shown})' if shown else ''}, and no column is selected",
-        "select one: column: 2 beside the file in a study, or --column 2; "
-        "for values printed row by row say format 'column' and dt",
-        start + 1,
-    )
+    if asked.column is None and width > 2:
+        above = _above(text, start)
+        headings = enumerate(_cells(above[0][1], width) if above else [], 1)
+        shown = ", ".join(f"{place}: {words}" for place, words in headings if words)
+        message = f"{width} values on a line{f' ({shown})' if shown else ''}, and no column is selected"
+        hint = f"select one: column: 2 beside the file in a study, or --column 2; {_ROW_BY_ROW}"
+        raise text.refuse(message, hint, start + 1)
+    return "table" if asked.column is not None else ("column", "two-column")[width - 1]
 
 
 def read_column(text: Text, asked: Asked) -> Samples:
@@ -77,39 +72,31 @@ def read_column(text: Text, asked: Asked) -> Samples:
 
 def read_two_columns(text: Text, asked: Asked) -> Samples:
     """Time [s] and acceleration on every line; raises `InputError` for uneven or falling times."""
-    return _read(text, Asked(asked.dt, None, 2), 2)
+    return read_table(text, Asked(asked.dt, None, 2), 2)
 
 
-def read_table(text: Text, asked: Asked) -> Samples:
+def read_table(text: Text, asked: Asked, width: int | None = None) -> Samples:
     """One column of several; the first is the time, unless the time step is given and it does not rise."""
     if asked.column is None:
         raise text.refuse("format 'table' needs a column", "select one: column: 2, or --column 2", 1)
-    return _read(text, asked, None)
-
-
-def _read(text: Text, asked: Asked, wanted: int | None) -> Samples:
-    start = _first_row(text)
+    start, place = _first_row(text), asked.column - 1
     rows = text.rows(start)
-    width = wanted or len(next(iter(rows.values())))
-    place = (asked.column or 2) - 1
-    if not 0 <= place < width:
-        raise text.refuse(f"there is no column {place + 1} among {width}", f"write 1 to {width}", start + 1)
-    for index, row in rows.items():
-        if len(row) != width:
-            raise text.refuse(
-                f"{counted(len(row), 'value')} on this line, where every other has {'two' if width == 2 else width}",
-                "write as many values on every line; for values printed row by row say format 'column' and dt",
-                index + 1,
-            )
+    columns = width or len(next(iter(rows.values())))
+    if not 0 <= place < columns:
+        raise text.refuse(f"there is no column {place + 1} among {columns}", f"write 1 to {columns}", start + 1)
+    odd = next((index for index, row in rows.items() if len(row) != columns), None)
+    if odd is not None:
+        message = f"{counted(len(rows[odd]), 'value')} on this line, where every other has {columns}"
+        raise text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd + 1)
     values, times, lines = [row[place] for row in rows.values()], [row[0] for row in rows.values()], list(rows)
-    unit = _unit(text, start, width, place)
+    unit = _unit(text, start, columns, place)
     rising = all(one < other for one, other in pairwise(times))
-    if asked.dt is not None and wanted is None and (place == 0 or not rising):
+    if asked.dt is not None and width is None and (place == 0 or not rising):
         return Samples(text.step(float(asked.dt), 0), values, start + 1, *unit)
     if place == 0:
         hint = "write the acceleration's column, or give dt"
         raise text.refuse("column 1 is the time, unless dt is given", hint, start + 1)
-    scale = 1e-3 if _in_milliseconds(text, start, width) else 1.0
+    scale = 1e-3 if _in_milliseconds(text, start, columns) else 1.0
     digit = min(_last_digit(tokens(text.lines[index])[0]) for index in lines[:1000])
     step = text.even_step([time * scale for time in times], lines, asked.dt, digit * scale)
     return Samples(step, values, start + 1, *unit)
@@ -123,9 +110,7 @@ def _first_row(text: Text) -> int:
         found = tokens(line)
         if found and (number(found[0]) is not None or found[0].lower() in ("nan", "inf", "-inf")):
             return index
-    hint = (
-        "give a motion in one of the formats of docs/records.md: at2, cosmos, csmip, smc, knet, esm, or plain columns"
-    )
+    hint = "docs/records.md has the formats: at2, cosmos, csmip, smc, knet, esm, and plain columns"
     raise text.refuse("no line of numbers found", hint, 1)
 
 

@@ -36,29 +36,16 @@ def arias(motion: Motion) -> float:
 
 
 def husid(motion: Motion) -> np.ndarray:
-    """Cumulative Arias intensity over its final value [-], shape (n,) (Husid, 1969); zeros if at rest."""
+    """Cumulative Arias intensity over its final value [-], shape (n,) (Husid, 1969), of a motion that moves."""
     total = cumulative_arias(motion)
-    return total / total[-1] if total[-1] > 0 else total
+    return total / total[-1]
 
 
-def husid_times(motion: Motion, fractions: Sequence[float]) -> np.ndarray:
-    """Times [s] at which the Husid curve reaches `fractions` in (0, 1), in a straight line between samples.
-
-    Raises ValueError for a motion at rest or a fraction outside (0, 1).
-    """
-    curve = husid(motion)
-    if not curve[-1] > 0 or not all(0 < each < 1 for each in fractions):
-        raise ValueError("a motion that moves has a Husid curve, for fractions between 0 and 1")
-    return np.interp(fractions, curve, motion.dt * np.arange(curve.size))
-
-
-def significant_duration(motion: Motion, start: float = 0.05, end: float = 0.95) -> float:
-    """Time [s] in which the Arias intensity grows from `start` to `end` of its final value: D5-95 by default.
-
-    Trifunac and Brady (1975), Bull. Seism. Soc. Am. 65(3), 581-626.  Raises ValueError for a motion at rest.
-    """
-    first, last = husid_times(motion, (start, end))
-    return float(last - first)
+def significant_duration(motion: Motion) -> tuple[float, float]:
+    """Begin and end [s] of D5-95, in which the Arias intensity grows from 5 to 95 % of its final value; straight lines
+    between samples (Trifunac and Brady, 1975, Bull. Seism. Soc. Am. 65(3), 581-626)."""
+    first, last = np.interp((0.05, 0.95), husid(motion), motion.dt * np.arange(motion.acceleration.size))
+    return float(first), float(last)
 
 
 def velocity(motion: Motion) -> np.ndarray:
@@ -85,11 +72,6 @@ def pgv(motion: Motion) -> float:
     return peak
 
 
-def pgd(motion: Motion) -> float:
-    """Peak ground displacement at the samples [m], no baseline correction."""
-    return float(np.abs(displacement(motion)).max())
-
-
 def oscillator(
     motion: Motion, period: float, damping: float = SPECTRUM_DAMPING, parts: int = 1
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -111,7 +93,8 @@ def oscillator(
     if parts > 1:
         a = np.interp(np.arange(parts * (a.size - 1) + 1) / parts, np.arange(a.size), a)
     h = motion.dt / parts
-    phi1, phi2 = _phi(root * h)
+    phi1 = np.expm1(root * h) / (root * h)
+    phi2 = (phi1 - 1.0) / (root * h)
     drive = h * ((phi1 - phi2) * a[:-1] + phi2 * a[1:])
     z = np.concatenate(([0.0], lfilter([-1.0], [1.0, -np.exp(root * h)], drive)))
     u = z.imag / root.imag
@@ -147,15 +130,3 @@ def _peak_displacement(motion: Motion, period: float, damping: float) -> float:
     inside = (roots >= 0) & (roots <= 1)
     x = np.where(inside[0], roots[0], np.where(inside[1], roots[1], 0.0))
     return max(peak, float(np.abs(u0 + x * (v0 + x * (b + x * c))).max()))
-
-
-def _phi(x: complex) -> tuple[complex, complex]:
-    """phi1 = (e^x - 1) / x and phi2 = (e^x - 1 - x) / x^2; by series where the difference would cancel."""
-    if abs(x) > 0.5:
-        phi1 = (np.exp(x) - 1.0) / x
-        return phi1, (phi1 - 1.0) / x
-    term, phi2 = 0.5 + 0.0j, 0.0j
-    for k in range(3, 20):
-        phi2 += term
-        term *= x / k
-    return 1.0 + x * phi2, phi2

@@ -135,9 +135,7 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
     if quantity == "counts":
         if given is None:
             hint = "download the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal"
-            raise text.refuse(
-                "the file holds recorder counts, and no scale that makes them an acceleration", hint, line
-            )
+            raise text.refuse("the file holds recorder counts without their scale", hint, line)
         return given, "you", ""
     if factor is None:
         hint = f"correct it there: one of {', '.join(UNITS)}"

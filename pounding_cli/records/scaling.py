@@ -40,7 +40,7 @@ class TargetSpectrum:
         _measured(motion, float(values.min()))
         return cls(tuple(map(float, grid)), tuple(map(float, values)), low, high, damping)
 
-    @property
+    @cached_property
     def grid(self) -> np.ndarray:
         """The periods at which it is met [s], shape (POINTS,)."""
         return np.geomspace(self.low, self.high, POINTS)

@@ -26,7 +26,6 @@ SHORTEST, LONGEST = 1e-6, 10.0
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z", re.ASCII)
 _PLAIN = re.compile(r"[-+.0-9Ee \t]+")
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
-_NOT_FINITE = re.compile(r"[-+]?(?:nan|inf(?:inity)?|\*+)\Z", re.IGNORECASE)
 _HEADER = re.compile(r"([A-Za-z0-9 ]+)[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _FORTRAN = re.compile(r"\(\s*(\d*)\s*[IFEDG]\s*(\d+)", re.IGNORECASE)
@@ -203,11 +202,8 @@ class Text:
 
     def _no_number(self, token: str, index: int, place: int) -> InputError:
         shown = token if len(token) <= 40 else f"{token[:40]}..."
-        if _NOT_FINITE.match(token) or _NUMBER.match(token):
-            what, hint = "is not a finite number", "fill or cut the gap in the record before reading it"
-        else:
-            what, hint = "is not a number", "write plain numbers only"
-        return self.refuse(f"'{shown}' {what}", hint, index + 1, max(place, 0) + 1)
+        hint = "write plain numbers; fill or cut gaps in the record before reading it"
+        return self.refuse(f"'{shown}' is not a finite number", hint, index + 1, max(place, 0) + 1)
 
 
 def number(token: str) -> float | None:
