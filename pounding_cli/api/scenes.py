@@ -53,7 +53,7 @@ def motion(
     scale: float = 1.0,
     pga: float | str | None = None,
 ) -> Motion:
-    """A ground motion from an array, a file, the catalogue or an installed library.
+    """A ground motion from an array, a file or the catalogue.
 
     Parameters
     ----------
@@ -163,21 +163,12 @@ def _from_array(values: Any, dt: float | str | None, unit: str | None, name: str
 
 def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None, name: str | None) -> Motion:
     word = str(source)
-    known = isinstance(source, str) and (word in records.names() or records.library_of(word) is not None)
-    if known:
+    if isinstance(source, str) and word in records.names():
         if dt is not None or unit is not None:
             raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
-        found = records.find(word) if word in records.names() else _held(word)
+        found = records.find(word)
         return found if name is None else Motion(name, found.dt, found.acceleration, found.source)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
         records.entry(word)  # refuses it, with the nearest name
     step = None if dt is None else quantity(TIME, dt, "dt")
     return records.read_motion(Path(word).expanduser(), dt=step, unit=unit, name=name)
-
-
-def _held(word: str) -> Motion:
-    found = records.matching(word)
-    if len(found) != 1:
-        hint = f"name one: {', '.join(found[:8])}" + (", ..." if len(found) > 8 else "")
-        raise InputError(Problem(f"'{word}' stands for {len(found)} motions", hint))
-    return records.read_held(found[0])

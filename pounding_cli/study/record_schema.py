@@ -154,7 +154,7 @@ class Records(Model):
     """The ground motions, the part of each that is used, and its scale."""
 
     use: tuple[Record, ...] = Field(
-        description="catalogue names, motions of installed libraries, files, folders, patterns, {file: PATH, ...}",
+        description="catalogue names, files, folders, patterns, {file: PATH, ...}",
         min_length=1,
         max_length=5000,
         examples=[["elcentro", {"file": "motions/x.AT2"}]],
