@@ -10,11 +10,18 @@ from pounding_cli.study.source import Node
 from pounding_cli.study.yaml_file import read_source
 from pounding_cli.workflows import WORKFLOWS
 
+_OTHERS = {
+    "connector": ("first", "second", "connector", "frequencies"),
+    "wall": ("wall", "frame", "striker", "concrete", "mesh"),
+}
+"""Top-level keys that only the studies of these commands have."""
+
 
 def kind_of(root: Node, unclear: str = "run") -> str:
     """The command that takes a study, such as "run" or "wall"; `unclear` where the keys do not tell."""
     keys = set(root.value) if root.is_mapping else set()
-    return next((name for name, workflow in WORKFLOWS.items() if not keys.isdisjoint(workflow.marks)), unclear)
+    marks = {"run": WORKFLOWS["run"].marks, **_OTHERS}
+    return next((name for name, own in marks.items() if not keys.isdisjoint(own)), unclear)
 
 
 def kind_of_file(path: Path) -> str:
@@ -30,10 +37,6 @@ def refuse_other_kinds(root: Node, file: str, own: str = "run") -> None:
 
 def load_for(path: Path, kind: str) -> Any:
     """The study of a file as the workflow `kind` takes it.  Raises `InputError` with every problem and its place."""
-    if WORKFLOWS[kind].solve:
-        from pounding_cli.study.system_study import load_system
-
-        return load_system(path, kind)
     from pounding_cli.study.load import load_study
 
     return load_study(path)
