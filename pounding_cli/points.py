@@ -15,6 +15,8 @@ import numpy as np
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import Unit
+from pounding_cli.outputs import check_folder, check_output
 from pounding_cli.study.axes import SweepAxis, read_axes
 from pounding_cli.study.file import Map, Problems, get, put, read_study
 from pounding_cli.study.kinds import refuse_other_kinds
@@ -25,6 +27,12 @@ from pounding_cli.variables import Variable
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+_SHOWN = {
+    "N": Unit("kN", 1e3, "N"), "N s": Unit("kN s", 1e3, "N s"), "N m": Unit("kN m", 1e3, "N m"),
+    "N/m2": Unit("N/mm²", 1e6, "N/m2"), "s": Unit("ms", 1e-3, "s"),
+}  # fmt: skip
+"""SI unit -> the unit that the page shows."""
 
 QUESTIONS = {"connector": "pounding_cli.connector", "wall": "pounding_cli.wall"}
 """Where the QUESTION of each command is."""
@@ -177,21 +185,25 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
     return data.set_coords([name for axis in sweep.axes for name in axis.names])
 
 
-def write(sweep: Sweep, points: Sequence[Point], output: Path) -> list[Path]:
-    """Write the dataset as netCDF, and beside it a folder with the table, the figures and the page; the files."""
-    from pounding_cli.outputs import check_folder, check_output
+def places(output: Path) -> tuple[Path, Path]:
+    """Where the dataset is written, and the folder of its name for all else; raises `InputError` where neither can."""
+    file = output if output.suffix else output.with_suffix(".h5")
+    check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
+    check_folder(file.with_suffix(""))
+    return file, file.with_suffix("")
+
+
+def write(sweep: Sweep, points: Sequence[Point], file: Path, folder: Path) -> list[Path]:
+    """Write the dataset as netCDF, and into the folder the table, the figures and the page; the files."""
     from pounding_cli.report.references import REFERENCES
     from pounding_cli.report.style import save
     from pounding_cli.report.web.page import render
     from pounding_cli.report.web.pictures import pictures
     from pounding_cli.report.web.story import Grid, digits
 
-    folder, asked = output.with_suffix(""), sweep.question
-    check_output(output, mine=lambda _, head: head.startswith(b"\x89HDF"))
-    check_folder(folder)
-    dataset(sweep, points).to_netcdf(output, engine="h5netcdf")
-    frame = table(sweep, points)
-    frame.to_csv(folder / f"{asked.name}.csv", index=False)
+    asked = sweep.question
+    dataset(sweep, points).to_netcdf(file, engine="h5netcdf")
+    table(sweep, points).to_csv(folder / f"{asked.name}.csv", index=False)
     done = [point for point in points if point.found["status"] == "done"]
     drawn = asked.figures(sweep.title, done, sweep.axes) if done else {}
     words = {name: (heading, heading) for name, (heading, _) in drawn.items()}
@@ -203,9 +215,16 @@ def write(sweep: Sweep, points: Sequence[Point], output: Path) -> list[Path]:
         verdicts = [judge(point.found) for _, judge in asked.statements]
         found = [f"{'holds' if holds else 'does not hold'}: {what}" for holds, what in verdicts]
         judged.append([point.label or "as given", *found])
-    units = {v.name: v.unit for v in asked.variables}
-    heads = [f"{name} [{unit}]" if (unit := units.get(name, "1")) != "1" else str(name) for name in frame]
-    rows = [[value if isinstance(value, str) else digits(value) for value in row] for row in frame.to_numpy(object)]
+    numbers = [v for v in asked.variables if not v.dims]
+    shown = [_SHOWN.get(v.unit, Unit("" if v.unit == "1" else v.unit)) for v in numbers]
+    heads = ["point", *(unit.label(v.text) for v, unit in zip(numbers, shown, strict=True))]
+    rows = [
+        [
+            point.label or "as given",
+            *(digits(point.found[v.name] / u.factor) for v, u in zip(numbers, shown, strict=True)),
+        ]
+        for point in done
+    ]
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(points[0].study).items()]
     images = pictures({name: figure for name, (_, figure) in drawn.items()}, None, words)
     content = {
@@ -215,7 +234,7 @@ def write(sweep: Sweep, points: Sequence[Point], output: Path) -> list[Path]:
         "main": images[:1],
         "pictures": images[1:],
         "statements": Grid(judged[0], judged[1:]),
-        "table": Grid(heads, rows),
+        "table": Grid(heads, rows, tuple(range(1, len(heads)))),
         "cited": Grid(["reference", "for"], cited),
     }
-    return [output, folder / f"{asked.name}.csv", *files, render(folder / "report.html", "points.html.j2", content)]
+    return [file, folder / f"{asked.name}.csv", *files, render(folder / "report.html", "points.html.j2", content)]

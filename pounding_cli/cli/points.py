@@ -25,10 +25,10 @@ def _command(name: str, short: str, text: str) -> click.Command:
     )
     @click.option("-q", "--quiet", is_flag=True, help="Print only points that failed.")
     def command(study: Path, output: Path | None, quiet: bool) -> None:
-        from pounding_cli.points import load, solved, write
+        from pounding_cli.points import load, places, solved, write
 
         sweep, say = load(study, name), (lambda line: None) if quiet else click.echo
-        output = output or Path("results", f"{study.stem}.h5")
+        file, folder = places(output or Path("results", f"{study.stem}.h5"))
         for warning in sweep.warnings:
             streams.echo_warning(warning)
         points, failed = [], 0
@@ -42,7 +42,7 @@ def _command(name: str, short: str, text: str) -> click.Command:
             elif number < MOST_POINTS:
                 lines = [*sweep.question.lines(values), *(f"note: {flag}" for flag in values["flags"])]
                 say("\n".join([*([point.label] if point.label else []), *(f"  {line}" for line in lines)]))
-        files = write(sweep, points, output)
+        files = write(sweep, points, file, folder)
         say(f"Points: {len(points) - failed} solved, {failed} failed\nResults: {files[0]}\nPage: {files[-1]}")
         if failed:
             sys.exit(1)
