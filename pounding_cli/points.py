@@ -153,7 +153,7 @@ def table(sweep: Sweep, points: Sequence[Point]) -> pd.DataFrame:
     import pandas as pd
 
     names = [*(v.name for v in sweep.question.variables if not v.dims), "status", "seconds"]
-    return pd.DataFrame([point.swept | {name: point.found.get(name) for name in names} for point in points])
+    return pd.DataFrame([{**point.swept, **{name: point.found.get(name) for name in names}} for point in points])
 
 
 def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
@@ -170,7 +170,8 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
         sizes = np.max([array.shape for _, array in arrays], axis=0).astype(int)
         whole = np.full((*shape, *sizes), np.nan)
         for place, array in arrays:
-            whole[(*place, *map(slice, array.shape))] = array
+            at: Any = (*place, *(slice(size) for size in array.shape))
+            whole[at] = array
         about = {"units": variable.unit, "long_name": variable.text}
         alone = variable.dims == (variable.name,)  # a coordinate, the same at all points
         found[variable.name] = (

@@ -40,7 +40,8 @@ def _read_stiffness(value: Any) -> float | TimesK1:
     return TimesK1(_STIFFNESS.read(float(found["top"]) / bottom if bottom else math.nan))
 
 
-Mass, Stiffness = Annotated[float, MASS], Annotated[float, STIFFNESS]
+Mass = Annotated[float, MASS]
+Stiffness = Annotated[float, STIFFNESS]
 Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0)]
 Joint = Annotated[float | TimesK1, Text(_read_stiffness, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
 Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]

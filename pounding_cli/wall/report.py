@@ -214,9 +214,9 @@ def draw_sweep(title: str, points: Sequence[Point], axis: SweepAxis) -> Figure:
         "reach": (1.0, "distance to half of the averaged stress [m]"),
     }
     for ax, (name, (size, label)) in zip(panels.ravel(), quantities.items(), strict=True):
-        for color, (others, part) in zip(_COLORS, curves.items(), strict=False):
+        for color, (alike, part) in zip(_COLORS, curves.items(), strict=False):
             x = [v if isinstance(v := point.swept[key], str) else unit.number(v) for point in part]
-            ax.plot(x, [point.found[name] / size for point in part], color=color, marker="o", ms=4, label=others)
+            ax.plot(x, [point.found[name] / size for point in part], color=color, marker="o", ms=4, label=alike)
         ax.set(xlabel=unit.label(key), ylabel=label, ylim=(0, None))
     if len(curves) > 1:
         panels[0, 0].legend(fontsize=7)

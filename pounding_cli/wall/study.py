@@ -29,7 +29,9 @@ def _read_height(value: Any) -> float | str:
 
 
 Height = Annotated[float | str, Text(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
-Length, Mass, Time = Annotated[float, LENGTH], Annotated[float, MASS], Annotated[float, TIME]
+Length = Annotated[float, LENGTH]
+Mass = Annotated[float, MASS]
+Time = Annotated[float, TIME]
 Step = Annotated[float | str, TIME.but(name="time step", example="0.1 ms", words=("auto",))]
 Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True)]
 Poisson = Annotated[float, Quantity("Poisson's ratio", "", "0.2", 0.0, 0.5, open_high=True)]
