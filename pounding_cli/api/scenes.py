@@ -15,15 +15,15 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
+from pounding_cli.study.quantity import ACCELERATION, TIME, Quantity
 from pounding_cli.study.single import building_of, by_place, links_between, quantity
-from pounding_cli.study.units import ACCELERATION, TIME, Quantity, limited
 
 if TYPE_CHECKING:
     from pounding_cli.api.histories import History
 
 _SCALE = Quantity("scale", "", "1.5", 0.0, 1000.0, open_low=True)
-_TAIL = limited(TIME, name="tail", example="5 s", open_low=False)
-_EVERY = limited(TIME, name="output step", example="2 ms")
+_TAIL = TIME.but(name="tail", example="5 s", open_low=False)
+_EVERY = TIME.but(name="output step", example="2 ms")
 
 
 def building(name: str, **keys: Any) -> Building:
@@ -105,7 +105,7 @@ def scene(
     links : the links themselves, in place of `link` and the keys of a case
     impact : keys of a study's `impact` (`stiffness`, `restitution`, `tension_cut`, ...)
     tail : free vibration after the motion [s]
-    case : keys of a study's case: `gap` (needed unless `link` is none), `stiffness`, `floors`, `by_floor`, `pairs`, ...
+    case : keys of a study's case: `gap` (needed unless `link` is none), `stiffness`, `floors`, `links`, ...
 
     Raises
     ------

@@ -11,17 +11,16 @@ from pydantic import Field
 
 from pounding_cli.connector.findings import Question
 from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
-from pounding_cli.study import units
 from pounding_cli.study.base import Model
-from pounding_cli.study.building_schema import Mass, Period
+from pounding_cli.study.file import Map, Problems
 from pounding_cli.study.plausible_systems import CONNECTOR, doubt_period, doubt_spec
-from pounding_cli.study.problems import Problems
-from pounding_cli.study.source import Node
+from pounding_cli.study.quantity import LONGEST, MASS, NUMBER, STIFFNESS, TIME, Quantity, Text, Whole
 from pounding_cli.study.system_study import SystemModel
-from pounding_cli.study.units import LONGEST, NUMBER, Quantity, TextForm, limited, whole_number
 
 _TIMES_K1 = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*k1\s*\Z")
-_STIFFNESS = limited(units.STIFFNESS, example="0.2 k1", open_low=False)
+Mass = Annotated[float, MASS]
+Period = Annotated[float, TIME.but(name="period", high=60.0)]
+_STIFFNESS = STIFFNESS.but(example="0.2 k1", open_low=False)
 
 
 @dataclass(frozen=True)
@@ -43,9 +42,9 @@ def _read_stiffness(value: Any) -> float | TimesK1:
 
 
 ConnectorStiffness = Annotated[
-    float | TimesK1, TextForm(_read_stiffness, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))
+    float | TimesK1, Text(_read_stiffness, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))
 ]
-Stiffness = Annotated[float, units.STIFFNESS]
+Stiffness = Annotated[float, STIFFNESS]
 Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
 Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
@@ -93,7 +92,7 @@ class RangeSpec(Model):
 
     low: Ratio = Field(default=0.2, description="lowest Omega / omega10", examples=[0.2])
     high: Ratio = Field(default=1.6, description="highest Omega / omega10", examples=[1.6])
-    points: Annotated[int, whole_number(11, 1_000_000)] = Field(
+    points: Annotated[int, Whole(11, 1_000_000)] = Field(
         default=1401, ge=11, le=1_000_000, description="number of frequencies", examples=[1401]
     )
 
@@ -113,13 +112,13 @@ class ConnectorStudyModel(SystemModel):
         default=None, description="keys and the values they take", examples=[{"damping": ["5 %", "10 %"]}]
     )
 
-    def system(self, tree: Node, where: str, problems: Problems) -> Question | None:
+    def system(self, tree: Map, where: str, problems: Problems) -> Question | None:
         """The two oscillators and the frequencies asked for."""
         _alternatives(self, tree, problems)
         asked = self.frequencies
         return None if problems.found else Question(_pair(self), asked.low, asked.high, asked.points)
 
-    def doubt(self, model: Question, tree: Node, notes: Problems) -> None:
+    def doubt(self, model: Question, tree: Map, notes: Problems) -> None:
         """Note what is unlikely at a point of the sweep."""
         doubt_spec(self, CONNECTOR, tree, notes)
         pair = model.pair
@@ -131,7 +130,7 @@ class ConnectorStudyModel(SystemModel):
                 doubt_period(2 * math.pi * math.sqrt(mass / stiffness), who, tree, notes)
 
 
-def _alternatives(spec: ConnectorStudyModel, tree: Node, problems: Problems) -> None:
+def _alternatives(spec: ConnectorStudyModel, tree: Map, problems: Problems) -> None:
     """Note keys that say one thing in two ways, and a range without extent."""
     for name, part, keys in (
         ("first", spec.first, ("period", "stiffness")),

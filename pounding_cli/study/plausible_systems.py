@@ -9,9 +9,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from pounding_cli.study.file import Map, Problems, get
 from pounding_cli.study.plausible import RANGES, Plausible, doubt
-from pounding_cli.study.problems import Problems
-from pounding_cli.study.source import Node
 
 _LENGTHS = {"cm": 1e-2, "m": 1.0, "mm": 1e-3}
 _SECTION = Plausible(0.05, 3.0, "beams and columns of buildings are 5 cm to 3 m wide and deep", _LENGTHS)
@@ -53,18 +52,18 @@ WALL = {
 """Plausible values of a study of `pound wall`."""
 
 
-def doubt_spec(spec: BaseModel, ranges: Mapping[str, Plausible], root: Node, notes: Problems) -> None:
+def doubt_spec(spec: BaseModel, ranges: Mapping[str, Plausible], root: Map, notes: Problems) -> None:
     """Note what is unlikely in a study at one point of its sweep, of the keys that it says."""
     for key, fits in ranges.items():
         path = tuple(key.split("."))
         value: Any = spec
         for step in path:
             value = getattr(value, step)
-        if value is not None and root.get(*path) is not None:
+        if value is not None and get(root, *path) is not None:
             doubt(_words(key), fits, float(value), root, path, notes)
 
 
-def doubt_period(period: float, who: str, root: Node, notes: Problems) -> None:
+def doubt_period(period: float, who: str, root: Map, notes: Problems) -> None:
     """Note a period [s] that mass and stiffness of the system `who` (first, second) give it."""
     fits = RANGES["period"]
     if not fits.holds(period):

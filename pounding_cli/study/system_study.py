@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
@@ -14,15 +16,13 @@ from pydantic import ValidationError
 
 from pounding_cli.digests import DigestTable, packed
 from pounding_cli.errors import Problem
+from pounding_cli.study.axes import SweepAxis, read_axes
 from pounding_cli.study.base import Model
+from pounding_cli.study.file import Map, Problems, get, put, read_study
 from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.plan import Axis, Plan
 from pounding_cli.study.plausible import few
-from pounding_cli.study.points import PointAxis, point_label, points_of, read_point_axes
-from pounding_cli.study.problems import Problems
 from pounding_cli.study.scenes import Expanded, Frame, LinkSets, Rows
-from pounding_cli.study.source import Node
-from pounding_cli.study.yaml_file import read_source
 from pounding_cli.workflows import WORKFLOWS
 
 
@@ -34,7 +34,7 @@ class SystemModel(Model):
 
     fixed: ClassVar[tuple[str, ...]] = ()
 
-    def system(self, tree: Node, where: str, problems: Problems) -> Any:
+    def system(self, tree: Map, where: str, problems: Problems) -> Any:
         """The model at a point of the sweep: frozen, its `repr` tells it from others; None where `problems` tell why
         not.
 
@@ -42,7 +42,7 @@ class SystemModel(Model):
         """
         raise NotImplementedError
 
-    def doubt(self, model: Any, tree: Node, notes: Problems) -> None:
+    def doubt(self, model: Any, tree: Map, notes: Problems) -> None:
         """Note what is unlikely at a point of the sweep."""
         raise NotImplementedError
 
@@ -68,7 +68,7 @@ class SystemStudy:
     path: Path
     text: str
     kind: str
-    axes: tuple[PointAxis, ...]
+    axes: tuple[SweepAxis, ...]
     points: tuple[Point, ...]
     spec: Any
     warnings: tuple[Problem, ...] = ()
@@ -91,32 +91,32 @@ def load_system(path: Path, kind: str) -> SystemStudy:
     InputError : every problem with its place
     """
     model: type[SystemModel] = WORKFLOWS[kind].part("schema")
-    text, root = read_source(path)
+    text, root = read_study(path)
     refuse_other_kinds(root, str(path), kind)
     problems, notes = Problems(str(path)), Problems(str(path))
-    axes = read_point_axes(root, model, problems)
+    axes = read_axes(root, problems, model)
     for name in (name for axis in axes for name in axis.names if name.split(".")[0] in model.fixed):
         hint = "give one range for the study"
         problems.at(root, ("sweep", name), f"'{name}' cannot be an axis", hint, key=True)
-    problems.refuse()
+    problems.check()
     points: list[Point] = []
     first: Any = None
-    for index, tree in points_of(root, axes):
+    for index, tree in _points(root, axes):
         try:
-            spec = model.model_validate(tree.plain())
+            spec = model.model_validate(tree)
         except ValidationError as error:
-            problems.validation(tree, error, model)
+            problems.validation(tree, error, (), model)
             continue
         first = first or spec
         values = {name: _value(spec, name, tree) for axis in axes for name in axis.names}
-        label = point_label(axes, values)
+        label = _label(axes, values)
         own = Problems(str(path))
         built = spec.system(tree, f" ({label})" if label else "", own)
         problems.extend(own.found)
         if built is not None:
             points.append(Point(index, values, built))
             spec.doubt(built, tree, notes)
-    problems.refuse()
+    problems.check()
     return SystemStudy(path, text, kind, axes, tuple(points), first, tuple(few(notes.found)))
 
 
@@ -125,7 +125,7 @@ def expand_system(study: SystemStudy) -> Plan:
     digests = [hashlib.sha256(repr(point.model).encode()).hexdigest() for point in study.points]
     scenes = dict(zip(digests, (point.model for point in study.points), strict=True))
     number, sets = {digest: place for place, digest in enumerate(scenes)}, LinkSets()
-    frame = Frame((*(len(axis.nodes) for axis in study.axes), 1, 1, 1), ("points",), ("",), ("",))
+    frame = Frame((*(len(axis) for axis in study.axes), 1, 1, 1), ("points",), ("",), ("",))
     places = np.array([[number[digest]] for digest in digests], np.int32)
     table, first = DigestTable(packed(list(scenes))), np.unique(places, return_index=True)[1]
     rows = Rows(frame, Expanded(table, places, first, np.full(len(digests), sets.number(())), sets))
@@ -138,12 +138,28 @@ def expand_system(study: SystemStudy) -> Plan:
     return Plan(cast(Any, study), tuple(axes), *names, (), scenes, rows, (), math.nan, "", workflow=study.kind)
 
 
-def _value(spec: Any, name: str, tree: Node) -> float | str:
+def _points(root: Map, axes: tuple[SweepAxis, ...]) -> Iterator[tuple[tuple[int, ...], Map]]:
+    """Every point's indices and the study's tree with its values put in, the last axis fastest."""
+    for index in product(*(range(len(axis)) for axis in axes)):
+        tree = root
+        for axis, place in zip(axes, index, strict=True):
+            for path, value, mark in zip(axis.paths, axis.given[place], axis.marks[place], strict=True):
+                tree = put(tree, path, value, mark)
+        yield index, tree
+
+
+def _label(axes: tuple[SweepAxis, ...], values: Mapping[str, float | str]) -> str:
+    """The swept values of a point in the units of the study: "mesh.size = 5 cm"; empty where nothing is swept."""
+    units = {name: unit for axis in axes for name, unit in zip(axis.names, axis.units, strict=True)}
+    return ", ".join(f"{name} = {units[name].text(value)}" for name, value in values.items())
+
+
+def _value(spec: Any, name: str, tree: Map) -> float | str:
     """A swept key at a point: a number (SI), or as it is written."""
     value = spec
     for step in name.split("."):
         value = getattr(value, step)
     if isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
-    node = tree.get(*name.split("."))
-    return node.text if node is not None and node.text else str(value)
+    written = get(tree, *name.split("."))
+    return str(value if written is None else written)

@@ -9,19 +9,18 @@ from pydantic import Field
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
-from pounding_cli.study import units
 from pounding_cli.study.base import Model
-from pounding_cli.study.building_schema import Length, Mass
+from pounding_cli.study.file import Map, Problems, locate
 from pounding_cli.study.plausible_systems import WALL, doubt_spec
-from pounding_cli.study.problems import Problems
-from pounding_cli.study.source import Node
+from pounding_cli.study.quantity import LENGTH, MASS, TIME, Quantity, Text, Whole, refuse
 from pounding_cli.study.system_study import SystemModel
-from pounding_cli.study.units import Quantity, TextForm, limited, refuse, whole_number
 from pounding_cli.wall import model as wall
 from pounding_cli.wall.model import WallModel
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
-_HEIGHT = limited(units.LENGTH, name="height", example="13.5 m", low=0.0, open_low=False)
+Length = Annotated[float, LENGTH]
+Mass = Annotated[float, MASS]
+_HEIGHT = LENGTH.but(name="height", example="13.5 m", low=0.0, open_low=False)
 
 
 def _read_height(value: Any) -> float | str:
@@ -32,13 +31,13 @@ def _read_height(value: Any) -> float | str:
     return _HEIGHT.read(value)
 
 
-Height = Annotated[float | str, TextForm(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
+Height = Annotated[float | str, Text(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
 Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True)]
 Poisson = Annotated[float, Quantity("Poisson's ratio", "", "0.2", 0.0, 0.5, open_high=True)]
 Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0)]
 Speed = Annotated[float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True)]
 Share = Annotated[float, Quantity("number", "", "0.2", 0.0, 1.0)]
-Step = Annotated[float | str, limited(units.TIME, name="time step", example="0.1 ms", words=("auto",))]
+Step = Annotated[float | str, TIME.but(name="time step", example="0.1 ms", words=("auto",))]
 
 
 class WallSpec(Model):
@@ -58,7 +57,7 @@ class SectionSpec(Model):
 class FrameSpec(Model):
     """The building behind the wall."""
 
-    storeys: Annotated[int, whole_number(1, 100)] = Field(
+    storeys: Annotated[int, Whole(1, 100)] = Field(
         default=5, ge=1, le=100, description="number of storeys", examples=[5]
     )
     storey_height: Length = Field(default=3.0, description="storey height", examples=["3 m"])
@@ -113,7 +112,7 @@ class MeshSpec(Model):
 class TimeSpec(Model):
     """The integration in time."""
 
-    end: Annotated[float, units.TIME] = Field(default=0.060, description="end of the analysis", examples=["60 ms"])
+    end: Annotated[float, TIME] = Field(default=0.060, description="end of the analysis", examples=["60 ms"])
     step: Step = Field(default="auto", description="time step, or auto", examples=["0.1 ms"])
     rho: Share = Field(default=0.9, description="spectral radius at infinite frequency; 1: no damping", examples=[0.9])
 
@@ -134,7 +133,7 @@ class WallStudyModel(SystemModel):
         default=None, description="keys and the values they take", examples=[{"wall.length": ["1 m", "2 m"]}]
     )
 
-    def system(self, tree: Node, where: str, problems: Problems) -> WallModel | None:
+    def system(self, tree: Map, where: str, problems: Problems) -> WallModel | None:
         """The wall, the frame behind it and the striker."""
         try:
             return _model(self)
@@ -143,12 +142,12 @@ class WallStudyModel(SystemModel):
                 problems.add(_mark(problem, tree), problem.message + where, problem.hint)
         return None
 
-    def doubt(self, model: WallModel, tree: Node, notes: Problems) -> None:
+    def doubt(self, model: WallModel, tree: Map, notes: Problems) -> None:
         """Note what is unlikely at a point of the sweep."""
         doubt_spec(self, WALL, tree, notes)
 
 
-def _mark(problem: Problem, tree: Node) -> tuple[int, int]:
+def _mark(problem: Problem, tree: Map) -> tuple[int, int]:
     """The section a problem of the model speaks of, as far as its words tell."""
     for word in ("striker", "patch", "mesh", "step", "bay", "averaging", "density", "Poisson"):
         if word in problem.message:
@@ -160,7 +159,7 @@ def _mark(problem: Problem, tree: Node) -> tuple[int, int]:
                 "bay": ("frame", "bays"),
                 "averaging": ("averaging_length",),
             }.get(word, ("concrete",))
-            return tree.locate(path)
+            return locate(tree, path)
     return tree.mark
 
 
