@@ -66,10 +66,10 @@ bench: setup
 	$(BIN)/python -m tests.bench
 
 # The independent integrator's runs once more, into tests/physics/references.npz (five minutes); with CHECK=--check they
-# are compared with those kept there instead.
+# are compared with those kept there instead. Then the tests that take longer than ten seconds.
 reference: setup
 	nice -n 5 $(BIN)/python -m tests.physics.references $(CHECK)
-	POUND_NIGHTLY=1 $(BIN)/python -m pytest tests/docs/test_extending.py tests/docs/test_extending_laws.py
+	POUND_NIGHTLY=1 $(BIN)/python -m pytest tests/docs/test_extending.py tests/docs/test_extending_laws.py tests/docs/test_commands.py
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # studies and motions.

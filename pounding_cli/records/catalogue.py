@@ -10,65 +10,27 @@ from __future__ import annotations
 import difflib
 import os
 import sys
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import date
 from fnmatch import fnmatch
 from functools import cache
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.records.intensity import arias
 from pounding_cli.records.motion import GRAVITY, Motion
-from pounding_cli.records.readers import read_motion
-
-RECORDS_VARIABLE = "POUND_RECORDS"
-"""Environment variable: folders with real motions, separated as in PATH."""
-
-HOME_VARIABLE = "POUND_HOME"
-"""Environment variable: replaces the user's data folder."""
-
-
-@dataclass(frozen=True)
-class Facts:
-    """Facts of a motion within its window, or, for one not at hand, what its stand-in aims at (SI).
-
-    `spectrum` is the 5 % damped pseudo-acceleration [m/s2] at `periods` [s]; `husid_times` [s] are where the
-    Husid curve passes `husid_fractions`.  `dt`, `samples` and `arias_whole` are None where no digitisation is
-    at hand.
-    """
-
-    pga: float
-    arias: float
-    significant_duration: float
-    husid_fractions: tuple[float, ...]
-    husid_times: tuple[float, ...]
-    periods: tuple[float, ...]
-    spectrum: tuple[float, ...]
-    pgv: float | None = None
-    dt: float | None = None
-    samples: int | None = None
-    arias_whole: float | None = None
-
-
-@dataclass(frozen=True)
-class FileHint:
-    """How to know a raw file of this motion by its name, and how to read it."""
-
-    pattern: str
-    unit: str | None = None
-    dt: float | None = None
-    format: str | None = None
+from pounding_cli.records.reading import read_motion
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One motion of the paper's Table 1.
+    """One motion of the paper's Table 1, which prints `peak` [m/s2], `duration` [s] and `scale` [-].
 
-    `peak` [m/s2], `duration` [s] and `scale` [-] are what Table 1 prints; `facts` says more, and `facts_of`
-    whether they were measured on the real motion ("real") or estimated ("estimate"), from `sources`.
-    `seed` and `step` [s] are those of the shipped stand-in.
+    facts : as in the file, of the first `duration`; among them `peak_g` [g], `arias` [m/s], `dt_s` [s] of a motion at
+        hand, and `of`: whether they were measured ("real") or estimated ("estimate") from `sources`
+    files : patterns of names under which a raw file is known, each with how it is read
     """
 
     name: str
@@ -81,21 +43,26 @@ class Entry:
     peak: float
     duration: float
     scale: float
-    facts: Facts
-    facts_of: str
-    seed: int
-    step: float
-    sources: tuple[str, ...] = ()
-    files: tuple[FileHint, ...] = field(default_factory=tuple)
+    facts: Mapping[str, Any]
+    sources: Sequence[str]
+    files: Sequence[Mapping[str, Any]]
 
-
-@dataclass(frozen=True)
-class Place:
-    """Where a catalogue name is found: the file, its label, and how to read it."""
-
-    path: Path
-    source: str
-    hint: FileHint
+    def differences(self, motion: Motion) -> Iterator[str]:
+        """What of a motion differs from the catalogue, in words: length, peak, Arias intensity, time step."""
+        facts, window, seconds = self.facts, motion.windowed(self.duration), f"{self.duration:g} s"
+        if motion.duration < self.duration - 0.5 * motion.dt:
+            yield f"length: {motion.duration:g} s, shorter than Table 1's {seconds}: all is used"
+        known = "measured on a public digitisation" if facts["of"] == "real" else "estimated from Table 1"
+        peak, found = window.pga / GRAVITY, arias(window)
+        if abs(peak / facts["peak_g"] - 1.0) > 0.02:
+            against = f"{facts['peak_g']:.3f} g {known} and {self.peak / GRAVITY:.2f} g in Table 1"
+            yield f"peak: {peak:.3f} g in the first {seconds}, against {against}"
+        if abs(found / facts["arias"] - 1.0) > 0.02:
+            change = f"an Arias scale changes by {(facts['arias'] / found) ** 0.5:.3f}"
+            against = f"against {facts['arias']:.3f} m/s {known}: {change}"
+            yield f"Arias intensity: {found:.3f} m/s in the first {seconds}, {against}"
+        if abs(motion.dt / facts.get("dt_s", motion.dt) - 1.0) > 1e-6:
+            yield f"time step: {motion.dt:g} s, against {facts['dt_s']:g} s: another digitisation"
 
 
 def shipped_folder() -> Path:
@@ -107,7 +74,7 @@ def shipped_folder() -> Path:
 
 def user_folder() -> Path:
     """The user's own motions: POUND_HOME/records, or `pound/records` in the platform's data folder."""
-    home = os.environ.get(HOME_VARIABLE)
+    home = os.environ.get("POUND_HOME")
     if home:
         return Path(home).expanduser() / "records"
     if sys.platform == "win32":
@@ -119,22 +86,14 @@ def user_folder() -> Path:
     return base / "pound" / "records"
 
 
-def real_folders() -> tuple[Path, ...]:
+def real_folders() -> Iterator[Path]:
     """The folders named by POUND_RECORDS, in order; raises `InputError` for one that is not there."""
-    folders = []
-    for part in os.environ.get(RECORDS_VARIABLE, "").split(os.pathsep):
-        if not part.strip():
-            continue
+    for part in filter(str.strip, os.environ.get("POUND_RECORDS", "").split(os.pathsep)):
         folder = Path(part.strip()).expanduser()
         if not folder.is_dir():
-            raise InputError(
-                Problem(
-                    f"{RECORDS_VARIABLE} names '{folder}', which is not a folder",
-                    f"set {RECORDS_VARIABLE} to a folder with motion files, or unset it",
-                )
-            )
-        folders.append(folder)
-    return tuple(folders)
+            hint = "set POUND_RECORDS to a folder with motion files, or unset it"
+            raise InputError(Problem(f"POUND_RECORDS names '{folder}', which is not a folder", hint))
+        yield folder
 
 
 @cache
@@ -142,11 +101,13 @@ def catalogue() -> Mapping[str, Entry]:
     """Every entry by name, in the order of Table 1."""
     import yaml
 
-    path = shipped_folder() / "catalogue.yaml"
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    with path.open(encoding="utf-8") as stream:
-        raw = yaml.load(stream, Loader=loader)
-    return MappingProxyType({name: _entry(name, told) for name, told in raw["motions"].items()})
+    raw = yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)["motions"]
+    for name, told in raw.items():
+        printed, _ = told.pop("table1"), told.pop("stand_in")
+        told |= {"name": name, "peak": printed["peak_g"] * GRAVITY, "scale": printed["scale"]}
+        told |= {"duration": float(printed["duration_s"]), "files": told.get("files", ())}
+    return {name: Entry(**told) for name, told in raw.items()}
 
 
 def names() -> tuple[str, ...]:
@@ -161,37 +122,29 @@ def entry(name: str) -> Entry:
         return known[name]
     near = difflib.get_close_matches(name.lower().replace(" ", ""), known, n=1, cutoff=0.5)
     hint = f"did you mean '{near[0]}'? " if near else ""
-    raise InputError(
-        Problem(
-            f"no motion '{name}' in the catalogue",
-            f"{hint}known: {', '.join(known)}; for a file of your own write {{file: path/to/motion.AT2}}",
-        )
-    )
+    own = "for a file of your own write {file: path/to/motion.AT2}"
+    raise InputError(Problem(f"no motion '{name}' in the catalogue", f"{hint}known: {', '.join(known)}; {own}"))
 
 
-def locate(name: str) -> Place:
-    """Where the samples of catalogue motion `name` come from.
+def locate(name: str) -> tuple[Path, str, Mapping[str, Any]]:
+    """Where the samples of catalogue motion `name` come from: the file, its label, and how it is read.
 
     Raises `InputError` for an unknown name, and where two files of one folder both look like the motion.
     """
-    wanted = entry(name)
+    patterns = entry(name).files
     for folder in real_folders():
-        for hint in wanted.files:
-            found = [path for path in sorted(folder.iterdir()) if fnmatch(path.name.lower(), hint.pattern)]
+        for hint in patterns:
+            found = [path for path in sorted(folder.iterdir()) if fnmatch(path.name.lower(), hint["pattern"])]
             if len(found) > 1:
-                raise InputError(
-                    Problem(
-                        f"more than one file looks like '{name}': {', '.join(path.name for path in found)}",
-                        "leave one of them there, or name the file in the study: {file: ...}",
-                        str(folder),
-                    )
-                )
+                message = f"more than one file looks like '{name}': {', '.join(path.name for path in found)}"
+                way_out = "leave one of them there, or name the file in the study: {file: ...}"
+                raise InputError(Problem(message, way_out, str(folder)))
             if found:
-                return Place(found[0], "real", hint)
+                return found[0], "real", {key: value for key, value in hint.items() if key != "pattern"}
     own = user_folder() / f"{name}.txt"
     if own.is_file():
-        return Place(own, "real", FileHint(own.name))
-    return Place(shipped_folder() / f"{name}.txt", "stand-in", FileHint(f"{name}.txt"))
+        return own, "real", {}
+    return shipped_folder() / f"{name}.txt", "stand-in", {}
 
 
 def find(name: str) -> Motion:
@@ -199,40 +152,19 @@ def find(name: str) -> Motion:
 
     Raises `InputError` for an unknown name (with the nearest) or a file that cannot be read.
     """
-    place = locate(name)
-    hint = place.hint
-    return read_motion(place.path, name=name, unit=hint.unit, dt=hint.dt, format=hint.format, source=place.source)
+    path, source, options = locate(name)
+    return read_motion(path, name=name, source=source, **options)
 
 
-def _entry(name: str, told: dict[str, Any]) -> Entry:
-    facts = dict(told["facts"])
-    return Entry(
-        name=name,
-        title=told["title"],
-        event=told["event"],
-        date=told["date"],
-        magnitude=told["magnitude"],
-        station=told["station"],
-        component=told["component"],
-        peak=told["table1"]["peak_g"] * GRAVITY,
-        duration=float(told["table1"]["duration_s"]),
-        scale=told["table1"]["scale"],
-        facts=Facts(
-            pga=facts["peak_g"] * GRAVITY,
-            arias=facts["arias"],
-            significant_duration=facts["d5_95_s"],
-            husid_fractions=tuple(facts["husid"]),
-            husid_times=tuple(facts["husid"].values()),
-            periods=tuple(facts["spectrum_g"]),
-            spectrum=tuple(value * GRAVITY for value in facts["spectrum_g"].values()),
-            pgv=facts.get("pgv"),
-            dt=facts.get("dt_s"),
-            samples=facts.get("samples"),
-            arias_whole=facts.get("arias_whole"),
-        ),
-        facts_of=facts["of"],
-        seed=told["stand_in"]["seed"],
-        step=told["stand_in"]["dt_s"],
-        sources=tuple(told["sources"]),
-        files=tuple(FileHint(**hint) for hint in told.get("files", ())),
+def keep(name: str, motion: Motion, origin: Path) -> Path:
+    """Write a real motion into the user's folder as catalogue motion `name`, in m/s2 and in full: reading the file
+    gives the very motion back.  The file."""
+    known, path = entry(name), user_folder() / f"{name}.txt"
+    head = (
+        f"# motion: {known.title}\n# event: {known.event}, {known.date.isoformat()}\n"
+        f"# station: {known.station}, {known.component}\n# imported from: {origin.name}\n# name: {name}\n"
+        f"# unit: m/s2\n# dt: {motion.dt!r} s\n# samples: {motion.acceleration.size}\n"
     )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(head + "".join(f"{float(each)!r}\n" for each in motion.acceleration), encoding="utf-8")
+    return path

@@ -6,6 +6,8 @@ quadratic, displacement piecewise cubic, the cumulative Arias intensity piecewis
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pounding_cli.records.motion import GRAVITY, Motion
@@ -34,43 +36,16 @@ def arias(motion: Motion) -> float:
 
 
 def husid(motion: Motion) -> np.ndarray:
-    """Cumulative Arias intensity over its final value [-], shape (n,) (Husid, 1969); zeros if at rest."""
+    """Cumulative Arias intensity over its final value [-], shape (n,) (Husid, 1969), of a motion that moves."""
     total = cumulative_arias(motion)
-    return total / total[-1] if total[-1] > 0 else total
+    return total / total[-1]
 
 
-def husid_times(motion: Motion, fractions: np.ndarray | tuple[float, ...]) -> np.ndarray:
-    """Times [s] at which the Husid curve reaches `fractions` in (0, 1), on its exact cubic; shape as given.
-
-    Raises ValueError for a motion at rest or a fraction outside (0, 1).
-    """
-    wanted = np.atleast_1d(np.asarray(fractions, dtype=float))
-    total = cumulative_arias(motion)
-    if total[-1] <= 0:
-        raise ValueError("a motion at rest has no Husid curve")
-    if ((wanted <= 0) | (wanted >= 1)).any():
-        raise ValueError("a fraction of the Arias intensity lies between 0 and 1")
-    target = wanted * total[-1]
-    step = np.searchsorted(total, target, side="left") - 1
-    first, last = motion.acceleration[step], motion.acceleration[step + 1]
-    need = (target - total[step]) * 2.0 * GRAVITY / np.pi / motion.dt
-    # Bisection of p^2 x + p (q-p) x^2 + (q-p)^2 x^3 / 3 = need on [0, 1]: rising, so it cannot fail.
-    low, high = np.zeros_like(need), np.ones_like(need)
-    slope = last - first
-    for _ in range(60):
-        x = 0.5 * (low + high)
-        below = first**2 * x + first * slope * x**2 + slope**2 * x**3 / 3.0 < need
-        low, high = np.where(below, x, low), np.where(below, high, x)
-    return motion.dt * (step + 0.5 * (low + high))
-
-
-def significant_duration(motion: Motion, start: float = 0.05, end: float = 0.95) -> float:
-    """Time [s] in which the Arias intensity grows from `start` to `end` of its final value: D5-95 by default.
-
-    Trifunac and Brady (1975), Bull. Seism. Soc. Am. 65(3), 581-626.  Raises ValueError for a motion at rest.
-    """
-    first, last = husid_times(motion, (start, end))
-    return float(last - first)
+def significant_duration(motion: Motion) -> tuple[float, float]:
+    """Begin and end [s] of D5-95, in which the Arias intensity grows from 5 to 95 % of its final value; straight lines
+    between samples (Trifunac and Brady, 1975, Bull. Seism. Soc. Am. 65(3), 581-626)."""
+    first, last = np.interp((0.05, 0.95), husid(motion), motion.dt * np.arange(motion.acceleration.size))
+    return float(first), float(last)
 
 
 def velocity(motion: Motion) -> np.ndarray:
@@ -97,11 +72,6 @@ def pgv(motion: Motion) -> float:
     return peak
 
 
-def pgd(motion: Motion) -> float:
-    """Peak ground displacement at the samples [m], no baseline correction."""
-    return float(np.abs(displacement(motion)).max())
-
-
 def oscillator(
     motion: Motion, period: float, damping: float = SPECTRUM_DAMPING, parts: int = 1
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -123,29 +93,23 @@ def oscillator(
     if parts > 1:
         a = np.interp(np.arange(parts * (a.size - 1) + 1) / parts, np.arange(a.size), a)
     h = motion.dt / parts
-    phi1, phi2 = _phi(root * h)
+    phi1 = np.expm1(root * h) / (root * h)
+    phi2 = (phi1 - 1.0) / (root * h)
     drive = h * ((phi1 - phi2) * a[:-1] + phi2 * a[1:])
     z = np.concatenate(([0.0], lfilter([-1.0], [1.0, -np.exp(root * h)], drive)))
     u = z.imag / root.imag
     return u, z.real + root.real * u
 
 
-def spectral_displacement(
-    motion: Motion, periods: np.ndarray | tuple[float, ...], damping: float = SPECTRUM_DAMPING
-) -> np.ndarray:
-    """Largest relative displacement [m] of oscillators with `periods` [s], between samples too."""
-    return np.array([_peak_displacement(motion, float(period), damping) for period in np.atleast_1d(periods)])
-
-
-def spectrum(motion: Motion, periods: np.ndarray | tuple[float, ...], damping: float = SPECTRUM_DAMPING) -> np.ndarray:
+def spectrum(motion: Motion, periods: Sequence[float] | np.ndarray, damping: float = SPECTRUM_DAMPING) -> np.ndarray:
     """Pseudo-acceleration response spectrum w^2 max|u| [m/s2] at `periods` [s], shape (len,).
 
     Exact for the straight line between samples: see `oscillator`; peaks between points come from the cubic
     through displacement and velocity (relative error below 1e-6).  Lasts as long as the motion does,
     without the free vibration after it.
     """
-    omega = 2.0 * np.pi / np.atleast_1d(np.asarray(periods, dtype=float))
-    return omega**2 * spectral_displacement(motion, periods, damping)
+    omega = 2.0 * np.pi / np.asarray(periods, dtype=float)
+    return omega**2 * np.array([_peak_displacement(motion, float(period), damping) for period in periods])
 
 
 def _peak_displacement(motion: Motion, period: float, damping: float) -> float:
@@ -166,15 +130,3 @@ def _peak_displacement(motion: Motion, period: float, damping: float) -> float:
     inside = (roots >= 0) & (roots <= 1)
     x = np.where(inside[0], roots[0], np.where(inside[1], roots[1], 0.0))
     return max(peak, float(np.abs(u0 + x * (v0 + x * (b + x * c))).max()))
-
-
-def _phi(x: complex) -> tuple[complex, complex]:
-    """phi1 = (e^x - 1) / x and phi2 = (e^x - 1 - x) / x^2; by series where the difference would cancel."""
-    if abs(x) > 0.5:
-        phi1 = (np.exp(x) - 1.0) / x
-        return phi1, (phi1 - 1.0) / x
-    term, phi2 = 0.5 + 0.0j, 0.0j
-    for k in range(3, 20):
-        phi2 += term
-        term *= x / k
-    return 1.0 + x * phi2, phi2

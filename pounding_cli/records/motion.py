@@ -8,8 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-GRAVITY = 9.80665
-"""Standard acceleration of gravity [m/s2]."""
+from pounding_cli.units import GRAVITY as GRAVITY  # others take it from here
 
 
 @dataclass(frozen=True, eq=False)

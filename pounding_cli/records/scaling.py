@@ -1,10 +1,12 @@
-"""Scale factors that bring a motion, or a suite of motions, to a wanted intensity."""
+"""Scale factors that bring a motion, or a suite of motions, to a wanted intensity, and how well a suite then fits."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -30,26 +32,18 @@ class TargetSpectrum:
     high: float
     damping: float = SPECTRUM_DAMPING
 
-    def __post_init__(self) -> None:
-        if len(self.periods) != len(self.values) or not self.periods:
-            raise ValueError("a target spectrum needs as many values as periods")
-        if any(b <= a for a, b in zip(self.periods, self.periods[1:], strict=False)) or min(self.periods) <= 0:
-            raise ValueError("the periods of a target spectrum rise from above zero")
-        if not self.periods[0] <= self.low < self.high <= self.periods[-1]:
-            raise ValueError("the range lies within the target's periods")
-
     @classmethod
     def of(cls, motion: Motion, low: float, high: float, damping: float = SPECTRUM_DAMPING) -> TargetSpectrum:
         """The spectrum of a motion itself, exact at every period of `grid`.  Raises InputError for one at rest."""
-        grid = _grid(low, high)
+        grid = np.geomspace(low, high, POINTS)
         values = spectrum(motion, grid, damping)
         _measured(motion, float(values.min()))
         return cls(tuple(map(float, grid)), tuple(map(float, values)), low, high, damping)
 
-    @property
+    @cached_property
     def grid(self) -> np.ndarray:
         """The periods at which it is met [s], shape (POINTS,)."""
-        return _grid(self.low, self.high)
+        return np.geomspace(self.low, self.high, POINTS)
 
     @property
     def ordinates(self) -> np.ndarray:
@@ -57,39 +51,28 @@ class TargetSpectrum:
         return np.exp(np.interp(np.log(self.grid), np.log(self.periods), np.log(self.values)))
 
 
-def arias_factor(motion: Motion, target: Motion | float) -> float:
-    """Factor [-] after which `motion` has the Arias intensity of `target` (a motion, or a value in m/s).
+def arias_factor(motion: Motion, target: Motion) -> float:
+    """Factor [-] after which `motion` has the Arias intensity of `target`: the rule of the paper's Table 1.
 
-    Both are taken as they are: cut them to their windows first.  I_A grows with the factor squared.  The rule
-    behind the last column of the paper's Table 1.  Raises InputError for a motion at rest or a target <= 0.
+    Both are taken as they are: cut them to their windows first.  I_A grows with the factor squared.
+    Raises InputError for a motion at rest, as all these factors do.
     """
-    wanted = arias(target) if isinstance(target, Motion) else float(target)
-    return math.sqrt(_positive(wanted, "Arias intensity to reach", "m/s") / _measured(motion, arias(motion)))
+    return math.sqrt(_measured(target, arias(target)) / _measured(motion, arias(motion)))
 
 
 def pga_factor(motion: Motion, pga: float) -> float:
-    """Factor [-] after which the peak ground acceleration is `pga` [m/s2].
-
-    Raises InputError for a motion at rest or a peak that is not positive.
-    """
-    return _positive(pga, "peak ground acceleration to reach", "m/s2") / _measured(motion, motion.pga)
+    """Factor [-] after which the peak ground acceleration is `pga` [m/s2]."""
+    return pga / _measured(motion, motion.pga)
 
 
 def pgv_factor(motion: Motion, velocity: float) -> float:
-    """Factor [-] after which the peak ground velocity is `velocity` [m/s]; no baseline correction.
-
-    Raises InputError for a motion at rest or a peak that is not positive.
-    """
-    return _positive(velocity, "peak ground velocity to reach", "m/s") / _measured(motion, pgv(motion))
+    """Factor [-] after which the peak ground velocity is `velocity` [m/s]; no baseline correction."""
+    return velocity / _measured(motion, pgv(motion))
 
 
 def sa_factor(motion: Motion, sa: float, period: float, damping: float = SPECTRUM_DAMPING) -> float:
-    """Factor [-] after which the pseudo-acceleration at `period` [s] and `damping` [-] is `sa` [m/s2].
-
-    Raises InputError for a motion at rest or an ordinate that is not positive.
-    """
-    found = float(spectrum(motion, (period,), damping)[0])
-    return _positive(sa, "spectral acceleration to reach", "m/s2") / _measured(motion, found)
+    """Factor [-] after which the pseudo-acceleration at `period` [s] and `damping` [-] is `sa` [m/s2]."""
+    return sa / _measured(motion, float(spectrum(motion, (period,), damping)[0]))
 
 
 def spectrum_factors(
@@ -105,45 +88,93 @@ def spectrum_factors(
 
     Raises InputError for a motion at rest.
     """
-    wanted = target.ordinates
     spectra = {name: spectrum(motion, target.grid, target.damping) for name, motion in motions.items()}
     for name, found in spectra.items():
         _measured(motions[name], float(found.min()))
+
+    def fitted(found: np.ndarray) -> float:
+        return float(np.exp(np.mean(np.log(target.ordinates / found))))
+
     if each:
-        factors = {name: _least_squares(wanted, found) for name, found in spectra.items()}
+        factors = {name: fitted(found) for name, found in spectra.items()}
     else:
-        factors = dict.fromkeys(spectra, _least_squares(wanted, _mean(list(spectra.values()))))
+        factors = dict.fromkeys(spectra, fitted(np.mean(list(spectra.values()), axis=0)))
     if at_least is not None:
-        mean = _mean([factors[name] * found for name, found in spectra.items()])
-        lift = max(1.0, float((at_least * wanted / mean).max()))
+        mean = np.mean([factors[name] * found for name, found in spectra.items()], axis=0)
+        lift = max(1.0, float((at_least * target.ordinates / mean).max()))
         factors = {name: lift * factor for name, factor in factors.items()}
     return factors
 
 
-def _grid(low: float, high: float) -> np.ndarray:
-    return np.geomspace(low, high, POINTS)
-
-
-def _least_squares(wanted: np.ndarray, found: np.ndarray) -> float:
-    return float(np.exp(np.mean(np.log(wanted / found))))
-
-
-def _mean(spectra: Sequence[np.ndarray]) -> np.ndarray:
-    return np.mean(np.array(spectra), axis=0)
-
-
-def _positive(value: float, what: str, unit: str) -> float:
-    if not (math.isfinite(value) and value > 0):
-        raise InputError(Problem(f"the {what} is {value:g} {unit}", "give a value above 0"))
-    return value
-
-
 def _measured(motion: Motion, value: float) -> float:
     if value <= 0:
-        raise InputError(
-            Problem(
-                f"motion '{motion.name}' is at rest: every sample in its window is zero",
-                "lengthen the window",
-            )
-        )
+        message = f"motion '{motion.name}' is at rest: every sample in its window is zero"
+        raise InputError(Problem(message, "lengthen the window"))
     return value
+
+
+DRAWN = 80
+"""Periods of the spectra, evenly in ln T, from half the range's beginning to twice its end."""
+
+
+@dataclass(frozen=True)
+class SpectrumMatch:
+    """The spectra of the motions as used, and their target.
+
+    each : whether every motion has a factor of its own; at_least : part of the target the mean may not fall below
+    lift : the factor that `at_least` added for all [-]
+    lowest : the mean spectrum over the target where that is least in the range [-], and the period there [s]
+    periods : [s]; spectra : pseudo-accelerations by motion [m/s2] at `periods`
+    """
+
+    target: TargetSpectrum
+    each: bool
+    at_least: float | None
+    lift: float
+    lowest: tuple[float, float]
+    periods: tuple[float, ...]
+    spectra: Mapping[str, tuple[float, ...]]
+
+    @cached_property
+    def mean(self) -> np.ndarray:
+        """The mean of the spectra [m/s2] at `periods`."""
+        return np.mean(np.array(list(self.spectra.values())), axis=0)
+
+    @property
+    def words(self) -> str:
+        """How the motions were scaled and how near the target their mean is, in sentences."""
+        what = "every motion by a factor of its own" if self.each else "all motions by one factor"
+        said = f"Scaled to a target spectrum from {self.target.low:g} to {self.target.high:g} s, {what}. "
+        if self.at_least is not None:
+            more = f"a factor of {self.lift:.3f} was added for all" if self.lift > 1 else "no further factor was needed"
+            said += f"The mean spectrum is nowhere below {self.at_least:g} of the target: {more}. "
+        ratio, period = self.lowest
+        return f"{said}The mean spectrum is lowest at {period:.2f} s: {ratio:.2f} of the target."
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers and texts, for a file."""
+        return asdict(self)
+
+    @classmethod
+    def of_dict(cls, data: Mapping[str, Any]) -> SpectrumMatch:
+        """What `as_dict` gave, read back."""
+        from pydantic import TypeAdapter
+
+        return TypeAdapter(cls).validate_python(data)
+
+
+def spectrum_match(
+    used: Mapping[str, Motion], target: TargetSpectrum, each: bool, at_least: float | None
+) -> SpectrumMatch:
+    """The match of motions already cut and scaled; `each` and `at_least` as in `spectrum_factors`."""
+    # What least squares alone would still change in the motions is the factor that `at_least` added.
+    lift = 1.0 if at_least is None else 1.0 / min(spectrum_factors(used, target, each).values())
+    inside = np.mean([spectrum(motion, target.grid, target.damping) for motion in used.values()], axis=0)
+    ratios = inside / target.ordinates
+    least = int(np.argmin(ratios))
+    periods = np.geomspace(target.low / 2, 2 * target.high, DRAWN)
+    spectra = {name: tuple(map(float, spectrum(m, periods, target.damping))) for name, m in used.items()}
+    lowest = (float(ratios[least]), float(target.grid[least]))
+    return SpectrumMatch(
+        target, each, at_least, lift if lift > 1 + 1e-9 else 1.0, lowest, tuple(map(float, periods)), spectra
+    )

@@ -1,36 +1,24 @@
-"""Units of acceleration as people and files write them: what one is in m/s2, and what is no acceleration."""
+"""Units of acceleration as motion files write them: what one is in m/s2, and what is no acceleration."""
 
 from __future__ import annotations
 
 import math
 import re
 
-from pounding_cli.records.motion import GRAVITY
+from pounding_cli.units import GRAVITY, measure
 
-UNITS: dict[str, float] = {
-    "g": GRAVITY,
-    "m/s2": 1.0,
-    "cm/s2": 0.01,
-    "gal": 0.01,
-    "mm/s2": 0.001,
-    "ft/s2": 0.3048,
-    "in/s2": 0.0254,
-    "mg": 0.001 * GRAVITY,
-}
+UNITS = {name: measure(name)[0] for name in ("m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2")}
+UNITS = {"g": GRAVITY, **UNITS, "mg": 0.001 * GRAVITY}
 """The common units, and one of each in m/s2; other spellings and multiples are read too (`acceleration_unit`)."""
 
-_LENGTHS = {
-    "m": 1.0, "meter": 1.0, "metre": 1.0, "meters": 1.0, "metres": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6,
-    "ft": 0.3048, "feet": 0.3048, "in": 0.0254, "inch": 0.0254,
+_OF_GRAVITY = {
+    "g": 1.0, "g's": 1.0, "%g": 0.01, "mg": 0.001, "millig": 0.001, "milli-g": 0.001, "ug": 1e-6,
 }  # fmt: skip
-_OTHERS = {
-    "%g": 0.01 * GRAVITY, "ug": 1e-6 * GRAVITY, "mgal": 1e-5, "millig": 0.001 * GRAVITY, "milli-g": 0.001 * GRAVITY,
-    "g's": GRAVITY, "gals": 0.01, "ms2": 1.0, "mps2": 1.0, "cms2": 0.01, "cmps2": 0.01,
-}  # fmt: skip
-_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
-_MULTIPLE = re.compile(rf"(?P<top>{_NUMBER})(?:/(?P<bottom>{_NUMBER}))?(?P<unit>[^\d.].*)\Z")
-_PART = re.compile(rf"g/(?P<part>{_NUMBER})\Z")
-_PER_TIME = re.compile(rf"(?P<length>{'|'.join(_LENGTHS)})(?P<per>/s/s|/s2|/ss|s-2|/s|s-1|)\Z")
+_QUANTITIES = {(0.0, 1.0, -2.0): "acceleration", (0.0, 1.0, -1.0): "velocity", (0.0, 1.0, 0.0): "displacement"}
+_WORDS = {"acc": "acceleration", "vel": "velocity", "disp": "displacement", "count": "counts"}
+_NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)"
+_MULTIPLE = re.compile(rf"{_NUMBER}(?:/{_NUMBER})?\s*([^\d.].*)\Z", re.ASCII)
+_PART = re.compile(rf"g/{_NUMBER}\Z", re.ASCII)
 
 
 def acceleration_unit(text: str) -> float | None:
@@ -39,50 +27,38 @@ def acceleration_unit(text: str) -> float | None:
     Read are the names of `UNITS` in any case, spellings such as `cm/sec/sec`, `m/s^2`, `M S-2`, `g/10`, and
     multiples (`0.01 g`, `3920/6182761 gal`: what one count of a recorder is).
     """
-    plain = _plain(text)
-    multiple = _MULTIPLE.match(plain)
-    factor = 1.0
-    if multiple:
-        factor = float(multiple["top"]) / (float(multiple["bottom"] or 1.0) or math.inf)
-        plain = multiple["unit"]
-    part = _PART.match(plain)
-    if part:
-        factor, plain = factor / (float(part["part"]) or math.inf), "g"
-    one = UNITS.get(plain, _OTHERS.get(plain))
-    if one is None:
-        found = _PER_TIME.match(plain)
-        if not found or _order(found["per"]) != 2:
-            return None
-        one = _LENGTHS[found["length"]]
-    return factor * one if 0 < factor * one < math.inf else None
+    plain, factor = _plain(text), 1.0
+    if found := _MULTIPLE.match(plain):
+        factor, plain = float(found[1]) / (float(found[2] or 1.0) or math.inf), found[3]
+    if found := _PART.match(plain):
+        factor, plain = factor / (float(found[1]) or math.inf), "g"
+    if plain in _OF_GRAVITY:
+        factor *= _OF_GRAVITY[plain] * GRAVITY
+    else:
+        one, quantity = _measured(plain)
+        factor *= one if quantity == "acceleration" else 0.0
+    return factor if 0 < factor < math.inf else None
 
 
 def quantity_of(text: str) -> str:
     """What a unit or a heading speaks of: acceleration, velocity, displacement, counts, or "" if unknown."""
-    plain = _plain(text)
     if acceleration_unit(text) is not None:
         return "acceleration"
-    found = _PER_TIME.match(plain)
-    if found:
-        return ("displacement", "velocity")[_order(found["per"])]
-    for start, quantity in (
-        ("acc", "acceleration"),
-        ("vel", "velocity"),
-        ("disp", "displacement"),
-        ("count", "counts"),
-    ):
-        if plain.startswith(start):
-            return quantity
-    return ""
+    plain = _plain(text)
+    return _measured(plain)[1] or next((_WORDS[start] for start in _WORDS if plain.startswith(start)), "")
 
 
 def _plain(text: str) -> str:
-    """Lower case, no blanks, `s` for second, plain powers: `CM/SEC**2.` becomes `cm/s2`."""
-    plain = text.strip().lower().replace("µ", "u").replace("μ", "u").replace("²", "2").replace("⁻", "-")
-    plain = re.sub(r"(?<![a-z])sec(?:ond)?s?(?![a-z])", "s", plain)
-    return re.sub(r"[\s*^·()\[\]]|\.+\Z|(?<=[a-z])\.(?=[a-z])", "", plain)
+    """Lower case, no brackets around, plain powers: `[CM/SEC²].` becomes `cm/sec2`, `ms⁻²` becomes `m/s2`."""
+    plain = text.lower().translate(str.maketrans("µμ²⁻", "uu2-")).replace("feet", "ft").strip().rstrip(".")
+    plain = re.sub(r"\A[(\[]\s*(.*?)\s*[)\]]\Z", r"\1", plain)
+    return re.sub(r"\A(c?m)s(?:\^|\*\*)?-2\Z", r"\1/s2", plain)
 
 
-def _order(per: str) -> int:
-    """How many times the length is divided by time."""
-    return {"": 0, "/s": 1, "s-1": 1}.get(per, 2)
+def _measured(unit: str) -> tuple[float, str]:
+    """One `unit` in SI, and its quantity, "" for one that is no length, velocity or acceleration."""
+    try:
+        one, dimension = measure(unit)
+    except ValueError:
+        return 0.0, ""
+    return one, _QUANTITIES.get(dimension, "")

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import pandas as pd
 
 from pounding_cli.numbers import Unit
-from pounding_cli.records.suite import SpectrumMatch
+from pounding_cli.records.scaling import SpectrumMatch
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.flagged import FlagGroup, flag_groups_of
 from pounding_cli.variables import LINK, OF_COLUMNS, RESPONSES, VARIABLES

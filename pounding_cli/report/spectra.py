@@ -7,8 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from pounding_cli.numbers import Unit
-from pounding_cli.records.scaling import TargetSpectrum
-from pounding_cli.records.suite import SpectrumMatch
+from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
 from pounding_cli.report.style import caption, entitle, is_for_paper, new_figure, styled
 
 TICKS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10)

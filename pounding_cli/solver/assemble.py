@@ -39,7 +39,7 @@ SMOOTHER, FINEST_SMOOTH = 0.01, 1e-13
 LEAST_SCALE = 1e-3
 """Acceleration below which nothing is resolved, over the ground's peak [-]."""
 
-POINTS = ((1e-5, 4), (1e-8, 6), (0.0, 8))
+POINTS = ((1e-5, 4), (1e-7, 5), (1e-8, 6), (0.0, 8))
 """(accuracy from which on, places of the quadrature of energies inside a step)."""
 
 MOST_STEPS, MOST_EVENTS = 20_000_000, 5_000_000

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.events import pad
 from pounding_cli.solver.options import PART
 from pounding_cli.solver.records import MOST_POINTS
 
@@ -44,7 +43,7 @@ def add_energy(dofs, elements, r, series):
 @njit(**PART)
 def _look_inside(dofs, r):
     """Velocities of all degrees of freedom at the places of the rule."""
-    count, points = pad(r.order + 1), r.points
+    count, points = r.order + 1, r.points
     for g in range(points):
         s, power = PLACES[points, g] * r.end, 1.0
         for k in range(count):
@@ -63,7 +62,7 @@ def _look_inside(dofs, r):
 def _powers_of_storeys(dofs, elements, r):
     """Energy that the ground puts in, and what dashpots of storeys and mass-proportional damping take [J]."""
     q, duration, g1 = r.points, r.h * r.end, r.g1 * r.end
-    at_ends, places = ENDS[q], (q + 3) & -4
+    at_ends = ENDS[q]
     drag = dashpots = pushed = 0.0
     for i in range(r.n):
         el, d = elements[i], dofs[i]
@@ -71,7 +70,7 @@ def _powers_of_storeys(dofs, elements, r):
         push = at_ends * (r.g0 * d.w[0] + (r.g0 + g1) * d.v1)
         square = at_ends * (d.w[0] * d.w[0] + d.v1 * d.v1)
         rates = at_ends * (el.r0 * el.r0 + el.r1 * el.r1)
-        for g in range(places):
+        for g in range(q):
             v = d.inside[g]
             rate = v - el.hold * below[g] + d.lean * foot[g]
             push += WEIGHTS[q, g] * (r.g0 + g1 * PLACES[q, g]) * v

@@ -32,19 +32,11 @@ contact: only a series tells the sign of what begins by a high power of time."""
 
 
 @njit(**PART)
-def pad(count):
-    """The next multiple of eight."""
-    return (count + 7) & -8
-
-
-@njit(**PART)
 def summarise(dofs, elements, terms, r):
     """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
-    h, count = r.h, pad(r.order + 1)
+    h, count = r.h, r.order + 1
     for i in range(r.n):
         d = dofs[i]
-        for k in range(r.order + 1, count):
-            d.w[k] = 0.0
         u = v = a = bend = 0.0
         for k in range(count):  # LLVM makes vectors of these sums
             w = d.w[k]

@@ -17,10 +17,10 @@ import numpy as np
 from pounding_cli.laws.law import HISTORY, PARAMETERS
 
 ORDERS = 32
-"""Room for the orders of a series, a multiple of eight: no series has more than 31 terms."""
+"""Room for the orders of a series: none has more than 31 terms."""
 
 MOST_POINTS = 12
-"""Places inside a step where powers are looked at, at most: a multiple of four."""
+"""Places inside a step where powers are looked at, at most."""
 
 
 def _dtype(**fields: str) -> np.dtype:
@@ -35,7 +35,7 @@ def _dtype(**fields: str) -> np.dtype:
 
 
 DOF = _dtype(
-    # w: coefficients of the velocity in the step, zero beyond the order up to a multiple of eight [m/s]
+    # w: coefficients of the velocity in the step [m/s]
     # inside: the velocity at the places of the quadrature
     # drag: mass-proportional damping [1/s]
     # below: 1 where the storey stands on the degree of freedom before it; lean: what a unit of `foot` (rocking) adds to

@@ -130,8 +130,10 @@ def _stage(Y, K, h, weights, count, size, to):
 
 @njit(**PART)
 def _error(r, Y, K, scale, size, h):
-    """Error of the step over what it may be [-], the largest of all states: in a long row a mean would hide it."""
-    worst5 = worst3 = 0.0
+    """Error of the step over what it may be [-], the largest of all states: in a long row a mean would hide it.
+
+    Infinite where a state is not finite, which a comparison passes over."""
+    worst5 = worst3 = total = 0.0
     for i in range(size):
         e5 = e3 = 0.0
         for j in range(STAGES):
@@ -139,6 +141,9 @@ def _error(r, Y, K, scale, size, h):
             e3 += E3[j] * K[j, i]
         per = 1.0 / (r.smooth_tolerance * max(scale[i], abs(Y[0, i]), abs(Y[1, i])))
         worst5, worst3 = max(worst5, abs(e5 * per)), max(worst3, abs(e3 * per))
+        total += abs(e5 * per)
+    if not total < math.inf:
+        return math.inf
     if worst5 == 0.0 and worst3 == 0.0:
         return 0.0
     return h * worst5 * worst5 / math.hypot(worst5, 0.1 * worst3)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from math import isfinite, nan
 from typing import Any
 
+import numba
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
@@ -85,8 +86,8 @@ class Prepared:
 
     def integrate(self) -> None:
         """Run it, with a kernel that is compiled or loaded first if it has to be."""
-        ready(self.method.name, self.data.room is not None)
         ground, slopes = segments(self.scene)
+        ready(self.method.name, (*self.data, ground, slopes))
         begin = time.perf_counter()
         if self.method.takes_step:
             self._step(ground, slopes)
@@ -252,9 +253,9 @@ COMPILES = {
 """What is said before a kernel is compiled."""
 
 
-def ready(method: str, has_room: bool) -> None:
-    """Say that a kernel is about to be compiled where it is not kept on disk."""
-    part = "fixed" if METHODS[method].takes_step else "dop853" if has_room else "taylor"
+def ready(method: str, arguments: tuple[Any, ...]) -> None:
+    """Load the kernel of a run, or compile it where it is not kept on disk, and say so: its time is not the scene's."""
+    part = "fixed" if METHODS[method].takes_step else "taylor" if Data(*arguments[:-2]).room is None else "dop853"
     if part in _loaded:
         return
     from pounding_cli.solver.options import FOLDER
@@ -263,6 +264,8 @@ def ready(method: str, has_room: bool) -> None:
     if not mark.exists():
         say(COMPILES[part])
     _loaded.add(part)
+    if part != "fixed":
+        _kernel().compile(tuple(map(numba.typeof, arguments)))
     with contextlib.suppress(OSError):
         FOLDER.mkdir(parents=True, exist_ok=True)
         mark.touch()

@@ -27,7 +27,7 @@ MANY = 20_000
 SAMPLE = 20
 """Scenes whose digests are compared with what the study says now."""
 
-_SOURCES = "", "pounding_cli.study.expand", "pounding_cli.records.motion", "pounding_cli.records.formats.columns"
+_SOURCES = "", "pounding_cli.study.expand", "pounding_cli.records.motion", "pounding_cli.records.columns"
 """What decides what a study comes to, besides the solver: the packages of these modules."""
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
-from pounding_cli.records.suite import SpectrumMatch
+from pounding_cli.records.scaling import SpectrumMatch
 from pounding_cli.solver.histories import History
 from pounding_cli.store.answers import Answer, largest, read_table, table_names
 from pounding_cli.store.columns import TABLES, meaning

@@ -171,7 +171,7 @@ class Records(Model):
 
     use: Annotated[tuple[word_or(str, RecordFile), ...], Field(min_length=1, max_length=5000)] = key(  # type: ignore[valid-type]
         ...,
-        "catalogue names, motions of installed libraries, files, folders, patterns, {file: PATH, ...}",
+        "catalogue names, files, folders, patterns, {file: PATH, ...}",
         ["elcentro", {"file": "motions/x.AT2"}],
     )
     duration: Annotated[float | str, TIME.but(name="duration", example="10 s", words=("auto", "table1", "whole"))] = (

@@ -1,4 +1,4 @@
-"""From what `records.use` says to motions: catalogue names, installed libraries, files, folders, patterns."""
+"""From what `records.use` says to motions: catalogue names, files, folders, patterns."""
 
 from __future__ import annotations
 
@@ -93,13 +93,8 @@ class MotionReader:
             return self._files(record)
         if record in records.names():
             return [Item(record, True, lambda: records.find(record))]
-        if records.library_of(record) is not None:
-            return [_held(name) for name in records.matching(record)]
         if self._is_path(record):
             return self._files(RecordFile(file=record))
-        start, colon, _ = record.partition(":")
-        if colon:
-            raise InputError(Problem(f"no library '{start}' of motions", f"known: {', '.join(records.LIBRARIES)}"))
         records.entry(record)  # refuses the name, with the nearest one
         raise AssertionError(record)
 
@@ -135,10 +130,6 @@ class MotionReader:
             _item(record, each, record.name or name, bool(_VERTICAL.search(each.stem) or _VERTICAL.search(each.name)))
             for each, name in zip(found, names, strict=True)
         ]
-
-
-def _held(name: str) -> Item:
-    return Item(name.partition(":")[2], False, lambda: records.read_held(name))
 
 
 def _item(record: RecordFile, path: Path, name: str, vertical: bool = False) -> Item:

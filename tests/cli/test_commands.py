@@ -278,7 +278,7 @@ def test_the_schema_that_ships_is_that_of_the_program(folder, pound):
 
 
 def test_editors_know_the_keys_of_the_law_that_stands_there():
-    """All studies of configs fit the schema; a key of another law does not, in a flat case and in an entry of `links`."""
+    """All studies of configs fit the schema; a key of another law does not, in a case and in an entry of `links`."""
     validator = jsonschema.Draft202012Validator(json.loads((ROOT / "configs/pound.schema.json").read_text("utf-8")))
     studies = [yaml.safe_load(path.read_text("utf-8")) for path in (ROOT / "configs").rglob("*.yaml")]
     studies = [study for study in studies if "buildings" in study]

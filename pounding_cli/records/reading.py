@@ -4,20 +4,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from pounding_cli.records.formats import CHANNELS, PLAIN, READERS, format_of
-from pounding_cli.records.formats.text import Asked, Samples, Text, load
+from pounding_cli.records import columns, formats
 from pounding_cli.records.motion import GRAVITY, Motion
+from pounding_cli.records.text import Asked, Samples, Text, load
 from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
 
-FORMATS = tuple(READERS)
+_NETWORKS = {
+    "at2": formats.at2,
+    "cosmos": formats.cosmos,
+    "csmip": formats.csmip,
+    "smc": formats.smc,
+    "knet": formats.knet,
+    "esm": formats.esm,
+}
+_PLAIN = {"two-column": columns.read_two_columns, "column": columns.read_column, "table": columns.read_table}
 
-ASSUMED = ", unit {} assumed"
-"""What the label of a motion says where nobody states its unit."""
+FORMATS = (*_NETWORKS, *_PLAIN)
+"""The formats, as users name them; the plain ones need not state a unit: g is taken."""
 
-_LARGEST = 5.0 * GRAVITY
+_STRONGEST = 5.0 * GRAVITY
 # The strongest ground accelerations ever recorded lie between 3 and 5 g; above that the unit is wrong.
 
 
@@ -39,14 +48,18 @@ class Reading:
     @property
     def words(self) -> str:
         """The unit and where it comes from: "in g (assumed: the file states no unit)"."""
-        if self.unit_from == "nobody":
-            why = f"'{self.heading}' in the file is no unit" if self.heading else "the file states no unit"
-            return f"in {self.unit} (assumed: {why})"
         given = f"as given, although the file says {self.stated}" if self.stated else "as given"
-        return f"in {self.unit} ({'as the file says' if self.unit_from == 'the file' else given})"
+        unclear = f"'{self.heading}' in the file is no unit" if self.heading else "the file states no unit"
+        why = {"the file": "as the file says", "you": given, "nobody": f"assumed: {unclear}"}[self.unit_from]
+        return f"in {self.unit} ({why})"
 
 
-def read_motion(
+def read_motion(path: str | Path, **options: Any) -> Motion:
+    """The motion of a text file; arguments and errors as `read_file`."""
+    return read_file(path, **options).motion
+
+
+def read_file(
     path: str | Path,
     *,
     name: str | None = None,
@@ -56,8 +69,8 @@ def read_motion(
     channel: int | None = None,
     column: int | None = None,
     source: str = "user",
-) -> Motion:
-    """Read a ground motion from a text file.
+) -> Reading:
+    """Read a ground motion from a text file, and say how it was read.
 
     Parameters
     ----------
@@ -72,101 +85,78 @@ def read_motion(
     column : which column of a table holds the acceleration, from 1
     source : label of the motion; that of a motion whose unit is assumed says so
 
-    Raises `InputError`, with file and line, for a file that is missing, empty or not text, a value that is no
-    number, uneven or falling times, a count, peak or digest other than the header's, a missing or contradicting
-    time step or unit, velocities, displacements, counts without a scale, and a peak above 5 g (a wrong unit).
+    Raises
+    ------
+    InputError : with file and line, for a file that is missing, empty or not text, a value that is no number, uneven
+        or falling times, a count, peak or digest other than the header's, a missing or contradicting time step or
+        unit, velocities, displacements, counts without a scale, and a peak above 5 g (a wrong unit)
     """
-    return read_file(
-        path, name=name, unit=unit, dt=dt, format=format, channel=channel, column=column, source=source
-    ).motion  # fmt: skip
-
-
-def read_file(
-    path: str | Path,
-    *,
-    name: str | None = None,
-    unit: str | None = None,
-    dt: float | None = None,
-    format: str | None = None,
-    channel: int | None = None,
-    column: int | None = None,
-    source: str = "user",
-) -> Reading:
-    """As `read_motion`, with how the file was read."""
     text = load(Path(path))
-    asked = Asked(dt, channel, column)
     if unit is not None and acceleration_unit(unit) is None:
         raise text.refuse(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(UNITS)}, or 0.01 g")
-    if format is not None and format not in READERS:
+    if format is not None and format not in FORMATS:
         raise text.refuse(f"unknown format '{format}'", f"write one of {', '.join(FORMATS)}")
-    kind = format or format_of(text, asked)
-    _refuse_stray(text, kind, asked)
-    samples = READERS[kind](text, asked)
+    kind, samples = _samples(text, Asked(dt, channel, column), format)
     used, who, stated = _unit(text, kind, samples, unit)
     values = _sound(text, samples, used)
-    label = f"{source}{ASSUMED.format(used)}" if who == "nobody" else source
+    label = f"{source}, unit {used} assumed" if who == "nobody" else source
     motion = Motion(name or text.header.get("name") or Path(path).stem, samples.dt, values, label)
-    written = text.header.get("digest")
-    if kind == "column" and written is not None and written != motion.digest:
-        raise text.refuse(
-            "the samples are not those the file was written with: their digest differs",
-            "import the motion again, or take the '# digest:' line out if the change was meant",
-            samples.line,
-        )
-    return Reading(motion, kind, used, who, samples.heading if who == "nobody" else "", stated)
+    return Reading(motion, kind, used, who, samples.unclear if who == "nobody" else "", stated)
 
 
-def _refuse_stray(text: Text, kind: str, asked: Asked) -> None:
-    if asked.channel is not None and kind not in CHANNELS:
+def _samples(text: Text, asked: Asked, format: str | None) -> tuple[str, Samples]:
+    """The format of a file and what it holds; raises `InputError` for channels and columns that it does not have."""
+    networks = [format] if format in _NETWORKS else _NETWORKS if format is None else []
+    tried = ((name, _NETWORKS[name](text, asked)) for name in networks)
+    kind, found = next(((name, found) for name, found in tried if found), (format, None))
+    if kind in _NETWORKS and found is None:
+        raise text.refuse(f"its first lines are not those of a file of format '{format}'", "leave 'format' out", 1)
+    kind = kind or columns.kind_of(text, asked)
+    if asked.channel is not None and kind not in ("cosmos", "csmip"):
         raise text.refuse(f"a file of format '{kind}' has no channels", "leave 'channel' out")
     if asked.column is not None and kind != "table":
         raise text.refuse(f"a file of format '{kind}' has no columns to choose from", "leave 'column' out")
+    return kind, found or _PLAIN[kind](text, asked)
 
 
 def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[str, str, str]:
-    """The unit the samples are in, who says so, and another one that headings state; raises `InputError` where a
-    format that defines its unit contradicts the one given."""
-    stated = samples.unit
+    """The unit the samples are in, who says so, and another one that headings state.
+
+    Raises `InputError` for other quantities, and where a format that defines its unit contradicts the one given.
+    """
+    stated, line = samples.unit, samples.unit_line
     if stated is None:
-        if given is None and kind not in PLAIN:
+        if given is None and kind in _NETWORKS:
             raise text.refuse("the file does not state its unit", "give it: unit: cm/s2, or --unit cm/s2", samples.line)
         return (given, "you", "") if given else ("g", "nobody", "")
-    if quantity_of(stated) == "counts":
+    quantity, factor = quantity_of(stated), acceleration_unit(stated)
+    if quantity in ("velocity", "displacement"):
+        raise text.wrong_quantity(quantity, line)
+    if quantity == "counts":
         if given is None:
-            raise text.refuse(
-                "the file holds recorder counts, and no scale that makes them an acceleration",
-                "download the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal",
-                samples.unit_line,
-            )
+            hint = "download the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal"
+            raise text.refuse("the file holds recorder counts without their scale", hint, line)
         return given, "you", ""
-    factor = acceleration_unit(stated)
     if factor is None:
-        raise text.refuse(
-            f"the file's unit '{stated}' is none of acceleration",
-            f"correct it there: one of {', '.join(UNITS)}",
-            samples.unit_line,
-        )
-    if given is not None and not abs((acceleration_unit(given) or 0.0) / factor - 1.0) <= 1e-4:
-        if kind in PLAIN:
-            return given, "you", stated
-        raise text.refuse(
-            f"the unit is given as {given}, but the file says {stated}",
-            "leave the unit out, or correct the file's",
-            samples.unit_line,
-        )
-    return stated, "the file", ""
+        hint = f"correct it there: one of {', '.join(UNITS)}"
+        raise text.refuse(f"the file's unit '{stated}' is none of acceleration", hint, line)
+    if given is None or abs((acceleration_unit(given) or 0.0) / factor - 1.0) <= 1e-4:
+        return stated, "the file", ""
+    if kind in _NETWORKS:
+        hint = "leave the unit out, or correct the file's"
+        raise text.refuse(f"the unit is given as {given}, but the file says {stated}", hint, line)
+    return given, "you", stated
 
 
 def _sound(text: Text, samples: Samples, unit: str) -> np.ndarray:
     """The samples in m/s2; raises `InputError` where they can be no ground motion."""
-    values = np.array(samples.values, dtype=float)
+    values, factor = np.array(samples.values, dtype=float), acceleration_unit(unit) or 0.0
     if values.size < 2:
         raise text.refuse("only one sample found", "a motion needs at least two samples", samples.line)
-    factor = acceleration_unit(unit) or 0.0
     peak = float(np.abs(values).max())
     if peak == 0.0:
         raise text.refuse("every sample is zero", "give a file that holds a ground motion", samples.line)
-    if peak > _LARGEST / factor:
+    if peak > _STRONGEST / factor:
         raise text.refuse(
             f"the peak is {peak * (factor / GRAVITY):.4g} g read in {unit}: no ground motion is that strong",
             f"give the unit of the file: {', '.join(UNITS)}; recorder counts need their scale, e.g. 6.34e-4 gal",

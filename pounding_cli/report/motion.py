@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.records.intensity import displacement, husid, husid_times, spectrum, velocity
+from pounding_cli.records.intensity import displacement, husid, significant_duration, spectrum, velocity
 from pounding_cli.records.motion import GRAVITY, Motion
 
 FORMATS = (".png", ".svg", ".pdf")
@@ -74,7 +74,7 @@ def _mark_peak(axis: Any, times: np.ndarray, values: np.ndarray, unit: str) -> N
 
 
 def _mark_duration(axis: Any, motion: Motion) -> None:
-    first, last = husid_times(motion, (0.05, 0.95))
+    first, last = significant_duration(motion)
     axis.axvspan(first, last, color=_MARK, alpha=0.07, linewidth=0.0)
     for level, time in ((0.05, first), (0.95, last)):
         axis.axhline(level, color="grey", linewidth=0.6, linestyle="--")

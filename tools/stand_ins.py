@@ -1,6 +1,10 @@
-"""Stand-ins: synthetic motions with the peak, energy, energy growth and response spectrum of a target.
+"""Makes the stand-ins that ship: synthetic motions with the measures that `records/catalogue.yaml` states.
 
-Random phases under an envelope (from the target's Husid curve) are brought to the target spectrum first in
+    python tools/stand_ins.py -o standins                  the five files of the program, equal in every printed digit
+    python tools/stand_ins.py taft --seed 7 -o other       other random phases
+
+A stand-in has the peak, energy, energy growth and response spectrum of its target, within Table 1's duration. Random
+phases under an envelope (from the target's Husid curve) are brought to the target spectrum first in
 the frequency domain, then in the time domain by Levenberg-Marquardt steps of least norm on all targets
 together.  Their adjustments are combinations of time-reversed oscillator responses, as in Lilhanand and Tseng
 (1988, Proc. 9th World Conf. Earthquake Eng.); see also Al Atik and Abrahamson (2010, Earthquake Spectra 26(3),
@@ -9,14 +13,22 @@ together.  Their adjustments are combinations of time-reversed oscillator respon
 
 from __future__ import annotations
 
+import argparse
 import random
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import yaml
 
-from pounding_cli.records.intensity import cumulative_arias, oscillator, spectrum, velocity
+from pounding_cli.records.intensity import arias, cumulative_arias, oscillator, spectrum, velocity
 from pounding_cli.records.motion import GRAVITY, Motion
+
+CATALOGUE = Path(__file__).parents[1] / "records" / "catalogue.yaml"
+DIGITS = 6
+"""Decimals of g in a shipped file; rounding moves a sample by at most 5e-7 g."""
 
 _FOURIER_ROUNDS = 12
 _NEWTON_ROUNDS = 150
@@ -213,3 +225,61 @@ def _extrema(ratio: np.ndarray) -> Iterable[int]:
     size = np.abs(ratio)
     inner = (size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:]) & (size[1:-1] > _EXTREMA_KEPT)
     return sorted({int(np.argmax(size)), *(np.flatnonzero(inner) + 1).tolist()})
+
+
+def target_of(name: str, told: dict[str, Any], seed: int | None = None) -> Target:
+    """What the stand-in of a catalogue entry has to match: its facts, within Table 1's duration."""
+    facts = told["facts"]
+    return Target(
+        name=name,
+        seed=told["stand_in"]["seed"] if seed is None else seed,
+        dt=told["stand_in"]["dt_s"],
+        duration=float(told["table1"]["duration_s"]),
+        pga=facts["peak_g"] * GRAVITY,
+        arias=facts["arias"],
+        husid_fractions=tuple(facts["husid"]),
+        husid_times=tuple(facts["husid"].values()),
+        periods=tuple(facts["spectrum_g"]),
+        spectrum=tuple(value * GRAVITY for value in facts["spectrum_g"].values()),
+        pgv=facts.get("pgv"),
+    )
+
+
+def text_of(motion: Motion, target: Target, told: dict[str, Any]) -> str:
+    """The stand-in's file, its header saying what it is and how to make it again."""
+    basis = "facts measured on the real motion" if told["facts"]["of"] == "real" else "estimated facts"
+    lines = [
+        f"# stand-in: STAND-IN for {told['title']}: synthetic, random phases, not a recording",
+        f"# matches: {basis} in catalogue.yaml, within the first {target.duration:g} s",
+        f"# made by: tools/stand_ins.py {target.name} (seed {target.seed})",
+        f"# name: {motion.name}",
+        "# unit: g",
+        f"# dt: {motion.dt!r} s",
+        f"# samples: {motion.acceleration.size}",
+    ]
+    return "\n".join([*lines, *(f"{value:.{DIGITS}f}" for value in motion.acceleration / GRAVITY)]) + "\n"
+
+
+def main() -> None:
+    catalogue = yaml.safe_load(CATALOGUE.read_text(encoding="utf-8"))["motions"]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(catalogue)}; all unless given")
+    parser.add_argument("--seed", type=int, help="seed of the random phases; those of the program unless given")
+    parser.add_argument("-o", "--output", type=Path, default=Path(), help="folder for NAME.txt")
+    options = parser.parse_args()
+    if unknown := set(options.names) - set(catalogue):
+        parser.error(f"not in the catalogue: {', '.join(sorted(unknown))}")
+    options.output.mkdir(parents=True, exist_ok=True)
+    for name in options.names or catalogue:
+        target = target_of(name, catalogue[name], options.seed)
+        motion = synthesize(target)
+        path = options.output / f"{name}.txt"
+        path.write_text(text_of(motion, target, catalogue[name]), encoding="utf-8")
+        print(
+            f"{path}: seed {target.seed}, peak {motion.pga / GRAVITY:.3f} g (aim {target.pga / GRAVITY:.3f}), "
+            f"Arias {arias(motion):.3f} m/s (aim {target.arias:.3f})"
+        )
+
+
+if __name__ == "__main__":
+    main()

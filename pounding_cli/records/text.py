@@ -1,0 +1,258 @@
+"""A motion file as text: its lines and header, the numbers on them, even steps of time, and how it is refused."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import counted
+from pounding_cli.reading import read_bytes
+
+MOST_BYTES = 20_000_000
+"""Size of a motion file [bytes]."""
+LONGEST_LINE = 5000
+"""Characters of a line that holds words: header lines are searched for what they say."""
+SHORTEST, LONGEST = 1e-6, 10.0
+"""Time steps [s] outside are no ground motion's."""
+
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z", re.ASCII)
+_PLAIN = re.compile(r"[-+.0-9Ee \t]+")
+_TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
+_HEADER = re.compile(r"([A-Za-z0-9 ]+)[:=](.*)\Z")
+_NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
+_FORTRAN = re.compile(r"\(\s*(\d*)\s*[IFEDG]\s*(\d+)", re.IGNORECASE)
+_CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
+_DAMAGED = "the file is cut short or damaged: download it again, or correct the header"
+_UNEVEN = 0.02
+# Times are printed with few digits: a sample may stand off its even place by this part of a step, or by the last digit
+# printed where that is less than a quarter of a step.
+
+
+class Asked(NamedTuple):
+    """What the user says of a file: time step [s], channel and column (from 1)."""
+
+    dt: float | None = None
+    channel: int | None = None
+    column: int | None = None
+
+
+class Samples(NamedTuple):
+    """What a format finds in a file: time step [s], samples, the line where they begin (from 1), the unit as the file
+    or its format states it and the line that does, and words about the values from which no unit can be read."""
+
+    dt: float
+    values: list[float]
+    line: int
+    unit: str | None = None
+    unit_line: int = 0
+    unclear: str = ""
+
+
+@dataclass
+class Text:
+    """The file as lines, and its `# key: value` header."""
+
+    path: Path
+    lines: list[str]
+    header: dict[str, str] = field(default_factory=dict)
+
+    def refuse(self, message: str, hint: str, line: int = 0, column: int = 1) -> InputError:
+        """The error that says so at a place of this file."""
+        line = min(line, len(self.lines))
+        return InputError(Problem(message, hint, str(self.path), line, column if line else 0))
+
+    def wrong_quantity(self, quantity: str, line: int) -> InputError:
+        """The refusal of a velocity, a displacement, a spectrum."""
+        hint = "give the acceleration record (.AT2, .acc, HNx)"
+        return self.refuse(f"the file holds {quantity}, not acceleration", hint, line)
+
+    @property
+    def first(self) -> int:
+        """Index of the first line that is not blank."""
+        return next(index for index, line in enumerate(self.lines) if line.strip())
+
+    def line(self, index: int) -> str:
+        """A line, empty behind the end of the file."""
+        return self.lines[index] if index < len(self.lines) else ""
+
+    def step(self, written: str | float, line: int, given: float | None = None) -> float:
+        """A time step [s] as written; refused where it is none, or `given` is another."""
+        step = float(written) if isinstance(written, float) or number(written) is not None else math.nan
+        if not SHORTEST <= step <= LONGEST:
+            hint = f"give a time step from {SHORTEST:g} to {LONGEST:g} s, e.g. 0.01"
+            raise self.refuse(f"the time step is {written}", hint, line)
+        if given is not None and not abs(given - step) <= 1e-3 * step:
+            message = f"dt is given as {given:g} s, but the file says {step:g} s"
+            raise self.refuse(message, "leave dt out, or correct it", line)
+        return step
+
+    def count(self, written: str, found: int, line: int, what: str = "NPTS") -> None:
+        """Refuse a file whose header says another number of values than follow."""
+        if number(written) != found:
+            said = f"the header says {what} = {written}"
+            raise self.refuse(f"{said}, but {counted(found, 'value follows', 'values follow')}", _DAMAGED, line)
+
+    def channel(self, asked: Asked, labels: list[str], line: int) -> int:
+        """Index of the channel asked for; refused where there are several and none was named."""
+        listed = "; ".join(f"{place}: {label}" for place, label in enumerate(labels, 1))
+        if asked.channel is None and len(labels) > 1:
+            message = f"the file holds {len(labels)} channels of acceleration: {listed}"
+            raise self.refuse(message, "select one: channel: 1 beside the file in a study, or --channel 1", line)
+        channel = asked.channel or 1
+        if not 1 <= channel <= len(labels):
+            raise self.refuse(f"there is no channel {channel} in the file", f"write one of {listed}", line)
+        return channel - 1
+
+    def rows(self, start: int) -> dict[int, list[float]]:
+        """Every line of numbers from index `start` on, by its index; comments and blank lines are passed over."""
+        lines = ((index, self.lines[index].strip()) for index in range(start, len(self.lines)))
+        found = {index: self._row(index) for index, line in lines if line and line[0] not in "#%!\x1a"}
+        if not found:
+            raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
+        return found
+
+    def values(self, start: int) -> tuple[list[float], int]:
+        """All numbers from index `start` on, row by row, and the line (from 1) where they begin."""
+        rows = self.rows(start)
+        return [value for row in rows.values() for value in row], next(iter(rows)) + 1
+
+    def fixed(self, start: int, count: int, columns: tuple[int, int], last: bool = False) -> tuple[list[float], int]:
+        """`count` numbers from index `start` on, so many a line in Fortran's columns of so many characters, and the
+        index of the line after them. Refused where the lines end before, or, with `last`, more numbers follow."""
+        per_line, width = columns
+        values: list[float] = []
+        index = start
+        while len(values) < count:
+            wanted = min(per_line, count - len(values))
+            line = self.line(index).rstrip()
+            if not line:
+                said = f"the header says {counted(count, 'value')}, but {counted(len(values), 'follows', 'follow')}"
+                raise self.refuse(said, _DAMAGED, start)
+            cells = line.split()
+            if len(cells) != wanted or None in map(number, cells):
+                cells = [line[place * width : (place + 1) * width].strip() for place in range(wanted)]
+            for place, cell in enumerate(cells):
+                value = number(cell)
+                if value is None and not cell:
+                    said = f"{counted(place, 'value')} on this line, where {wanted} should stand"
+                    raise self.refuse(said, _DAMAGED, index + 1)
+                if value is None:
+                    raise self._no_number(cell, index, place * width)
+                values.append(value)
+            index += 1
+        following = self.line(index).split()
+        if last and following and None not in map(number, following):
+            raise self.refuse(f"more than the {count} values that the header says follow", _DAMAGED, index + 1)
+        return values, index
+
+    def even_step(
+        self,
+        times: Sequence[float],
+        lines: Sequence[int],
+        given: float | None,
+        digit: float = 0.0,
+        way_out: str = "resample the record to even steps, or restore the missing samples",
+    ) -> float:
+        """The time step [s] of evenly rising `times` [s]; refused where they fall, stand or are uneven.
+
+        lines : their indices in the file; given : the step the user gave; digit : the last digit they are printed with
+        """
+        t = np.array(times)
+        if t.size < 2:
+            raise self.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
+        gaps = np.diff(t)
+        if (gaps <= 0).any():
+            worst = int(np.argmax(gaps <= 0)) + 1
+            message = f"the time {t[worst]:g} s does not come after {t[worst - 1]:g} s"
+            hint = "write the times in rising order; for values printed row by row say format 'column' and dt"
+            raise self.refuse(message, hint, lines[worst] + 1)
+        step = self.step(float(f"{(t[-1] - t[0]) / (t.size - 1):.9g}"), lines[0] + 1, given)
+        allowed = max(_UNEVEN * step, min(1.02 * digit, 0.25 * step))
+        for one in (given, step):  # the step given is the exact one, where times are rounded
+            if one is not None and np.abs(t - t[0] - one * np.arange(t.size)).max() <= allowed:
+                return one
+        usual = float(np.median(gaps))
+        worst = int(np.argmax(np.abs(gaps - usual)))
+        message = f"uneven time steps: {gaps[worst]:.6g} s here, {usual:.6g} s elsewhere"
+        raise self.refuse(message, way_out, lines[worst + 1] + 1)
+
+    def _row(self, index: int) -> list[float]:
+        """The numbers on one line, wherever they stand; nan, inf and all else is refused at its column."""
+        line = self.lines[index]
+        if _PLAIN.fullmatch(line):
+            with suppress(ValueError):
+                values = [float(word) + 0.0 for word in line.split()]
+                if all(map(math.isfinite, values)):
+                    return values
+        values = []
+        for token in tokens(line):
+            for part in _TOUCHING.split(token):  # Fortran's fixed columns may touch: -.12E-01-.34E-01
+                if (value := number(part)) is None:
+                    raise self._no_number(token, index, line.find(token))
+                values.append(value)
+        return values
+
+    def _no_number(self, token: str, index: int, place: int) -> InputError:
+        shown = token if len(token) <= 40 else f"{token[:40]}..."
+        hint = "write plain numbers; fill or cut gaps in the record before reading it"
+        return self.refuse(f"'{shown}' is not a finite number", hint, index + 1, max(place, 0) + 1)
+
+
+def number(token: str) -> float | None:
+    """A finite number as text files write it (1.0D-03 too), else None; zero has no sign, as the digest shows it."""
+    if not _NUMBER.match(token):
+        return None
+    value = float(token.replace("D", "E").replace("d", "e")) + 0.0
+    return value if math.isfinite(value) else None
+
+
+def tokens(line: str) -> list[str]:
+    """The words of a line, however they are separated."""
+    return line.replace(",", " ").replace(";", " ").split()
+
+
+def fortran(written: str) -> tuple[int, int] | None:
+    """Numbers a line and width of each, from a Fortran format such as (8F10.5)."""
+    found = _FORTRAN.search(written)
+    columns = (int(found[1] or 1), int(found[2])) if found else (0, 0)
+    return columns if 1 <= columns[0] <= 100 and 1 <= columns[1] <= 40 else None
+
+
+def load(path: Path) -> Text:
+    """The file's lines and header.  Raises `InputError` for a file that is missing, empty or not text."""
+    try:
+        raw = read_bytes(path, MOST_BYTES, "motion file")
+    except InputError:
+        raise
+    except (FileNotFoundError, ValueError):  # a NUL in the path
+        shown = str(path).replace("\0", "\\0")
+        raise InputError(Problem("no such file", "give the path of a motion", shown)) from None
+    except OSError as error:
+        raise InputError(Problem(f"cannot be read: {error.strerror}", "give a readable file", str(path))) from None
+    if len(raw.translate(None, _CONTROL)) < len(raw):
+        hint = "unpack an archive; give a text file in one of the formats of docs/records.md"
+        raise InputError(Problem("not a text file", hint, str(path)))
+    try:
+        written = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        written = raw.decode("latin-1")  # names of places in old files; every number is ASCII
+    text = Text(path, re.split(r"\r\n|\r|\n", written))
+    if not written.strip():
+        raise text.refuse("the file is empty", "give a file that holds a ground motion")
+    for place, line in enumerate(text.lines, 1):
+        if len(line) > LONGEST_LINE and not _NUMERIC.match(line):
+            raise text.refuse(f"a line of {len(line)} characters", "no header of a motion file is that long", place)
+    for words in filter(None, map(str.strip, text.lines)):
+        if words[0] not in "#%!":
+            break
+        if found := _HEADER.match(words[1:].strip()):
+            text.header[found[1].strip().lower()] = found[2].strip()
+    return text
