@@ -20,7 +20,7 @@ API = {
         "pounding_cli.api.studies.run",
         "pounding_cli.api.studies.open_results",
     ),
-    "A study": ("pounding_cli.study.load.Study",),
+    "A study": ("pounding_cli.study.study.Study",),
     "Results": ("pounding_cli.api.results.Results",),
     "Histories": ("pounding_cli.api.histories.History",),
     "One scene by hand": (

@@ -10,46 +10,36 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pounding_cli import methods
-from pounding_cli.study import (
-    building_schema,
-    case_schema,
-    formulas,
-    fragility_keys,
-    gap_keys,
-    optimise_keys,
-    record_schema,
-    schema,
-    sensitivity_keys,
-)
+from pounding_cli.study import laws, models, questions, schema
 from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import RANGES, shown
 
 DOCS = Path(__file__).parents[1]
 MODELS = {
-    "The file": schema.StudyModel,
-    "`records`": record_schema.Records,
-    "`records.use`: a file of your own": record_schema.RecordFile,
-    "`records.scale`: Arias intensity": record_schema.AriasScale,
-    "`records.scale`: peak acceleration": record_schema.PgaScale,
-    "`records.scale`: peak velocity": record_schema.PgvScale,
-    "`records.scale`: an ordinate of the spectrum": record_schema.SaScale,
-    "`records.scale`: a target spectrum": record_schema.SpectrumScale,
-    "`buildings.NAME`": building_schema.BuildingSpec,
-    "`yield`": building_schema.CodeDesign,
-    "`yield`: a base-shear coefficient": building_schema.BaseShear,
-    "`stiffness`: by a period and masses": building_schema.StiffnessAt,
-    "`rayleigh`": building_schema.Rayleigh,
-    "`foundation`": building_schema.FoundationSpec,
-    "`impact`": case_schema.Impact,
-    "`laws.NAME`": formulas.LawSpec,
-    "`cases.NAME`": case_schema.CaseSpec,
-    "`report`": schema.ReportSpec,
-    "`keep.histories`": schema.HistoriesSpec,
-    "`fragility`": fragility_keys.FragilitySpec,
-    "`gap`": gap_keys.GapSpec,
-    "`sensitivity`": sensitivity_keys.SensitivitySpec,
-    "`optimise`": optimise_keys.OptimiseSpec,
-    "`gap.gb50011`": gap_keys.Gb50011Spec,
+    "The file": schema.Study,
+    "`records`": models.Records,
+    "`records.use`: a file of your own": models.RecordFile,
+    "`records.scale`: Arias intensity": models.Arias,
+    "`records.scale`: peak acceleration": models.Pga,
+    "`records.scale`: peak velocity": models.Pgv,
+    "`records.scale`: an ordinate of the spectrum": models.Sa,
+    "`records.scale`: a target spectrum": models.Spectrum,
+    "`buildings.NAME`": models.Building,
+    "`yield`": models.Code,
+    "`yield`: a base-shear coefficient": models.BaseShear,
+    "`stiffness`: by a period and masses": models.StiffnessAt,
+    "`rayleigh`": models.Rayleigh,
+    "`foundation`": models.Foundation,
+    "`impact`": laws.Impact,
+    "`laws.NAME`": models.OwnLaw,
+    "`cases.NAME`": models.Case,
+    "`report`": schema.Report,
+    "`keep.histories`": schema.Histories,
+    "`fragility`": questions.FragilitySpec,
+    "`gap`": questions.GapSpec,
+    "`sensitivity`": questions.SensitivitySpec,
+    "`optimise`": questions.OptimiseSpec,
+    "`gap.gb50011`": questions.Gb50011Spec,
 }
 
 

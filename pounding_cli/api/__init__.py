@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pounding_cli.records.motion import Motion
     from pounding_cli.solver.response import Response
     from pounding_cli.solver.solve import solve
-    from pounding_cli.study.load import Study
+    from pounding_cli.study import Study
 
 __all__ = [
     "Building",
@@ -60,7 +60,7 @@ _HOMES = {
     "Response": "solver.response",
     "Results": "api.results",
     "Scene": "model.scene",
-    "Study": "study.load",
+    "Study": "study.study",
     "building": "api.scenes",
     "history": "api.scenes",
     "load_study": "api.studies",

@@ -15,15 +15,15 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
+from pounding_cli.study.quantity import ACCELERATION, TIME, Quantity
 from pounding_cli.study.single import building_of, by_place, links_between, quantity
-from pounding_cli.study.units import ACCELERATION, TIME, Quantity, limited
 
 if TYPE_CHECKING:
     from pounding_cli.api.histories import History
 
 _SCALE = Quantity("scale", "", "1.5", 0.0, 1000.0, open_low=True)
-_TAIL = limited(TIME, name="tail", example="5 s", open_low=False)
-_EVERY = limited(TIME, name="output step", example="2 ms")
+_TAIL = TIME.but(name="tail", example="5 s", open_low=False)
+_EVERY = TIME.but(name="output step", example="2 ms")
 
 
 def building(name: str, **keys: Any) -> Building:
@@ -87,8 +87,8 @@ def scene(
     motion: Motion,
     *,
     analysis: str = "inelastic",
-    link: str | Sequence[str | Mapping[str, Any]] = "pounding",
-    links: Sequence[Link] | None = None,
+    link: str = "pounding",
+    links: Sequence[Link] | Sequence[str | Mapping[str, Any]] | None = None,
     impact: Mapping[str, Any] | None = None,
     tail: float | str = 0.0,
     **case: Any,
@@ -100,12 +100,12 @@ def scene(
     buildings : left to right; one alone has no links
     motion : as used, cut and scaled
     analysis : "elastic" or "inelastic"
-    link : "pounding", "infill", "connector", ... or "none", between all floors at one elevation; a list where several
-        join the same floors
-    links : the links themselves, in place of `link` and the keys of a case
+    link : "pounding", "infill", "connector", ... or "none", between all floors at one elevation
+    links : several, in place of `link`: entries of a study's `links`, which take the keys of the case; or the links
+        themselves, in place of these keys too
     impact : keys of a study's `impact` (`stiffness`, `restitution`, `tension_cut`, ...)
     tail : free vibration after the motion [s]
-    case : keys of a study's case: `gap` (needed unless `link` is none), `stiffness`, `floors`, `by_floor`, `pairs`, ...
+    case : keys of a study's case: `gap` (needed unless `link` is none), `stiffness`, `floors`, ...
 
     Raises
     ------
@@ -114,12 +114,14 @@ def scene(
     if analysis not in list(Analysis):
         raise InputError(Problem(f"the analysis '{analysis}' is not known", "write elastic or inelastic", "analysis"))
     row = by_place(buildings)
-    if links is not None:
+    given = [link for link in links or () if isinstance(link, Link)]
+    between: tuple[Link, ...] = tuple(given)
+    if links is not None and len(given) == len(links):
         if case:
             raise InputError(Problem(f"'links' leaves no place for {', '.join(case)}", "give one or the other"))
-        between = tuple(links)
-    else:
-        between = links_between(row, {"link": link, **case}, impact or {}) if len(row) > 1 else ()
+    elif len(row) > 1:
+        what = {"link": link} if links is None else {"links": links}
+        between = links_between(row, {**what, **case}, impact or {})
     try:
         return Scene(row, between, motion, Analysis(analysis), quantity(_TAIL, tail, "tail"))
     except InputError:

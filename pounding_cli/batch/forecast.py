@@ -12,8 +12,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.study.thinned import times
 
 if TYPE_CHECKING:
-    from pounding_cli.study import Plan
-    from pounding_cli.study.load import Study
+    from pounding_cli.study import Plan, Study
 
 MOST_SCENES = 2000
 """Scenes that are looked at; of more, as many spread evenly."""

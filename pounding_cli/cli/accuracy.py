@@ -83,10 +83,10 @@ def seconds_of(text: str) -> float:
     from pydantic_core import PydanticCustomError
 
     from pounding_cli.errors import InputError, Problem
-    from pounding_cli.study.units import TIME, limited
+    from pounding_cli.study.quantity import TIME
 
     try:
-        return float(limited(TIME, name="budget", example="60 s").read(text))
+        return float(TIME.but(name="budget", example="60 s").read(text))
     except PydanticCustomError as refused:
         said = refused.context or {}
         raise InputError(Problem(f"--budget: {said.get('message', refused)}", said.get("hint", ""))) from refused

@@ -41,11 +41,11 @@ def command(study: Path) -> None:
         return
     read = load_study(study)
     for each, workflow in WORKFLOWS.items():
-        if workflow.question and read.resolver.root.get(each) is not None:
+        if workflow.question and read.root.get(each) is not None:
             workflow.part("question")(read)
     model = read.model
     points = math.prod(len(axis.values) for axis in read.axes)
-    records = len(read.motions(read.resolver.base))
+    records = len(read.motions(read.base))
     rows = points * len(model.cases) * len(model.analyses) * records
     scenes = f" from {counted(len(expand(read).scenes), 'scene')}" if rows <= MOST_ROWS else ""
     for warning in read.warnings:

@@ -73,7 +73,7 @@ def _is(value: Any, text: str, unit: Unit) -> bool:
 def _numbers(text: str, unit: Unit) -> list[float]:
     from pydantic_core import PydanticCustomError
 
-    from pounding_cli.study.units import Quantity
+    from pounding_cli.study.quantity import Quantity
 
     try:
         number = float(Quantity("value", unit.si, "").read(text))

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
     from pounding_cli.laws.law import LinkLaw
     from pounding_cli.numbers import Unit
-    from pounding_cli.study import Axis, Plan
-    from pounding_cli.study.load import Study
+    from pounding_cli.study import Axis, Plan, Study
 
 
 MOST_POINTS, FEW_POINTS = 10_000, 2000
@@ -72,7 +71,7 @@ def _questions(study: Study, some: Study, all_effects: bool) -> list[str]:
     about = "" if some is study else "about "
     lines = []
     for name, workflow in WORKFLOWS.items():
-        if not workflow.is_section or study.resolver.root.get(name) is None:
+        if not workflow.is_section or study.root.get(name) is None:
             continue
         plan = dataclasses.replace(workflow.part("expand")(some), all_effects=all_effects)
         later = ""

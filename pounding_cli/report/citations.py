@@ -94,18 +94,9 @@ def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> No
         used("lilhanand1988", "the synthesis of the stand-in motions")
 
 
-def _links(case: Any) -> Iterable[str]:
-    """Every kind of link that a case names, on any floor or pair."""
-    if isinstance(case, str):
-        yield case
-    elif isinstance(case, list | tuple):
-        for one in case:
-            yield from _links(one)
-    elif isinstance(case, Mapping):
-        for key in ("link", "elsewhere"):
-            yield from _links(case.get(key))
-        for part in (*(case.get("by_floor") or {}).values(), *(case.get("pairs") or ())):
-            yield from _links(part)
+def _links(case: Mapping[str, Any]) -> Iterable[str]:
+    """Every kind of link of a case; of pounding by another law, pounding."""
+    return (str(link["link"]).partition(" of ")[0] for link in case["links"])
 
 
 def _scaling(scale: Any, used) -> None:

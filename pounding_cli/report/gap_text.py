@@ -12,7 +12,7 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.store import Results
 from pounding_cli.store.answers import Answer
 from pounding_cli.store.gap import CONFIDENCE, EXACT, FEWEST
-from pounding_cli.study.yaml_file import parse
+from pounding_cli.study.file import parse
 
 Part = tuple[dict[str, Any], str, str, pd.DataFrame]
 """Point of the sweep, left and right building, and the rows of the floors that need most."""
@@ -177,8 +177,8 @@ def case_notes(results: Results, frame: pd.DataFrame) -> list[str]:
                 "A building between two others moves alone only while neither of them strikes it. Where the gap on one "
                 "side is not enough, the answer for the other side does not hold."
             )
-    written = parse(results.study_text, results.path).get("cases")
-    others = [case for case in (written.value if written else ()) if case not in set(frame["case"])]
+    written = parse(results.study_text, str(results.path)).get("cases")
+    others = [case for case in written or () if case not in set(frame["case"])]
     if others:
         notes.append(
             f"Not compared: {', '.join(others)}. There is no link, or one that acts before the gap has closed, so that "

@@ -23,7 +23,8 @@ UNKNOWN = "impact.stiffness"
 
 ADVICE = (
     "Floor accelerations and link forces of floors that strike grow with the square root of the impact stiffness, "
-    "which is unknown. Write `bracket: impact.stiffness` in the study to see the effect."
+    "which is unknown. Sweep it to see the effect: `impact.stiffness: {values: [5 x stiffest storey, 20 x stiffest "
+    "storey, 100 x stiffest storey], middle: 20 x stiffest storey}`."
 )
 """What is said where floors strike and the impact stiffness has one value."""
 

@@ -79,13 +79,12 @@ def study_key(study: Study, all_effects: bool) -> str:
 
 def _key(study: Study) -> str:
     """A digest of all that decides what a study comes to: what it says, its motions, this program."""
-    resolver = study.resolver
     said = [
         *map(solver_version, _SOURCES),
-        json.dumps(resolver.root.plain(), default=str),
+        json.dumps(study.root, default=str),
         repr(study.axes),
-        *sorted(resolver.reader.digests),
-        *(used.motion.digest for used in study.motions(resolver.base).values()),
+        *sorted(study.reader.digests),
+        *(used.motion.digest for used in study.motions(study.base).values()),
     ]
     return hashlib.sha256("\0".join(said).encode()).hexdigest()
 

@@ -105,7 +105,7 @@ def _block(
     plan: Plan, points: list[tuple[int, ...]], places: list[LinkPlace], found: Mapping[str, np.ndarray]
 ) -> list[Column]:
     """What floors that face each other require."""
-    wanted = plan.study.model.gap  # type: ignore[attr-defined]  # a section that the registry adds
+    wanted = plan.study.model.gap
     facts = _Facts(plan, points, places)
     names = plan.buildings
 
@@ -146,7 +146,7 @@ def _rows(
     faces : whether a place is there, shape (points, places)
     of_places : (place of every row, its point) -> the columns that say where it is
     """
-    wanted = plan.study.model.gap  # type: ignore[attr-defined]
+    wanted = plan.study.model.gap
     parts = [_statistics(rule, wanted) for rule in rules]
     exact = parts[0]
     for part in parts:
@@ -174,7 +174,7 @@ def _cases_block(
     plan: Plan, points: list[tuple[int, ...]], places: list[LinkPlace], found: Mapping[str, np.ndarray]
 ) -> list[Column]:
     """Whether the gaps of the cases are enough: a row for every point, case, analysis, pair of neighbours and rule."""
-    wanted = plan.study.model.gap  # type: ignore[attr-defined]
+    wanted = plan.study.model.gap
     facts = _Facts(plan, points, places)
     rules = list(_rules(plan, found, facts, wanted))
     rows: list[tuple[int, str, int, str, _Enough]] = []
@@ -260,7 +260,7 @@ def _line_block(
     codes = {name: np.full(shape, np.nan) for name in (ASCE7, EN1998)}
     for number, point in enumerate(points):
         row = [plan.study.building(point, place) for place in range(len(names))]
-        expected = [plan.study.resolver.code_displacements(point, name) for name in plan.study.model.group]
+        expected = [plan.study.code_displacements(point, name) for name in plan.study.model.group]
         for column, (building, floor, _) in enumerate(sides):
             if floor < row[building].storeys:
                 heights[number, column] = row[building].elevation[floor]
@@ -344,8 +344,8 @@ class _Facts:
         damping = [first_mode_damping(building) for building in row]
         expected = []
         for name in plan.study.model.group:
-            ubc = plan.study.resolver.design_displacements(point, name)
-            codes = plan.study.resolver.code_displacements(point, name)
+            ubc = plan.study.design_displacements(point, name)
+            codes = plan.study.code_displacements(point, name)
             expected.append({**codes, **({} if ubc is None else {_UBC: ubc})})
         level = [_same_floors(one, other) for one, other in pairwise(row)]
         there: dict[tuple[int, int, int, str], tuple[float, float]] = {}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.study.sensitivity import Question
-from pounding_cli.study.varied import choice_of
+from pounding_cli.study.vary import choice_of
 
 FOUND = "found"
 CONSTANT = "the output does not change"

@@ -17,7 +17,7 @@ from pounding_cli.store.quantities import Get, error_of, needed, values_of
 from pounding_cli.study.expression import Expression, Quantity
 from pounding_cli.study.optimise import Hunt, Question, Rounds, plan_of
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.varied import Factor
+from pounding_cli.study.vary import Factor
 from pounding_cli.variables import VARIABLES
 
 if TYPE_CHECKING:

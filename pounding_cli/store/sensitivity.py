@@ -13,7 +13,7 @@ from pounding_cli.store.indices import draws, independent_samples, indices
 from pounding_cli.store.quantities import Get, values_of
 from pounding_cli.study.expression import LINK, Expression
 from pounding_cli.study.sensitivity import Question
-from pounding_cli.study.varied import MOTION
+from pounding_cli.study.vary import MOTION
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan

@@ -2,7 +2,8 @@
 
 from pounding_cli.study.data import study_of
 from pounding_cli.study.expand import expand
-from pounding_cli.study.load import Study, load_study
-from pounding_cli.study.plan import Axis, MotionUse, Plan, Row
+from pounding_cli.study.motions import MotionUse
+from pounding_cli.study.plan import Axis, Plan, Row
+from pounding_cli.study.study import Study, load_study
 
 __all__ = ["Axis", "MotionUse", "Plan", "Row", "Study", "expand", "load_study", "study_of"]

@@ -1,45 +1,77 @@
-"""What every part of the study's schema is made of: the base of its mappings, optional keys, names, lists of values."""
+"""What the schema is made of: the base of its mappings, keys, lists or single values, checks of whole mappings."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    StringConstraints,
+    Tag,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import InitErrorDetails
 
-from pounding_cli.study.units import Quantity
+from pounding_cli.study.quantity import refuse
 
 Name = Annotated[str, StringConstraints(pattern=r"^\w[\w +-]*$", max_length=60, strip_whitespace=True)]
-
-DampingShare = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)]
-EACH_STOREY = Field(min_length=1, max_length=100)
-"""Of a list with a value for every storey, or for every floor."""
+Wrong = tuple[tuple[str | int, ...], str, str] | tuple[tuple[str | int, ...], str, str, bool]
+"""Where in a mapping, what is wrong, what to write, whether it stands at the key."""
 
 
-def list_or_one(value: Any) -> str:
-    """Whether a list is given or one value: for the discriminator of a union of both."""
-    return "list" if isinstance(value, list | tuple) else "one"
+def key(default: Any, description: str, example: Any = None, **more: Any) -> Any:
+    """A key of the file; `...` for one that must be given."""
+    return Field(default=default, description=description, examples=None if example is None else [example], **more)
 
 
-EITHER = Discriminator(list_or_one)
+def one_or_many(one: Any, least: int = 1, most: int = 100, as_list: bool = False) -> Any:
+    """A value or a list of them; `as_list`: a tuple in any case."""
+    many = Annotated[tuple[one, ...], Field(min_length=least, max_length=most), Tag("(list)")]
+    single = (
+        Annotated[one, AfterValidator(lambda value: (value,)), Tag("(one)")]
+        if as_list
+        else Annotated[one, Tag("(one)")]
+    )
+    return Annotated[
+        many | single, Discriminator(lambda value: "(list)" if isinstance(value, list | tuple) else "(one)")
+    ]
 
 
-def word_or_mapping(value: Any) -> str:
-    """Which of two forms a value has: for the discriminator of a union of both."""
-    return "word" if isinstance(value, str | int | float) or value is None else "mapping"
-
-
-def optional(default: Any, description: str, **more: Any) -> Any:
-    """A key that need not be given."""
-    return Field(default=default, description=description, **more)
+def word_or(word: Any, mapping: Any) -> Any:
+    """A word, or a mapping."""
+    kinds = Annotated[word, Tag("(word)")] | Annotated[mapping, Tag("(mapping)")]
+    return Annotated[
+        kinds, Discriminator(lambda v: "(word)" if isinstance(v, str | int | float) or v is None else "(mapping)")
+    ]
 
 
 class Model(BaseModel):
-    """Base of every mapping in the file: unknown keys are refused, values are frozen."""
+    """Base of every mapping in the file; `wrong` yields what is wrong with it as a whole."""
 
     model_config = ConfigDict(
-        extra="forbid",
-        frozen=True,
-        coerce_numbers_to_str=True,
-        validate_default=True,
-        defer_build=True,  # validators are built for whole studies, when one is read, not for each of their mappings
+        extra="forbid", frozen=True, coerce_numbers_to_str=True, validate_default=True, defer_build=True
     )
+
+    def wrong(self) -> Iterator[Wrong]:
+        yield from ()
+
+    @model_validator(mode="after")
+    def _check(self) -> Any:
+        if found := list(self.wrong()):
+            raise errors(self, found)
+        return self
+
+
+def errors(owner: Any, found: list[Wrong]) -> ValidationError:
+    """Problems with their places inside a mapping, as pydantic collects them."""
+    details = [
+        InitErrorDetails(type=refuse(text, hint, bool(key and key[0]), whole=True), loc=path, input=None)
+        for path, text, hint, *key in found
+    ]
+    return ValidationError.from_exception_data(type(owner).__name__, details)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +10,8 @@ import numpy as np
 import yaml
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.study.load import Study, validated
-from pounding_cli.study.source import Mark, Node
-from pounding_cli.study.yaml_file import parse
+from pounding_cli.study.file import Items, Map, Mark, canonical
+from pounding_cli.study.study import Study
 from pounding_cli.texts import file_name
 
 
@@ -28,42 +25,31 @@ def study_of(data: Mapping[str, Any]) -> Study:
     ------
     InputError : with every problem found, each at its key (`cases.gap.gap`)
     """
-    plain = _plain(data, "")
-    title = str(plain.get("title") or "study")
+    root = tree_of(data)
+    title = str(root.get("title") or "study")
     path = Path(file_name(title).replace(" ", "-").lower() + ".yaml")
-    text = _yaml(plain)
-    root = parse(text, path)
-    with at_keys(root, path):
-        return dataclasses.replace(validated(path, text, root), from_data=True)
+    return Study(path, yaml.safe_dump(_bare(root), sort_keys=False, allow_unicode=True, width=100), root)
 
 
-def tree_of(data: Mapping[str, Any], path: Path) -> Node:
-    """The tree of a dict as if it had been written to a file `path`."""
-    return parse(_yaml(_plain(data, "")), path)
+def tree_of(data: Mapping[str, Any]) -> Map:
+    """The tree of a dict; places in it are its keys.  Raises InputError for what is no value of a study."""
+    found = _node(data, "")
+    assert isinstance(found, Map)
+    return found
 
 
-@contextmanager
-def at_keys(root: Node, path: Path) -> Iterator[None]:
-    """Problems of the text that `root` was read from are told at their keys."""
-    try:
-        yield
-    except InputError as refused:
-        places = dict(_places(root))
-        raise InputError([_at_key(problem, path, places) for problem in refused.problems]) from None
-
-
-def _yaml(plain: Any) -> str:
-    return yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=100)
-
-
-def _plain(value: Any, place: str) -> Any:
-    """The value in the types of YAML."""
+def _node(value: Any, place: str) -> Any:
+    mark: Mark = (place, 0)
     if isinstance(value, Mapping):
-        return {str(key): _plain(item, f"{place}.{key}".lstrip(".")) for key, item in value.items()}
+        keys = {canonical(str(key)): f"{place}.{key}".lstrip(".") for key in value}
+        below = {name: _node(item, keys[name]) for name, item in zip(keys, value.values(), strict=True)}
+        return Map(below, mark, {name: ((at, 0), (at, 0)) for name, at in keys.items()})
     if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist(), place)
+        return _node(value.tolist(), place)
     if isinstance(value, list | tuple):
-        return [_plain(item, f"{place}.{number}") for number, item in enumerate(value)]
+        places = [f"{place}.{number}" for number in range(len(value))]
+        items = [_node(item, at) for item, at in zip(value, places, strict=True)]
+        return Items(items, mark, [(at, 0) for at in places])
     if isinstance(value, Path):
         return str(value)
     if value is None or isinstance(value, bool | int | float | str):
@@ -72,21 +58,8 @@ def _plain(value: Any, place: str) -> Any:
     raise InputError(Problem(f"{type(value).__name__} is not a value of a study", hint, place))
 
 
-def _places(node: Node, path: str = "") -> Iterator[tuple[Mark, str]]:
-    """Marks and the keys that stand there; where two begin at one mark, the innermost comes last."""
-    yield node.mark, path
-    if node.is_mapping:
-        for key, child in node.value.items():
-            inner = f"{path}.{key}".lstrip(".")
-            yield (node.keys or {}).get(key, child.mark), inner
-            yield from _places(child, inner)
-    elif node.is_list:
-        for number, child in enumerate(node.value):
-            yield from _places(child, f"{path}.{number}")
-
-
-def _at_key(problem: Problem, path: Path, places: Mapping[Mark, str]) -> Problem:
-    """A problem of the YAML text as one of the dict; those of record files keep their own place."""
-    if problem.file != str(path):
-        return problem
-    return dataclasses.replace(problem, file=places.get((problem.line, problem.column), ""), line=0, column=0)
+def _bare(node: Any) -> Any:
+    """A tree in the types of YAML."""
+    if isinstance(node, dict):
+        return {key: _bare(item) for key, item in node.items()}
+    return [_bare(item) for item in node] if isinstance(node, list) else node

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import yaml
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.reading import shortened
-from pounding_cli.study.source import Node
-from pounding_cli.study.yaml_file import canonical, parse
+from pounding_cli.study.file import Quoted, Real, canonical, locate, parse, put
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -20,29 +17,29 @@ _PLAIN = re.compile(r"[\w.+/-][\w .+/%*-]*\Z")
 """What a study writes without quotes in every place."""
 
 
-def with_values(text: str, values: Mapping[str, Node], path: Path) -> str:
+def with_values(text: str, values: Mapping[str, Any], file: str) -> str:
     """The text of a study with new values of dotted keys. A key that it lacks is added to the mapping that it belongs
     in.
 
-    text : a sound YAML study; path : what errors call it
+    text : a sound YAML study; file : what errors call it
 
     Raises
     ------
     InputError : a value cannot be put into the text, because an anchor (&) or alias (*) stands there
     """
-    for key, node in values.items():
+    for key, value in values.items():
         steps = key.split(".")
-        before = parse(text, path)
-        wanted = before.replaced(steps, node).plain()
+        before = parse(text, file)
+        wanted = put(before, steps, value, before.mark)
         try:
-            text = _edited(text, steps, node)
-            is_sound = parse(text, path).plain() == wanted
+            text = _edited(text, steps, value)
+            is_sound = parse(text, file) == wanted
         except (InputError, _Unclear):
             is_sound = False
         if not is_sound:
-            line, column = before.locate(steps)
+            line, column = locate(before, steps)
             hint = f"write the value of '{key}' there as plain text, without & and *"
-            raise InputError(Problem(f"'{key}' cannot be changed in this text", hint, shortened(path), line, column))
+            raise InputError(Problem(f"'{key}' cannot be changed in this text", hint, file, line, column))
     return text
 
 
@@ -50,7 +47,7 @@ class _Unclear(Exception):
     """The text has no place for the value."""
 
 
-def _edited(text: str, steps: list[str], node: Node) -> str:
+def _edited(text: str, steps: list[str], value: Any) -> str:
     """The text with one value changed, or added where a step is missing."""
     here: Any = yaml.compose(text, Loader=_LOADER)
     begin = 0
@@ -58,12 +55,12 @@ def _edited(text: str, steps: list[str], node: Node) -> str:
         if isinstance(here, yaml.MappingNode):
             found = next(((k, v) for k, v in here.value if canonical(k.value) == step), None)
             if found is None:
-                return _added(text, here, steps[place:], node)
+                return _added(text, here, steps[place:], value)
             begin, here = found[0].end_mark.index, found[1]
         elif isinstance(here, yaml.SequenceNode) and step.isdigit() and int(step) < len(here.value):
             begin, here = here.start_mark.index, here.value[int(step)]
         else:
-            rest = _below(steps[place:], node)
+            rest = _below(steps[place:], value)
             return text[: here.start_mark.index] + f" {rest}" + text[here.end_mark.index :]
         if here.start_mark.index < begin:  # an alias: what it stands for is written above
             raise _Unclear
@@ -73,12 +70,12 @@ def _edited(text: str, steps: list[str], node: Node) -> str:
     blank = "" if end > start else " "
     if isinstance(here, yaml.CollectionNode) and not here.flow_style:  # a block begins on a line of its own
         start, blank = text.index(":", begin) + 1, " "
-    return text[:start] + blank + _scalar(node) + text[end:]
+    return text[:start] + blank + _scalar(value) + text[end:]
 
 
-def _added(text: str, mapping: yaml.MappingNode, steps: list[str], node: Node) -> str:
+def _added(text: str, mapping: yaml.MappingNode, steps: list[str], value: Any) -> str:
     """The text with a key added to a mapping."""
-    said = f"{steps[0]}: {_below(steps[1:], node)}"
+    said = f"{steps[0]}: {_below(steps[1:], value)}"
     if mapping.flow_style:
         if not mapping.value:
             place = text.index("{", mapping.start_mark.index) + 1
@@ -104,14 +101,25 @@ def _end(node: yaml.Node) -> int:
     return int(node.end_mark.index)
 
 
-def _below(steps: list[str], node: Node) -> str:
+def _below(steps: list[str], value: Any) -> str:
     """A value below further keys, in braces."""
-    return _scalar(node) if not steps else f"{{{steps[0]}: {_below(steps[1:], node)}}}"
+    return _scalar(value) if not steps else f"{{{steps[0]}: {_below(steps[1:], value)}}}"
 
 
-def _scalar(node: Node) -> str:
+def _scalar(value: Any) -> str:
     """A value on one line."""
-    if not (node.is_mapping or node.is_list) and not node.quoted and _PLAIN.match(node.text):
-        return node.text
-    found: str = yaml.safe_dump(node.plain(), default_flow_style=True, allow_unicode=True, width=float("inf"))
+    if isinstance(value, str) and not isinstance(value, Quoted) and _PLAIN.match(value):
+        return str(value)
+    if isinstance(value, Real):
+        return str(value)
+    found: str = yaml.safe_dump(_bare(value), default_flow_style=True, allow_unicode=True, width=float("inf"))
     return found.removesuffix("\n").removesuffix("\n...")
+
+
+def _bare(value: Any) -> Any:
+    """A value in the types of YAML."""
+    if isinstance(value, dict):
+        return {key: _bare(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_bare(item) for item in value]
+    return str(value) if isinstance(value, str) else float(value) if isinstance(value, float) else value

@@ -17,13 +17,12 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.records.motion import Motion
+from pounding_cli.study.build import places
 from pounding_cli.study.keep import kept_rows
-from pounding_cli.study.load import Study
 from pounding_cli.study.motions import Used
 from pounding_cli.study.plan import Axis, Plan
-from pounding_cli.study.resolve import AROUND, Resolver, links_depend_on, places
 from pounding_cli.study.scenes import Expanded, Frame, LinkSets, Rows, Scenes, in_order, seen
-from pounding_cli.study.sections import Answers, Point
+from pounding_cli.study.study import AROUND, BETWEEN, Point, Study
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
@@ -31,6 +30,9 @@ MOST_PROBLEMS = 20
 
 MOST_AROUND = 256
 """Buildings with motions that are kept at a time: motions are long."""
+
+MOST_LINKS = 4096
+"""Points and cases whose links are kept at a time."""
 
 MOST_ALIKE = 256
 """Sets of links that are known again at other points."""
@@ -58,21 +60,21 @@ def expand(
 
     Raises `ValueError` where that is of another study.
     """
-    model, resolver = study.model, study.resolver
+    model = study.model
     cases, analyses = tuple(model.cases), tuple(Analysis(word) for word in model.analyses)
-    records = tuple(study.motions(resolver.base))
+    records = tuple(study.motions(study.base))
     frame = Frame(
         (*(len(axis.values) for axis in study.axes), len(cases), len(analyses), len(records)),
         cases,
         tuple(str(analysis) for analysis in analyses),
         records,
     )
-    builder = _Builder(resolver, links_of or resolver.links, frame)
+    builder = _Builder(study, links_of or study.links, frame)
     found = known or _Digests(study, frame, builder).expanded(asks)
     if found.scenes.shape != (math.prod(frame.shape), 1 + len(model.group)):
         raise ValueError("another study")
     rows, scenes = Rows(frame, found), Scenes(found, builder)
-    kept, every = kept_rows(model, resolver.root, resolver.axes, rows, scenes, resolver.file)
+    kept, every = kept_rows(study, rows, scenes)
     return Plan(
         study=study,
         axes=study.axes,
@@ -107,11 +109,11 @@ class _Digests:
     def __init__(self, study: Study, frame: Frame, builder: _Builder) -> None:
         self._study, self._frame, self._builder = study, frame, builder
         self._sizes = frame.shape[:-3]
-        self._around = study.resolver.touching(*AROUND)
+        self._around = study.touches(*AROUND)
         self._content = bytearray()
         self._scenes = np.empty((*frame.shape, 1 + len(study.model.group)), np.int32)
         self._problems: dict[Problem, None] = {}
-        study.resolver.met.clear()
+        study.met.clear()
         self._links = np.empty((*self._sizes, len(frame.cases)), np.int32)
         self._sets = LinkSets()
 
@@ -136,7 +138,7 @@ class _Digests:
         met: dict[tuple[Link, ...], tuple[int, list[str]]] = {}  # numbers and words of the latest ones
 
         def begin(point: Point) -> Digests | None:
-            self._study.resolver.links(point, case)  # what is wrong with them, and with what they stand between
+            self._study.links(point, case)  # what is wrong with them, and with what they stand between
             if self._met():
                 return None
             links = builder.links(point, case)
@@ -147,7 +149,7 @@ class _Digests:
             numbers.append(found[0])
             return Digests(builder.buildings(point), links, found[1])
 
-        own = self._study.resolver.touching(*links_depend_on(case))
+        own = self._study.touches(*BETWEEN, ("cases", case))
         self._scenes[..., place, :, :, 0] = self._grid(own, begin)
         if not self._problems:
             self._links[..., place] = np.array(numbers, np.int32).reshape(_kept(self._sizes, own))
@@ -187,10 +189,9 @@ class _Digests:
 
     def _met(self) -> bool:
         """Take over what is wrong at the points asked so far; whether anything is."""
-        resolver = self._study.resolver
-        for problem, point in resolver.met.items():
+        for problem, point in self._study.met.items():
             self._problems.setdefault(_at_point(problem, self._study.axes, point))
-        resolver.met.clear()
+        self._study.met.clear()
         return bool(self._problems)
 
     def _refuse(self) -> None:
@@ -212,19 +213,19 @@ class _Builder:
     """Builds the scene of a row of the tables; the study was validated there. Scenes share buildings, links and motions
     that are the same."""
 
-    def __init__(self, resolver: Resolver, links_of: Links, frame: Frame) -> None:
-        self._resolver, self._links_of, self._frame = resolver, links_of, frame
+    def __init__(self, study: Study, links_of: Links, frame: Frame) -> None:
+        self._study, self._links_of, self._frame = study, links_of, frame
         self._cases, self._records = frame.cases, frame.records
         self._analyses = tuple(map(Analysis, frame.analyses))
         self._around: dict[Point, _Around] = {}
         self._endings: dict[Point, list[bytes]] = {}
-        self._links = Answers([len(axis) for axis in resolver.axes])
+        self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
         self._alike: dict[tuple[Link, ...], tuple[Link, ...]] = {}
         self._begun: dict[int, tuple[Scene, list[Motion]]] = {}  # of points and cases, by number
 
     def around(self, point: Point) -> _Around:
         """What is around the links at a point."""
-        key = self._resolver.key(point, ("buildings", "group", *AROUND))
+        key = self._study.key(point, ("buildings", "group", *AROUND))
         found = self._around.get(key)
         if found is None:
             found = self._around_anew(point)
@@ -232,22 +233,20 @@ class _Builder:
         return found
 
     def _around_anew(self, point: Point) -> _Around:
-        motions = self._resolver.motions(point)
-        assert motions is not None
-        return _Around(self.buildings(point), motions, self._resolver.section(point, "tail"))
+        return _Around(self.buildings(point), self._study.motions(point), self._study.section(point, "tail"))
 
     def buildings(self, point: Point) -> tuple[Building, ...]:
         """The buildings of the group at a point."""
-        group = self._resolver.group(point)
+        group = self._study.group(point)
         assert group is not None
         return tuple(group.buildings)
 
     def endings(self, point: Point) -> list[bytes]:
         """How the digests of all analyses and motions at a point end; empty where something is wrong."""
-        key = self._resolver.key(point, AROUND)
+        key = self._study.key(point, AROUND)
         found = self._endings.get(key)
         if found is None:
-            motions, tail = self._resolver.motions(point) or {}, self._resolver.section(point, "tail")
+            motions, tail = self._study.motions(point), self._study.section(point, "tail")
             asked = product(self._analyses, self._records if motions else ())
             found = [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked]
             _keep(self._endings, key, found, MOST_AROUND)
@@ -255,8 +254,8 @@ class _Builder:
 
     def links(self, point: Point, case: str) -> tuple[Link, ...]:
         """The links of a case at a point."""
-        place = self._resolver.key(point, links_depend_on(case))
-        found = self._links.get(case, place)
+        place = case, self._study.key(point, (*BETWEEN, ("cases", case)))
+        found = self._links.get(place)
         if found is None:
             found = self._links_of(point, case)
             assert found is not None
@@ -264,7 +263,7 @@ class _Builder:
                 found = self._alike[found]
             else:
                 _keep(self._alike, found, found, MOST_ALIKE)
-            self._links.keep(case, place, found)
+            _keep(self._links, place, found, MOST_LINKS)
         return found
 
     def __call__(self, row: int) -> Scene:

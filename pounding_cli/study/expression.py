@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli import variables
-from pounding_cli.study.problems import nearest
-from pounding_cli.study.units import NUMBER
+from pounding_cli.study.file import nearest
+from pounding_cli.study.quantity import NUMBER
 
 STOREY, FLOOR, LINK = (
     {

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.meetings import Strike, meetings
 from pounding_cli.numbers import counted
-from pounding_cli.study.problems import Path, Problems, Tree
+from pounding_cli.study.file import Problems, Steps
 
 COLUMNS = (
     "or write `columns:`, what part of a storey's stiffness and yield shear the columns have that the other's slab "
@@ -34,7 +35,7 @@ def left_out(left: Building, right: Building) -> tuple[list[int], list[int]]:
 
 
 def tell(
-    group: Sequence[Building], common: Sequence[Sequence[tuple[int, int]]], root: Tree, path: Path, notes: Problems
+    group: Sequence[Building], common: Sequence[Mapping[int, int]], root: Any, path: Steps, notes: Problems
 ) -> None:
     """Note the floors of every pair of neighbours that are left out."""
     for place, ((left, right), pairs) in enumerate(zip(pairwise(group), common, strict=True)):
@@ -44,7 +45,9 @@ def tell(
         strikers = [(own, building) for own, building in zip(floors, (left, right), strict=True) if own]
         struck = [building.name for own, building in zip(floors, (right, left), strict=True) if own]
         alone = " and ".join(f"{_floors(own)} of {building.name}" for own, building in strikers)
-        meets = ", ".join(f"{one}" if one == other else f"{one} with {other}" for one, other in _some(pairs))
+        meets = ", ".join(
+            f"{one}" if one == other else f"{one} with {other}" for one, other in _some(list(pairs.items()))
+        )
         where = f"{counted(len(pairs), 'floor')} only ({meets})" if pairs else "no floor"
         count = sum(map(len, floors))
         notes.at(

@@ -11,15 +11,15 @@ import numpy as np
 
 from pounding_cli import records
 from pounding_cli.numbers import Unit
+from pounding_cli.study.build import places
 from pounding_cli.study.expand import expand
-from pounding_cli.study.fragility_keys import FragilitySpec, Measure
+from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.fragility_rounds import Asked, Layout, struck_columns
 from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
-from pounding_cli.study.load import Study
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.problems import Problems, nearest
-from pounding_cli.study.resolve import places
+from pounding_cli.study.questions import FragilitySpec, Measure
 from pounding_cli.study.scenes import seen
+from pounding_cli.study.study import Study
 
 if TYPE_CHECKING:
     from pounding_cli.records import Motion
@@ -65,8 +65,8 @@ def expand_fragility(study: Study) -> Plan:
 
 def question_of(study: Study) -> Question:
     """What a study asks.  Raises `InputError` as `expand_fragility`."""
-    spec: FragilitySpec = study.model.fragility  # type: ignore[attr-defined]  # a section that the registry adds
-    problems, root = Problems(study.resolver.file), study.resolver.root
+    spec: FragilitySpec = study.model.fragility
+    problems, root = Problems(study.file), study.root
     if not spec.limits:
         hint = "write e.g. `fragility: {limits: [mu > 4]}`"
         problems.at(root, ("fragility",), "the study has no limit, whose fragility could be sought", hint, key=True)
@@ -76,18 +76,18 @@ def question_of(study: Study) -> Question:
         what = "histories cannot be kept where `pound fragility` chooses which intensities are solved"
         hint = "remove `keep:`, or write `method: stripes`; `pound run` keeps those of chosen intensities"
         problems.at(root, ("keep",), what, hint, key=True)
-    problems.refuse()
+    problems.check()
     assert measure is not None
     return Question(spec, axis, measure, targets)
 
 
 def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Target, ...]:
-    root, group = study.resolver.root, study.model.group
+    root, group = study.root, study.model.group
     names = places(group)
-    node = root.get("fragility", "limits")
+    is_list = isinstance(get(root, "fragility", "limits"), list)
     found: dict[Target, None] = {}
     for number, limit in enumerate(spec.limits):
-        path = ("fragility", "limits", number) if node is not None and node.is_list else ("fragility", "limits")
+        path = ("fragility", "limits", number) if is_list else ("fragility", "limits")
         if limit.quantity == CONTACT:
             found |= {Target(limit, left): None for left in range(len(names) - 1)}
             continue
@@ -134,7 +134,7 @@ def _can_be_struck(study: Study, target: Target) -> bool:
     return any(
         struck_columns(
             target,
-            seen(study.resolver.links(point, case) or ()),
+            seen(study.links(point, case) or ()),
             study.building(point, target.building).yield_shear,
         )
         for point in _some_points(study)
@@ -152,8 +152,8 @@ def _some_points(study: Study) -> Iterator[tuple[int, ...]]:
 
 def _intensity(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[int | None, Measure | None]:
     """The axis that varies the intensity and the measure of the curves."""
-    root = study.resolver.root
-    where = ("fragility", "intensity") if root.get("fragility", "intensity") is not None else ("fragility",)
+    root = study.root
+    where = ("fragility", "intensity") if get(root, "fragility", "intensity") is not None else ("fragility",)
     varied = [number for number, axis in enumerate(study.axes) if not INTENSITY_KEYS.keys().isdisjoint(axis.names)]
     axis = varied[0] if varied else None
     if axis is None and spec.method != "cloud":
@@ -172,7 +172,7 @@ def _intensity(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[i
 
 
 def _check_axis(study: Study, number: int, spec: FragilitySpec, problems: Problems) -> None:
-    root, axis = study.resolver.root, study.axes[number]
+    root, axis = study.root, study.axes[number]
     name = axis.names[0]
     if len(axis.names) > 1:
         together = " and ".join(axis.names)

@@ -236,7 +236,7 @@ def refine_fragility(plan: Plan, responses: Responses) -> Plan | None:
     demands, is_known = asked.demands.copy(), np.zeros(len(asked.whole), bool)
     demands[known[len(asked.known) :]] = _demands(plan, asked, responses)
     is_known[known] = True
-    fill = plan.study.model.fragility.fill  # type: ignore[attr-defined]  # a section that the registry adds
+    fill = plan.study.model.fragility.fill
     going: list[Series] = []
     waiting: dict[int, Series] = {}
     for series in asked.going:

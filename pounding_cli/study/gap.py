@@ -8,17 +8,16 @@ from itertools import pairwise, product
 
 from pounding_cli.model.links import APART, Link, LinkPlace
 from pounding_cli.model.meetings import meetings
+from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.expand import expand
-from pounding_cli.study.load import Study, validated
+from pounding_cli.study.file import Items, Map
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.sections import Point
-from pounding_cli.study.source import Node
-from pounding_cli.study.sweep import SweepAxis
+from pounding_cli.study.study import Point, Study
 
 _BETWEEN = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
 
-_ASIDE = ("bracket", "keep", "report", "claims", "uncertain")
+_ASIDE = ("keep", "report", "claims", "uncertain")
 """Sections without a meaning where no case is run."""
 
 
@@ -34,7 +33,7 @@ def expand_gap(study: Study) -> Plan:
     apart = _with_nothing_between(study)
 
     def links_of(point: Point, case: str) -> tuple[Link, ...]:
-        row = apart.resolver.group(point)
+        row = apart.group(point)
         assert row is not None  # the study was validated at every point
         links: list[Link] = []
         for left, pair in enumerate(pairwise(row.buildings)):
@@ -55,7 +54,7 @@ def gaps_of_cases(plan: Plan, point: Point) -> Iterator[tuple[str, dict[LinkPlac
     """
     study, choices, kept = plan.study.written, list[range | list[int]](), iter(point)
     assert study is not None
-    for axis in study.resolver.axes:
+    for axis in study.swept:
         own, keys = _kept(axis)
         there: range | list[int] = range(len(keys))
         if own:
@@ -66,7 +65,7 @@ def gaps_of_cases(plan: Plan, point: Point) -> Iterator[tuple[str, dict[LinkPlac
     for case in study.model.cases:
         seen = set()
         for whole in product(*choices):
-            links = study.resolver.links(whole, case) or ()
+            links = study.links(whole, case) or ()
             if not links or not all(link.law.subtracts_gap for link in links):
                 continue
             gaps: dict[LinkPlace, float] = {}
@@ -82,23 +81,25 @@ def gaps_of_cases(plan: Plan, point: Point) -> Iterator[tuple[str, dict[LinkPlac
 def _kept(axis: SweepAxis) -> tuple[list[int], list[tuple[str, ...]]]:
     """Which keys of an axis change buildings or motions, and the values of those keys at every point of it."""
     kept = [number for number, path in enumerate(axis.paths) if path[0] not in _BETWEEN]
-    return kept, [tuple(str(nodes[number].plain()) for number in kept) for nodes in axis.nodes]
+    return kept, [tuple(str(values[number]) for number in kept) for values in axis.given]
 
 
 def _with_nothing_between(study: Study) -> Study:
     """The study with one case, in which nothing stands between the buildings, and without the axes of links."""
-    root = study.resolver.root
-    axes = []
-    for axis in study.resolver.axes:
+    root, mark = study.root, study.root.mark
+    axes = Items((), mark)
+    for axis in study.swept:
         kept, keys = _kept(axis)
-        values = dict(zip(keys, axis.nodes, strict=True))
+        values = dict(zip(keys, axis.given, strict=True))
         if kept:
-            columns = {axis.names[n]: Node([nodes[n] for nodes in values.values()], root.mark) for n in kept}
-            axes.append(Node(columns, root.mark, keys=dict.fromkeys(columns, root.mark)))
-    sections = {name: node for name, node in root.value.items() if name not in _ASIDE}
-    nothing = Node({"link": Node("none", root.mark, "none")}, root.mark, keys={"link": root.mark})
-    sections["cases"] = Node({APART: nothing}, root.mark, keys={APART: root.mark})
-    sections["sweep"] = Node(axes, root.mark)
-    tree = Node(sections, root.mark, keys=dict.fromkeys(sections, root.mark) | (root.keys or {}))
-    found = validated(study.path, study.text, tree)
-    return dataclasses.replace(found, warnings=study.warnings, from_data=study.from_data, written=study)
+            columns = {
+                axis.names[n]: Items([row[n] for row in values.values()], mark, [mark] * len(values)) for n in kept
+            }
+            axes.append(Map(columns, mark, dict.fromkeys(columns, (mark, mark))))
+            axes.marks.append(mark)
+    marks = dict.fromkeys(("cases", "sweep"), (mark, mark)) | root.marks
+    tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, marks)
+    nothing = Map({"link": "none"}, mark, {"link": (mark, mark)})
+    tree["cases"] = Map({APART: nothing}, mark, {APART: (mark, mark)})
+    tree["sweep"] = axes
+    return Study(study.path, study.text, tree, written=study)

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import listed
-from pounding_cli.study.building_schema import BuildingSpec
-from pounding_cli.study.problems import Problems
-from pounding_cli.study.resolve import Resolver
-from pounding_cli.study.schema import StudyModel
-from pounding_cli.study.sections import touched_by
-from pounding_cli.study.source import Mark, Node
-from pounding_cli.study.sweep import SweepAxis
+from pounding_cli.study.file import Map, Mark, Problems, get
+from pounding_cli.study.models import Building
+
+if TYPE_CHECKING:
+    from pounding_cli.study.study import Study
 
 _VARIED = (("sweep",), ("uncertain",), ("optimise", "over"))
 
 
-def tell_held(model: StudyModel, root: Node, resolver: Resolver, notes: Problems) -> None:
+def tell_held(study: Study, notes: Problems) -> None:
     """Note every mass that varies in a building with a `period`: its stiffness follows the mass, and its yield shears
     follow the weight, which an uncertain mass is hardly meant to do."""
-    for key, mark, beside in _masses(root):
-        touched = touched_by(SweepAxis((key,), ()), root)
-        specs = {name: resolver.entry(resolver.base, "buildings", name) for name in dict.fromkeys(model.group)}
+    from pounding_cli.study.study import touched_by
+
+    model, specs = study.model, dict[str, Any]()
+    specs |= {name: study.building_spec(study.base, name) for name in dict.fromkeys(model.group)}
+    for key, mark, beside in _masses(study.root):
+        touched = touched_by([key], study.root)
         names = [
             name
             for name, spec in specs.items()
@@ -29,28 +31,26 @@ def tell_held(model: StudyModel, root: Node, resolver: Resolver, notes: Problems
         ]
         if names:
             is_weight = "inelastic" in model.analyses and specs[names[0]].yield_shear is None
-            _tell(names, is_weight, mark, resolver, notes)
+            _tell(names, is_weight, mark, study, notes)
 
 
-def _masses(root: Node) -> Iterator[tuple[str, Mark, frozenset[str]]]:
+def _masses(root: Map) -> Iterator[tuple[str, Mark, frozenset[str]]]:
     """The keys of masses that vary, where each stands, and the keys that move with it."""
     for section in _VARIED:
-        node = root.get(*section)
-        for holder in [] if node is None else node.value if node.is_list else [node]:
-            for key in holder.value if holder.is_mapping else ():
+        node = get(root, *section)
+        for holder in node if isinstance(node, list) else [node]:
+            for key in holder if isinstance(holder, Map) else ():
                 path = key.split(".")
                 if path[0] == "buildings" and path[2:3] == ["mass"]:
-                    together = frozenset(holder.value) if node is not None and node.is_list else frozenset()
-                    yield key, (holder.keys or {})[key], together
+                    yield key, holder.marks[key][0], frozenset(holder) if isinstance(node, list) else frozenset()
 
 
-def _tell(names: list[str], is_weight: bool, mark: Mark, resolver: Resolver, notes: Problems) -> None:
+def _tell(names: list[str], is_weight: bool, mark: Mark, study: Study, notes: Problems) -> None:
     first = names[0]
-    buildings, building = resolver.tree(resolver.base, "buildings"), resolver.type(resolver.base, first)
-    assert buildings is not None
+    buildings, building = study.tree(study.base)["buildings"], study.type(study.base, first)
     assert building is not None  # the study was validated
-    period = _text(buildings.get(first, "period"), "")
-    mass = _text(buildings.get(first, "mass"), str(BuildingSpec.model_fields["mass"].default))
+    period = _text(get(buildings, first, "period"), "")
+    mass = _text(get(buildings, first, "mass"), str(Building.model_fields["mass"].default))
     one = len(names) == 1
     what = f"the period of {first} is held at {period}" if one else f"the periods of {listed(names)} are held"
     strength = ", and so do the yield shears, which are a part of the weight" if is_weight else ""
@@ -62,8 +62,8 @@ def _tell(names: list[str], is_weight: bool, mark: Mark, resolver: Resolver, not
     notes.add(mark, f"where the mass varies, {what}: the stiffness changes in proportion to the mass{strength}", hint)
 
 
-def _text(node: Node | None, default: str) -> str:
+def _text(value: Any, default: str) -> str:
     """A value as the file says it."""
-    if node is None:
+    if value is None:
         return default
-    return f"[{', '.join(each.text for each in node.value)}]" if node.is_list else node.text
+    return f"[{', '.join(map(str, value))}]" if isinstance(value, list) else str(value)

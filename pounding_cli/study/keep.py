@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.scene import Scene
+from pounding_cli.study.axes import SweepAxis
+from pounding_cli.study.file import Problems, get, locate, nearest
 from pounding_cli.study.plan import Row
-from pounding_cli.study.problems import Problems, nearest
-from pounding_cli.study.schema import HistoriesSpec, KeepSpec, StudyModel
-from pounding_cli.study.source import Node
-from pounding_cli.study.sweep import SweepAxis
-from pounding_cli.study.units import Quantity
+from pounding_cli.study.quantity import Quantity
+from pounding_cli.study.schema import Histories, Keep
+
+if TYPE_CHECKING:
+    from pounding_cli.study.study import Study
 
 MOST_BYTES = 2_000_000_000
 """Histories of a study may take so much [bytes] before compression."""
@@ -25,73 +27,62 @@ COARSEST = 0.02
 _UNITS = ("", "m", "kg", "s", "N", "N/m", "m/s2")
 
 
-def wanted(model: StudyModel) -> HistoriesSpec | None:
+def wanted(model: Any) -> Histories | None:
     """What is to be kept; None where nothing is."""
     if model.keep is None:
         return None
-    spec = model.keep.histories if isinstance(model.keep, KeepSpec) else HistoriesSpec()
-    return spec if isinstance(spec, HistoriesSpec) else HistoriesSpec()
+    spec = model.keep.histories if isinstance(model.keep, Keep) else Histories()
+    return spec if isinstance(spec, Histories) else Histories()
 
 
-def check_keep(
-    model: StudyModel, root: Node, axes: Sequence[SweepAxis], records: Iterable[str] | None, problems: Problems
-) -> None:
-    """Note every name under `keep` that the study does not have; `records` is None where they are faulty."""
+def check_keep(study: Study, problems: Problems) -> None:
+    """Note every name under `keep` that the study does not have."""
+    model, root, path = study.model, study.root, ("keep", "histories")
     spec = wanted(model)
     if spec is None:
         return
-    path = ("keep", "histories")
     if model.method != "taylor":
         message = f"method: {model.method} keeps no histories, only taylor does"
         problems.at(root, ("keep",), message, "write `method: taylor`, or remove `keep`", key=True)
-    known: dict[str, list[str]] = {
-        "cases": list(model.cases),
-        "analyses": list(model.analyses),
-        "records": list(records or ()),
-    }
-    for name, there in known.items():
+    for name, one, there in (
+        ("cases", "case", list(model.cases)),
+        ("analyses", "analysis", list(model.analyses)),
+        ("records", "record", list(study.motions(study.base))),
+    ):
         for place, word in enumerate(getattr(spec, name) or ()):
             if there and word not in there:
-                one = {"cases": "case", "analyses": "analysis", "records": "record"}[name]
                 message = f"keep: the study has no {one} '{word}'"
                 problems.at(root, (*path, name, place), message, nearest(word, there))
-    swept = {name: (axis, column) for axis in axes for column, name in enumerate(axis.names)}
+    swept = {name: (axis, column) for axis in study.swept for column, name in enumerate(axis.names)}
     for key in spec.where:
         if key not in swept:
             hint = nearest(key, swept) if swept else "remove `where`, or add a sweep"
             problems.at(root, (*path, "where", key), f"keep: '{key}' is not an axis of the sweep", hint, key=True)
             continue
         axis, column = swept[key]
-        for node in _values(root, key):
-            if not _places(axis, column, node):
-                texts = [nodes[column].text or str(nodes[column].plain()) for nodes in axis.nodes]
-                message = f"keep: the axis '{key}' has no value {node.text or node.plain()}"
-                problems.add(node.mark, message, f"known: {', '.join(dict.fromkeys(texts))}")
+        for at, value in _values(root, key):
+            if not _places(axis, column, value):
+                texts = dict.fromkeys(str(values[column]) for values in axis.given)
+                message = f"keep: the axis '{key}' has no value {value}"
+                problems.at(root, (*path, "where", key, *at), message, f"known: {', '.join(texts)}")
 
 
-def kept_rows(
-    model: StudyModel,
-    root: Node,
-    axes: Sequence[SweepAxis],
-    rows: Sequence[Row],
-    scenes: Mapping[str, Scene],
-    file: str,
-) -> tuple[tuple[Row, ...], float]:
+def kept_rows(study: Study, rows: Sequence[Row], scenes: Mapping[str, Scene]) -> tuple[tuple[Row, ...], float]:
     """The rows whose scenes are kept, and the output step [s].
 
     Raises
     ------
     InputError : they would take more than MOST_BYTES
     """
-    spec = wanted(model)
+    spec = wanted(study.model)
     if spec is None:
-        return (), HistoriesSpec().every
+        return (), Histories().every
     chosen = []
     allowed: dict[int, set[int]] = {}
-    for number, axis in enumerate(axes):
+    for number, axis in enumerate(study.swept):
         for column, key in enumerate(axis.names):
             if key in spec.where:
-                found = {place for node in _values(root, key) for place in _places(axis, column, node)}
+                found = {place for _, value in _values(study.root, key) for place in _places(axis, column, value)}
                 allowed[number] = allowed.get(number, found) & found
     for row in rows:
         there = all(row.point[number] in places for number, places in allowed.items())
@@ -107,7 +98,8 @@ def kept_rows(
         size += _bytes_a_second(scenes[row.scene]) * _seconds(scenes[row.scene]) / spec.every
         if size > MOST_BYTES:  # the rest will be like those seen: a study may have millions
             total = size / seen * len(chosen)
-            raise InputError(_too_much(len(chosen), spec.every, total, file, root.locate(("keep",), key=True)))
+            mark = locate(study.root, ("keep",), key=True)
+            raise InputError(_too_much(len(chosen), spec.every, total, study.file, mark))
     return tuple(chosen), spec.every
 
 
@@ -134,23 +126,23 @@ def _bytes_a_second(scene: Scene) -> float:
     return 4.0 * series + 8.0
 
 
-def _values(root: Node, key: str) -> list[Node]:
-    """The values given for one key of `where`, one or a list."""
-    node = root.get("keep", "histories", "where", key)
-    if node is None:
+def _values(root: Any, key: str) -> list[tuple[tuple[int, ...], Any]]:
+    """The values given for one key of `where`, one or a list, each with its place in the list."""
+    given = get(root, "keep", "histories", "where", key)
+    if given is None:
         return []
-    return list(node.value) if node.is_list else [node]
+    return [((place,), value) for place, value in enumerate(given)] if isinstance(given, list) else [((), given)]
 
 
-def _places(axis: SweepAxis, column: int, wanted: Node) -> list[int]:
+def _places(axis: SweepAxis, column: int, wanted: Any) -> list[int]:
     """Where on an axis a value stands: as the same text, or as the same amount in other units."""
-    return [place for place, nodes in enumerate(axis.nodes) if _same(nodes[column], wanted)]
+    return [place for place, values in enumerate(axis.given) if _same(values[column], wanted)]
 
 
-def _same(one: Node, other: Node) -> bool:
-    if one.plain() == other.plain():
+def _same(one: Any, other: Any) -> bool:
+    if one == other:
         return True
-    left, right = amount(one.plain()), amount(other.plain())
+    left, right = amount(one), amount(other)
     return left is not None and right is not None and abs(left - right) <= 1e-9 * max(abs(left), abs(right))
 
 

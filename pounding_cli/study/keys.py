@@ -5,96 +5,89 @@ from __future__ import annotations
 import inspect
 import typing
 from collections.abc import Iterator
+from typing import Any, get_args, get_origin
 
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
+from pydantic import BaseModel, create_model
 
-from pounding_cli.study.rules import StiffnessRule
-from pounding_cli.study.schema import StudyModel
-from pounding_cli.study.units import Quantity, TextForm
+from pounding_cli.study.laws import Link, link_keys
+from pounding_cli.study.models import Case
+from pounding_cli.study.quantity import Read
+from pounding_cli.study.schema import Study
+from pounding_cli.study.words import fields_of, leaves
 
-_WORDS = {"str": "text", "int": "whole number", "bool": "`true`, `false`", "float": "number"}
+_LINK_KEYS: Any = link_keys()
+_AllLinks = create_model("_AllLinks", __base__=Link, **_LINK_KEYS)
+_WORDS = {str: "text", int: "whole number", bool: "`true`, `false`", float: "number", Any: "mapping or list"}
 
 
 def key_tables() -> str:
     """All tables under their headings, as Markdown."""
     parts = []
     for path, model in sections():
-        about = inspect.getdoc(model) or ""
-        parts += [f"## {f'`{path}`' if path else 'The file'}", about, "\n".join(table(model))]
+        heading = f"`{path}`" if path else "The file"
+        parts += [f"## {heading}", inspect.getdoc(model) or "", "\n".join(table(model))]
     return "\n\n".join(parts)
 
 
 def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     """Every mapping a study can hold, once, with the dotted path it is first met at; "" for the file."""
-    seen: set[type[BaseModel]] = set()
-    stack: list[tuple[str, type[BaseModel]]] = [("", StudyModel)]
+    seen: set[Any] = set()
+    stack: list[tuple[str, type[BaseModel]]] = [("", Study)]
     while stack:
         path, model = stack.pop(0)
-        if model in seen:
+        if model in seen or model.__name__.endswith("Link") or model.__name__.startswith("Link_"):
             continue
         seen.add(model)
         yield path, model
-        below = []
-        for name, field in model.model_fields.items():
-            inner = f"{path}.{field.alias or name}".lstrip(".")
-            below += [(inner + suffix, found) for suffix, found in _models(field.annotation)]
-        stack = below + stack
+        below = [
+            (f"{path}.{name}".lstrip("."), leaf)
+            for name, (hint, _) in fields_of(model).items()
+            for leaf in leaves(hint)
+        ]
+        stack = [*_models(below), *stack]
 
 
-def _models(annotation: typing.Any, suffix: str = "") -> Iterator[tuple[str, type[BaseModel]]]:
-    """The mappings a type can hold; names that are free are written NAME."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield suffix, annotation
-    free = typing.get_origin(annotation) is dict
-    for part in typing.get_args(annotation):
-        yield from _models(part, f"{suffix}.NAME" if free else suffix)
+def _models(below: list[tuple[str, Any]]) -> Iterator[tuple[str, type[BaseModel]]]:
+    """The mappings among some types; names that are free are written NAME."""
+    for path, kind in below:
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            yield path, kind
+        elif get_origin(kind) in (tuple, dict):
+            inner, free = (get_args(kind)[0], "") if get_origin(kind) is tuple else (get_args(kind)[1], ".NAME")
+            yield from _models([(path + free, leaf) for leaf in leaves(inner)])
 
 
 def table(model: type[BaseModel]) -> list[str]:
-    """One mapping's keys as the lines of a Markdown table."""
+    """One mapping's keys as the lines of a Markdown table; of a case, those of all its links too."""
     lines = ["| key | value | default | meaning |", "|---|---|---|---|"]
-    hints = typing.get_type_hints(model, include_extras=True)
-    for name, field in model.model_fields.items():
-        cells = (f"`{field.alias or name}`", forms(hints[name]), default(field), field.description or "")
-        lines.append(f"| {' | '.join(cells)} |")
+    found = dict(fields_of(model))
+    if model is Case:
+        found = {**fields_of(_AllLinks), **found}
+    for name, (hint, info) in found.items():
+        forms = "; ".join(dict.fromkeys(_forms(hint))) or "mapping or list"
+        lines.append(f"| `{name}` | {forms} | {default(info)} | {info.description or ''} |")
     return lines
 
 
-def forms(annotation: typing.Any) -> str:
+def _forms(hint: Any) -> Iterator[str]:
     """The values a key takes, in a few words."""
-    return "; ".join(dict.fromkeys(_forms(annotation))) or "mapping or list"
+    for kind in leaves(hint):
+        if isinstance(kind, Read):
+            yield from kind.form.split("; ")
+        elif get_origin(kind) is typing.Literal:
+            yield from (f"`{word}`" for word in get_args(kind))
+        elif get_origin(kind) is tuple:
+            yield f"list of {' / '.join(dict.fromkeys(_forms(get_args(kind)[0])))}"
+        else:
+            yield _WORDS.get(kind, "mapping")
 
 
-def _forms(kind: typing.Any) -> list[str]:
-    origin, parts = typing.get_origin(kind), typing.get_args(kind)
-    if origin is typing.Annotated:
-        for extra in parts[1:]:
-            if isinstance(extra, Quantity):
-                words = [f"`{word}`" for word in extra.words]
-                return [", ".join(part for part in (extra.si or "-", extra.range, *words) if part)]
-            if isinstance(extra, TextForm):
-                return extra.form.split("; ")
-        return _forms(parts[0])
-    if origin is typing.Literal:
-        return [f"`{word}`" for word in parts]
-    if origin is tuple:
-        return [f"list of {' / '.join(_forms(parts[0]))}"]
-    if origin is dict:
-        return ["mapping"]
-    if parts:
-        return [form for part in parts for form in _forms(part)]
-    if isinstance(kind, type) and kind not in (type(None), StiffnessRule):
-        return [_WORDS.get(kind.__name__, "mapping")]
-    return []
-
-
-def default(field: FieldInfo) -> str:
+def default(field: Any) -> str:
     """The default as a user would write it; "" where the key may be left out without one."""
+    value = field.default
     if field.is_required():
         return "required"
-    value = field.default
-    if value is None or value in ("", {}):
+    if value is None or value in ("", {}, ()):
         return ""
     if isinstance(value, BaseModel):
         return "see below"

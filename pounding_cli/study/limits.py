@@ -9,9 +9,8 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.study import units
-from pounding_cli.study.problems import nearest
-from pounding_cli.study.units import Quantity, limited, refuse, written_unit
+from pounding_cli.study.file import nearest
+from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, refuse, written_unit
 
 CONTACT, COLLAPSE, SHEAR_DEMAND = "contact", "collapse", "shear_demand"
 DRIFT_RATIO = "drift_ratio"
@@ -26,8 +25,8 @@ FORM = "write e.g. `mu > 4`, `drift > 2 %`, `acceleration > 1 g`, `shear_demand 
 _QUANTITIES = {
     "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
     SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
-    "acceleration": limited(units.ACCELERATION, example="acceleration > 1 g"),
-    "drift": limited(units.LENGTH, name="drift", example="drift > 6 cm"),
+    "acceleration": ACCELERATION.but(example="acceleration > 1 g"),
+    "drift": LENGTH.but(name="drift", example="drift > 6 cm"),
     DRIFT_RATIO: Quantity("drift ratio", "", "drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True),
 }
 _MEANT = {

@@ -1,253 +1,293 @@
-"""From a case of the study file to the links of a scene, floor by floor and pair by pair."""
+"""From a validated case to the links of a scene, and the laws of links that a study writes itself."""
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Mapping
+import keyword
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pounding_cli.laws import link_laws
+from pounding_cli.laws import contact_laws, link_laws
+from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
+from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.model.links import Link, SceneLinks
-from pounding_cli.model.meetings import column_flexibility
+from pounding_cli.model.meetings import Strike, column_flexibility
 from pounding_cli.numbers import counted
-from pounding_cli.study.case_schema import CaseSpec, LinkSpec, ListedLink, PairSpec
-from pounding_cli.study.formulas import law_class
-from pounding_cli.study.law_keys import own_parameters
-from pounding_cli.study.link_laws import Group, LawReader, Layer, says, where
-from pounding_cli.study.problems import Path, Problems, Tree
-from pounding_cli.study.rules import StiffnessRule
-from pounding_cli.study.source import Node
+from pounding_cli.study.build import Group
+from pounding_cli.study.file import Problems, Quoted, Steps, get, locate, nearest
+from pounding_cli.study.laws import FORMULA, LOSSES, keys_of, own, tag_of, typed
+from pounding_cli.study.models import Case
+from pounding_cli.study.quantity import LINK_STIFFNESS, Storey
 
-MOST_KNOWN = 500
+MOST_KEPT = 500
 """Cases whose links are known again, about 4 kB each."""
 
+RESTITUTION = 0.5
+"""Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
 
-@dataclass(frozen=True)
-class _Element:
-    """One link of floors that are spoken of together: its law, and the floors where it alone stands (None: all)."""
+_TRIED = 0.01
+"""Gap [m] at which a formula is tried when it is read."""
 
-    law: LinkLaw
-    floors: tuple[int, ...] | None
-    path: Path
+
+@dataclass(frozen=True, eq=False)
+class OwnLaw:
+    """A law of the study's own: its class, and what all its links share."""
+
+    law: type[WrittenLaw]
+    shared: Mapping[str, Any]
+    sound: bool
+
+    def __call__(self, gap: float) -> LinkLaw:
+        """The law across a gap [m]."""
+        return self.law(gap, **self.shared)
+
+
+def own_laws(specs: Mapping[str, Any], root: Any, problems: Problems) -> dict[str, OwnLaw]:
+    """The laws of a study by name; what is wrong with them is noted."""
+    found = {}
+    for name, spec in specs.items():
+        path, before = ("laws", name), len(problems.found)
+        if name in (*link_laws(), "none", "apart"):
+            problems.at(root, path, f"'{name}' is a law of this program", "give yours another name", key=True)
+        for parameter in spec.parameters:
+            if not parameter.isidentifier() or keyword.iskeyword(parameter) or parameter in (*GIVEN, "sqrt"):
+                hint = f"write a name of letters, digits and _ other than {', '.join(GIVEN)} and sqrt"
+                at = (*path, "parameters", parameter)
+                problems.at(root, at, f"'{parameter}' cannot be a parameter", hint, key=True)
+        constants = tuple((key, value.value, value.dimension) for key, value in spec.parameters.items())
+        shared = {
+            "called": name,
+            "formula": spec.force.strip(),
+            "constants": constants,
+            "tension_cut": spec.tension_cut,
+        }
+        law = OwnLaw(WRITTEN[spec.acts], shared, sound=False)
+        if len(problems.found) == before:
+            try:
+                law(_TRIED)
+            except FormulaError as error:
+                (line, column), text = locate(root, (*path, "force")), get(root, *path, "force")
+                if error.line == 0 and isinstance(column, int) and "\n" not in text:
+                    column += error.column + len(text) - len(text.lstrip()) + isinstance(text, Quoted)
+                problems.add((line, column), f"force: {error.message}", error.hint)
+            except ValueError as error:
+                problems.at(root, (*path, "force"), f"{error}", "write a shorter formula")
+        found[name] = replace(law, sound=len(problems.found) == before)
+    return found
+
+
+def check_contact(word: str, laws: Mapping[str, OwnLaw], root: Any, problems: Problems) -> bool:
+    """Whether what `impact.law` names is a law of contact; noted where it is none."""
+    written = [name for name, law in laws.items() if law.law.subtracts_gap]
+    if word in (*contact_laws(), *written):
+        return True
+    hint = f"write {', '.join((*contact_laws(), *written))}"
+    problems.at(root, ("impact", "law"), f"'{word[:60]}' is not a law of contact", hint)
+    return False
+
+
+Note = Callable[[Steps, str, str], None]
+"""note(path, what is wrong, what to write)"""
 
 
 class Links:
-    """The links of cases. Those of groups that differ in nothing that links depend on are the same, and found once: a
-    period that is swept leaves links alone whose stiffness is that of another building.
+    """Builds the links of cases; those that agree in all that links depend on are built once."""
 
-    several : whether there are several groups; otherwise nothing is found again
-    """
+    def __init__(self) -> None:
+        self._rules: dict[Case, tuple[Any, ...]] = {}
+        self._alike: dict[Any, SceneLinks] = {}
 
-    def __init__(self, several: bool = False) -> None:
-        self._several = several
-        self._known: OrderedDict[tuple[Any, ...], _Known] = OrderedDict()
-
-    def of(self, case: CaseSpec, group: Group, root: Node | Tree, path: Path, problems: Problems) -> tuple[Link, ...]:
-        """All links of a case, by pair and then from the ground up; what is wrong is noted in `problems`."""
-        if not self._several or group.is_empty or any(group.strikes):  # links on columns depend on the building
-            return _links_of(case, group, root, path, _Reader(group, root, problems))
-        key = id(case), id(group.impact), id(group.laws), group.floors
-        known = self._known.get(key)
-        if known is not None and all(group.stiffness(rule) == found for rule, found in known.rules):
-            return known.links
-        before = len(problems.found)
-        reader = _Reader(group, root, problems)
-        links = _links_of(case, group, root, path, reader)
-        if len(problems.found) == before:
-            self._known[key] = _Known(links, tuple(reader.rules.items()), (case, group.impact, group.laws))
-            if len(self._known) > MOST_KNOWN:
-                self._known.popitem(last=False)
+    def of(
+        self, case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, note: Note
+    ) -> SceneLinks | None:
+        """All links of a case, by pair and then from the ground up; None where something is wrong, which is noted."""
+        key = self._key(case, group, impact, laws)
+        if key is not None and key in self._alike:
+            return self._alike[key]
+        builder = _Builder(group, impact, laws, note)
+        links = builder.links(case, path)
+        if builder.faults:
+            return None
+        if key is not None:
+            _keep(self._alike, key, links)
         return links
 
-
-@dataclass(frozen=True)
-class _Known:
-    """The links of a case, the rules for stiffness that they follow from with what they gave, and what they were looked
-    up by, which is held so that nothing else gets its place in memory."""
-
-    links: tuple[Link, ...]
-    rules: tuple[tuple[StiffnessRule, float | None], ...]
-    held: tuple[Any, ...]
-
-
-def _links_of(case: CaseSpec, group: Group, root: Node | Tree, path: Path, reader: _Reader) -> tuple[Link, ...]:
-    problems = reader.problems
-    pairs = len(case.pairs or "1") if group.is_empty else len(group.buildings) - 1
-    if case.pairs is not None and len(case.pairs) != pairs:
-        problems.at(
-            root,
-            (*path, "pairs"),
-            f"pairs has {counted(len(case.pairs), 'entry', 'entries')} for {counted(pairs, 'pair')} of neighbours",
-            f"write {pairs}, left to right",
-        )
-        return ()
-    outer = Layer(case, path)
-    if isinstance(case.link, str) and case.link != "none" and reader.known(case.link, (*path, "link")) is None:
-        return ()
-    links: list[Link] = []
-    for place in range(pairs):
-        layers = [outer]
-        if case.pairs is not None:
-            entry = case.pairs[place]
-            layers.insert(0, _layer(entry, (*path, "pairs", place), PairSpec))
-        links += reader.pair(place, layers)
-        links += reader.at_columns(place, layers)
-    return SceneLinks(links)
+    def _key(self, case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
+        """What the links of a case follow from: it, floors that meet, and what stiffnesses come to; None where they
+        depend on more."""
+        if group.is_empty or any(group.strikes):  # links on columns depend on the building
+            return None
+        if case not in self._rules:
+            given = [value for link in case.links for value in vars(link).values() if isinstance(value, Storey)]
+            words = (law.stiffness_default for law in link_laws().values() if law.stiffness_default)
+            _keep(self._rules, case, tuple(dict.fromkeys([*given, *map(LINK_STIFFNESS.read, words)])))
+        try:
+            values = tuple(map(group.stiffness, (*self._rules[case], impact.stiffness)))
+        except KeyError:
+            return None
+        return case, tuple(laws.values()), impact.dashpot, impact.tension_cut, group.floors, values
 
 
-def _layer(entry: Any, path: Path, model: type[LinkSpec] | type[ListedLink] = LinkSpec) -> Layer:
-    return Layer(model.model_validate({"link": entry}) if isinstance(entry, str) else entry, path)
+def _keep(kept: dict[Any, Any], key: Any, value: Any) -> None:
+    if len(kept) >= MOST_KEPT:
+        del kept[next(iter(kept))]
+    kept[key] = value
 
 
-class _Reader(LawReader):
-    """Builds links and notes what is wrong with them."""
+@dataclass(eq=False)
+class _Builder:
+    """Builds the links of one case; faults : how many were noted."""
 
-    def pair(self, place: int, layers: list[Layer]) -> list[Link]:
-        floors, by_floor, elsewhere = (says(layers, key) for key in ("floors", "by_floor", "elsewhere"))
-        if self.group.is_empty:
-            listed = {*by_floor, *(() if floors == "all" else floors)} or {1}
-            common = {floor: floor for floor in (*listed, max(listed) + 1)}
-        else:
-            common = dict(self.group.common[place])
-        named = set(common) if floors == "all" else set(floors)
-        if floors != "all":
-            for number, floor in enumerate(floors):
-                self._exists(place, floor, (*where(layers, "floors"), number), "write floors among")
-        elif any("elsewhere" in layer.spec.model_fields_set for layer in layers):
-            self.refuse(
-                where(layers, "elsewhere"),
-                "'elsewhere' needs 'floors'",
-                "list the floors that differ: `floors: [3, 5]`",
-            )
-        for floor in by_floor:
-            self._exists(place, floor, (*where(layers, "by_floor"), str(floor)), "write floors among")
-        links: list[Link] = []
-        found: dict[int | str, list[_Element]] = {}  # floors that are spoken of together have the same laws
-        stood: dict[Path, set[int]] = {}
-        for left, right in common.items():
-            name = left if left in by_floor else "named" if left in named else "elsewhere"
-            if name not in found:
-                inner = layers
-                if name == left:
-                    inner = [_layer(by_floor[left], (*where(layers, "by_floor"), str(left))), *layers]
-                elif name == "elsewhere":
-                    inner = [_layer(elsewhere, where(layers, "elsewhere")), *layers]
-                found[name] = self.elements(inner)
-            here: dict[LinkLaw, Path] = {}
-            for element in found[name]:
-                stood.setdefault(element.path, set()).add(left)
-                if element.floors is not None and left not in element.floors:
-                    continue
-                if element.law in here:
-                    message = f"two {element.law.name} links alike between the same floors"
-                    self.refuse(element.path, message, "give one, or let them differ")
-                    continue
-                here[element.law] = element.path
-                links.append(Link(place, left, right, element.law))
-        self._refuse_floors_of_no_list([each for some in found.values() for each in some], stood)
-        return links
+    group: Group
+    impact: Any
+    laws: Mapping[str, OwnLaw]
+    _note: Note
+    faults: int = 0
 
-    def at_columns(self, place: int, layers: list[Layer]) -> list[Link]:
-        """The links of slabs that strike columns."""
-        strikes = () if self.group.is_empty else self.group.strikes[place]
-        given = says(layers, "at_columns")
-        if given is not None:
-            layers = [_layer(given, where(layers, "at_columns")), *layers]
-        elif says(layers, "floors") != "all":
-            layers = [_layer(says(layers, "elsewhere"), where(layers, "elsewhere")), *layers]
-        word = says(layers, "link")
-        if word is None or word == "none" or (not strikes and given is None):
-            return []
-        contact = self.contact() if word == Pounding.name else word
-        if strikes and word == Pounding.name and contact not in (Pounding.name, None):
-            message = f"slabs strike columns here, and the law {contact} between a slab and columns is not modelled"
-            hint = "write `at_columns: none` in the case to leave these blows out, or `law: kelvin-voigt`"
-            self.refuse(("impact", "law"), message, hint)
-            return []
-        if isinstance(word, tuple) or law_class(word, self.group.laws) not in (Pounding, None):
-            kind = "several links" if isinstance(word, tuple) else word
-            self.refuse(
-                where(layers, "link"),
-                f"slabs strike columns here, and {kind} between a slab and columns is not modelled",
-                "write `at_columns: pounding`, or `at_columns: none` to leave these blows out",
-            )
-            return []
-        law = self.law(layers)
-        if not isinstance(law, Pounding):
-            return []
-        links = []
-        for strike in strikes:
-            building = self.group.buildings[place + strike.side]
-            assert building.columns is not None  # of these the share is known
-            flexibility = 1.0 / law.stiffness + column_flexibility(building, strike.storey, strike.at)
-            floors = strike.left_floor, strike.right_floor
-            in_series = replace(law, stiffness=1.0 / flexibility)
-            links.append(Link(place, *floors, in_series, strike.left_at, strike.right_at, building.columns))
-        return links
+    def note(self, path: Steps, message: str, hint: str) -> None:
+        self.faults += 1
+        self._note(path, message, hint)
 
-    def _refuse_floors_of_no_list(self, elements: list[_Element], stood: Mapping[Path, set[int]]) -> None:
-        """Note floors of one link in a list that the list does not stand on."""
-        for element in elements:
-            for number, floor in enumerate(element.floors or ()):
-                if floor not in stood[element.path] and not self.group.is_empty:
-                    listed = ", ".join(map(str, sorted(stood[element.path])))
-                    message = f"the list that this link is in does not stand on floor {floor}"
-                    self.refuse((*element.path, "floors", number), message, f"write floors among {listed}")
+    def links(self, case: Any, path: Steps) -> SceneLinks:
+        """The links of all pairs of neighbours."""
+        path = (*path, "links")
+        if self.group.is_empty:  # so that what is wrong with the links is told beside what is wrong with the group
+            for n, link in enumerate(case.links):
+                self.law(link, (*path, n))
+            return SceneLinks()
+        pairs, found = len(self.group.common), list[Link]()
+        for n, link in enumerate(case.links):
+            if (link.pair or 0) > pairs:
+                message = f"pair: {link.pair}, but the group has {counted(pairs, 'pair')} of neighbours"
+                hint = f"write a number from 1 to {pairs}" if pairs > 1 else "leave it out"
+                self.note((*path, n, "pair"), message, hint)
+        for place, common in enumerate(self.group.common):
+            mine = [(n, link) for n, link in enumerate(case.links) if link.pair in (None, place + 1)]
+            here = self._by_floor(mine, place, path)
+            for floor, right in common.items():
+                taken: set[LinkLaw] = set()
+                for n, law in here.get(floor, ()):
+                    if law in taken:
+                        message = f"two {law.name} links alike between the same floors"
+                        self.note((*path, n), message, "give one, or let them differ")
+                    taken.add(law)
+                    found.append(Link(place, floor, right, law))
+            found += self._at_columns(mine, place, path)
+        return SceneLinks(found)
 
-    def elements(self, layers: list[Layer]) -> list[_Element]:
-        """The links of floors that are spoken of together: one, several where `link` is a list, or none."""
-        given = says(layers, "link")
-        if not isinstance(given, tuple):
-            law = self.law(layers)
-            return [] if law is None else [_Element(law, None, layers[0].path)]
-        place = next(number for number, layer in enumerate(layers) if "link" in layer.spec.model_fields_set)
-        listed = [_layer(one, (*layers[place].path, "link", n), ListedLink) for n, one in enumerate(given)]
-        self._refuse_keys_of_no_link(layers[: place + 1], [says([layer], "link") for layer in listed])
-        found = []
-        for layer in listed:
-            law = self.law([*layers[:place], layer, *layers[place:]])
+    def _by_floor(self, mine: list[Any], place: int, path: Steps) -> dict[int, list[tuple[int, LinkLaw]]]:
+        """The laws on every floor of a pair of neighbours, each with the number of its link."""
+        common, here = self.group.common[place], dict[int, list[tuple[int, LinkLaw]]]()
+        listed = {floor for _, link in mine if isinstance(link.floors, tuple) for floor in link.floors}
+        for n, link in mine:
+            is_list = isinstance(link.floors, tuple)
+            named = link.floors if is_list else getattr(link.floors, "floors", ())
+            for k, floor in enumerate(named):
+                if floor not in common:
+                    one, other = self.group.buildings[place : place + 2]
+                    at = (*path, n, "floors", *(() if is_list else ("except",)), k)
+                    message = f"{one.name} and {other.name} have no common floor {floor}"
+                    self.note(at, message, f"write floors among {', '.join(map(str, common))}")
+            out = listed if link.floors == "rest" else named
+            chosen = named if is_list else [floor for floor in common if floor not in out]
+            law = self.law(link, (*path, n)) if chosen and link.at is None else None
             if law is not None:
-                floors = says([layer], "floors")
-                found.append(_Element(law, None if floors == "all" else floors, layer.path))
-        return found
+                for floor in chosen:
+                    here.setdefault(floor, []).append((n, law))
+        return here
 
-    def _refuse_keys_of_no_link(self, layers: list[Layer], words: list[str]) -> None:
-        """Note keys beside a list of links that cannot speak for them: a stiffness, and what none of them takes."""
-        known = [self.contact() if word == Pounding.name else word for word in words]
-        laws = [law for word in known if word is not None and (law := law_class(word, self.group.laws)) is not None]
-        taken = {name for law in laws for name in _keys_of(law)} - {"stiffness"}
-        for layer in layers:
-            for name in ("stiffness", "tension_cut", "damping_ratio", "restitution", *_all_own()):
-                if name in taken or getattr(layer.spec, name, None) is None or name not in layer.spec.model_fields_set:
-                    continue
-                message = f"'{name}' beside several links does not say which it is of"
-                hint = f"write it in the list: `link: [..., {{link: {words[-1]}, {name}: ...}}]`"
-                if not any(name in _keys_of(law) for law in laws):
-                    message, hint = f"'{name}' does not apply to links {', '.join(words)}", "remove it"
-                self.refuse((*layer.path, name), message, hint, key=True)
+    def _at_columns(self, mine: list[Any], place: int, path: Steps) -> list[Link]:
+        """The links of slabs that strike columns: those that say so, else those that list no floors."""
+        strikes = self.group.strikes[place]
+        spoken = [each for each in mine if each[1].at is not None]
+        for n, link in spoken:
+            self.law(link, (*path, n))
+        spoken = spoken or [each for each in mine if not isinstance(each[1].floors, tuple)]
+        spoken = [each for each in spoken if each[1].link != "none"]
+        if not strikes or not spoken:
+            return []
+        n, link = spoken[0]
+        leave_out = "an entry of `links:`, `{link: none, at: columns}`, leaves these blows out"
+        if " of " in link.link and len(spoken) == 1:
+            what = f"slabs strike columns here, and the law {link.kind} between a slab and columns is not modelled"
+            self.note(("impact", "law"), what, f"write `law: kelvin-voigt`; {leave_out}")
+        elif len(spoken) > 1 or link.link != Pounding.name:
+            what = "several links" if len(spoken) > 1 else link.link
+            message = f"slabs strike columns here, and {what} between a slab and columns is not modelled"
+            at = (*path, n if len(spoken) == 1 else spoken[1][0], "link")
+            self.note(at, message, f"write `{{link: pounding, at: columns}}` in `links:`; {leave_out}")
+        elif isinstance(law := self.law(link, (*path, n)), Pounding):
+            return [_on_columns(strike, law, place, self.group) for strike in strikes]
+        return []
 
-    def _exists(self, place: int, floor: int, path: Path, hint: str) -> None:
-        if self.group.is_empty:
-            return
-        floors = [left for left, _ in self.group.common[place]]
-        if floor not in floors:
-            one, other = self.group.buildings[place].name, self.group.buildings[place + 1].name
-            self.refuse(
-                path,
-                f"{one} and {other} have no common floor {floor}",
-                f"{hint} {', '.join(map(str, floors))}",
-            )
+    def law(self, link: Any, path: Steps) -> LinkLaw | None:
+        """The law of a link; None for none, and where something is wrong, which is noted."""
+        word = link.kind
+        if link.link == "none":
+            return None
+        if tag_of(link) == FORMULA:
+            mine = self.laws.get(word)
+            return self._made(lambda: mine(link.gap), path) if mine is not None and mine.sound else None
+        kind, impact = link_laws()[word], self.impact
+        values: dict[str, Any] = {"gap": link.gap, "dashpot": DashpotLaw(impact.dashpot)}
+        for name, given in (
+            ("stiffness", getattr(link, "stiffness", None)),
+            ("impact_stiffness", impact.stiffness),
+            *((name, getattr(link, name)) for name in own(kind)),
+        ):
+            at = (*path, name) if getattr(link, name, None) is not None else ("impact", "stiffness")
+            if name == "stiffness" and given is None:
+                given = LINK_STIFFNESS.read(kind.stiffness_default) if kind.stiffness_default else impact.stiffness
+            if name in kind.parameters() and (value := self._stiffness(given, at)) is None:
+                return None
+            values[name] = value if name in kind.parameters() else None
+        values |= self._losses(link, kind)
+        cut = getattr(link, "tension_cut", None)
+        values["tension_cut"] = impact.tension_cut if cut is None else cut
+        wanted = {name: typed(kind, name, values[name]) for name in kind.parameters() if name in values}
+        if conflict := kind.conflict(**{name: value for name, value in wanted.items() if isinstance(value, float)}):
+            self.note((*path, conflict[0]), *conflict[1:])
+            return None
+        return self._made(lambda: kind(**wanted), path)
+
+    def _stiffness(self, given: Any, path: Steps) -> Any:
+        """A value as the law takes it, stiffnesses in N/m; None where its building is not defined or not sound."""
+        try:
+            return self.group.stiffness(given)
+        except KeyError:
+            if given.building not in self.group.defined:
+                self.note(
+                    path, f"no building '{given.building}' is defined", nearest(given.building, self.group.defined)
+                )
+        except ValueError:
+            pass  # of an empty group, whose faults are told
+        return None
+
+    def _losses(self, link: Any, kind: type[LinkLaw]) -> dict[str, float | None]:
+        """Damping ratio and coefficient of restitution: one of them is given, the other follows."""
+        ratio, e = getattr(link, "damping_ratio", None), getattr(link, "restitution", None)
+        if ratio is not None:
+            return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
+        if e is None and not keys_of(kind) & {*LOSSES}:
+            return {}
+        e = RESTITUTION if e is None else e
+        return {"damping_ratio": damping_ratio(e) + 0.0, "restitution": e}  # no negative zero at e = 1
+
+    def _made(self, make: Callable[[], LinkLaw], path: Steps) -> LinkLaw | None:
+        try:
+            return make()
+        except ValueError as error:
+            self.note(path, str(error).removeprefix("link: "), "correct it")
+            return None
 
 
-def _keys_of(law: type[LinkLaw]) -> set[str]:
-    """The keys of a link that a law takes."""
-    losses = {"damping_ratio", "restitution"}
-    return law.parameters().keys() | (losses if losses & law.parameters().keys() else set())
-
-
-def _all_own() -> list[str]:
-    """Every key that some law brings along."""
-    return list(dict.fromkeys(name for law in link_laws().values() for name in own_parameters(law)))
+def _on_columns(strike: Strike, law: Pounding, place: int, group: Group) -> Link:
+    """The spring of a blow in series with the columns that it bends."""
+    struck = group.buildings[place + strike.side]
+    assert struck.columns is not None  # of these the share is known
+    flexibility = 1.0 / law.stiffness + column_flexibility(struck, strike.storey, strike.at)
+    in_series = replace(law, stiffness=1.0 / flexibility)
+    ends = strike.left_at, strike.right_at
+    return Link(place, strike.left_floor, strike.right_floor, in_series, *ends, struck.columns)

@@ -13,8 +13,8 @@ from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.reading import LONGEST_PATH, shortened
 from pounding_cli.records import Motion
+from pounding_cli.study.models import RecordFile
 from pounding_cli.study.patterns import matching_files
-from pounding_cli.study.record_schema import RecordFile
 
 _VERTICAL = re.compile(r"(?:[-_ .](?:up|dwn|down|vert?)|\.ud\d?|dwn)\Z", re.IGNORECASE)
 # How the databases end the names of vertical components: -UP.AT2, DWN.AT2, .UD, .UD1.

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from typing import Any
 
 from pounding_cli import records
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import listed
 from pounding_cli.records import Motion
+from pounding_cli.study.file import Problems, Steps, nearest
+from pounding_cli.study.models import Arias, Pga, Pgv, Records, Sa, Spectrum
 from pounding_cli.study.motion_reader import MotionReader
-from pounding_cli.study.plan import MotionUse
-from pounding_cli.study.problems import Problems, Tree, nearest
-from pounding_cli.study.record_schema import AriasScale, PgaScale, PgvScale, Records, SaScale, SpectrumScale
-from pounding_cli.study.source import Node
+
+
+@dataclass(frozen=True)
+class MotionUse:
+    """A record as it is used: digest, peak [m/s2], Arias intensity [m/s] after window [s] and scale [-]."""
+
+    name: str
+    source: str
+    digest: str
+    scale: float
+    window: float
+    pga: float
+    arias: float
 
 
 @dataclass(frozen=True)
@@ -26,82 +37,171 @@ class Used:
 
 
 def motions_of(
-    spec: Records, reader: MotionReader, root: Node | Tree, problems: Problems, warnings: Problems
+    spec: Records, reader: MotionReader, root: Any, problems: Problems, warnings: Problems
 ) -> dict[str, Used]:
-    """The motions of a study by name, as they are used; what is wrong is noted in `problems`."""
-    found: dict[str, Motion] = {}
-    names: set[str] = set()
-    sound = True
-    for place, record in enumerate(spec.use):
-        path = ("records", "use", place)
+    """The motions of a study by name, as they are used; empty where something is wrong, which is noted."""
+    return _Motions(spec, reader, root, problems, warnings).used()
+
+
+class _Motions:
+    """Motions on their way from the reader to the scenes.
+
+    whole, cut : by name;  known : names with durations and scales of Table 1
+    """
+
+    def __init__(self, spec: Records, reader: MotionReader, root: Any, problems: Problems, warnings: Problems) -> None:
+        self.spec, self.reader, self.root, self.problems, self.warnings = spec, reader, root, problems, warnings
+        self.whole: dict[str, Motion] = {}
+        self.cut: dict[str, Motion] = {}
+        self.known: set[str] = set()
+        self.faults = 0
+
+    def refuse(self, path: Steps, message: str, hint: str) -> None:
+        self.faults += 1
+        self.problems.at(self.root, path, message, hint)
+
+    def pass_on(self, refused: InputError, path: Steps) -> None:
+        """Problems inside a record file keep their place; others are put at the study's line."""
+        self.faults += 1
+        for problem in refused.problems:
+            if problem.line:
+                self.problems.extend([problem])
+            else:
+                file = f"{problem.file}: " if problem.file else ""
+                self.problems.at(self.root, path, f"{file}{problem.message}", problem.hint)
+
+    def used(self) -> dict[str, Used]:
+        """All of it."""
+        for place, record in enumerate(self.spec.use):
+            self._read(record, ("records", "use", place))
+        if self.faults:
+            return {}
+        self._cut()
+        target = None
+        try:
+            target = self._target() if isinstance(self.spec.scale, Spectrum) and not self.faults else None
+            factors = self._factors(target) if not self.faults else {}
+        except InputError as refused:
+            self.pass_on(refused, ("records", "scale"))
+        if self.faults:
+            return {}
+        found = {}
+        for name, factor in factors.items():
+            motion = self.cut[name].scaled(factor) if factor != 1.0 else self.cut[name]
+            arias = float(records.arias(motion))
+            use = MotionUse(name, motion.source, motion.digest, factor, motion.duration, motion.pga, arias)
+            found[name] = Used(motion, use, target)
+        return found
+
+    def _read(self, record: Any, path: Steps) -> None:
+        """The motions of one entry of `use`."""
         vertical: list[str] = []
         readings: list[records.Reading] = []
         try:
-            items = reader.items(record)
+            items = self.reader.items(record)
         except InputError as refused:
-            _pass_on(refused, root, (*path, "file"), problems)
-            sound = False
-            continue
+            self.pass_on(refused, (*path, "file"))
+            return
         for item in items:
-            if item.name in found:
-                problems.at(
-                    root, path, f"the record '{item.name}' occurs twice", "remove one, or give it another `name:`"
-                )
-                sound = False
+            if item.name in self.whole:
+                hint = "remove one, or give it another `name:`"
+                self.refuse(path, f"the record '{item.name}' occurs twice", hint)
                 continue
-            if item.vertical:
-                vertical.append(item.name)
-            if item.known:
-                names.add(item.name)
+            vertical += [item.name] if item.vertical else []
+            self.known |= {item.name} if item.known else set()
             try:
-                found[item.name] = reader.take(record, item)
+                self.whole[item.name] = self.reader.take(record, item)
             except InputError as refused:
-                _pass_on(refused, root, (*path, "file"), problems)
-                sound = False
+                self.pass_on(refused, (*path, "file"))
                 continue
-            read = reader.reading(record, item)
-            if isinstance(read, records.Reading):
-                readings.append(read)
-        _tell_vertical(vertical, root, path, warnings)
-        _tell_units(readings, root, path, warnings)
-    if not sound:
-        return {}
-    cut: dict[str, Motion] = {}
-    short: dict[str, Motion] = {}
-    for name, motion in found.items():
-        seconds = _seconds(spec.duration, name, name in names, motion, root, ("records", "duration"), problems)
-        if seconds is None:
+            read = self.reader.reading(record, item)
+            readings += [read] if isinstance(read, records.Reading) else []
+        _tell_vertical(vertical, self.root, path, self.warnings)
+        _tell_units(readings, self.root, path, self.warnings)
+
+    def _cut(self) -> None:
+        short, asked = dict[str, Motion](), self.spec.duration
+        for name, motion in self.whole.items():
+            seconds = self._seconds(asked, name, motion, ("records", "duration"))
+            if isinstance(asked, float) and seconds > motion.duration + motion.dt:
+                short[name] = motion
+            self.cut[name] = motion.windowed(seconds)
+        _tell_short(short, asked, self.root, self.warnings)
+
+    def _seconds(self, wanted: float | str, name: str, motion: Motion, path: Steps) -> float:
+        """The part of a motion that is used [s]; a name of Table 1 that the study does not use has its duration too."""
+        has_one = name in self.known or (name not in self.whole and name in records.names())
+        if wanted == "whole" or (wanted == "auto" and not has_one):
+            return float(motion.duration)
+        if wanted not in ("auto", "table1"):
+            return float(wanted)
+        if has_one:
+            return float(records.entry(name).duration)
+        if not self.faults:
+            self.refuse(path, f"table1 has no duration for '{name}'", "write `whole` or a time, e.g. `duration: 10 s`")
+        return float(motion.duration)
+
+    def _other(self, name: str, path: Steps) -> Motion | None:
+        """A motion that others are scaled to, whole: of the study or of the catalogue."""
+        if name in self.whole:
+            return self.whole[name]
+        if name in records.names():
+            return self.reader.named(name)
+        self.refuse(path, f"no record '{name}'", nearest(name, dict.fromkeys((*self.whole, *records.names()))))
+        return None
+
+    def _target(self) -> records.TargetSpectrum | None:
+        """The target as a spectrum over its range."""
+        scale: Any = self.spec.scale
+        name = scale.target
+        ends = scale.low, scale.high, scale.damping
+        if isinstance(name, dict):
+            periods, values = zip(*sorted(name.items()), strict=True)
+            return records.TargetSpectrum(periods, values, *ends)
+        motion = self.cut.get(name)
+        if motion is None and (reference := self._other(name, ("records", "scale", "target"))) is not None:
+            seconds = self._seconds(self.spec.duration, name, reference, ("records", "duration"))
+            motion = reference.windowed(seconds)
+        return None if motion is None else records.TargetSpectrum.of(motion, *ends)
+
+    def _factors(self, target: records.TargetSpectrum | None) -> dict[str, float]:
+        cut = self.cut
+        scale: Any = self.spec.scale
+        match scale:
+            case "table1":
+                for name in [name for name in cut if name not in self.known][:1]:
+                    hint = "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}"
+                    self.refuse(("records", "scale"), f"table1 has no scale for '{name}'", hint)
+                return {name: float(records.entry(name).scale) for name in cut if name in self.known}
+            case Pga():
+                return {name: records.pga_factor(motion, scale.pga) for name, motion in cut.items()}
+            case Pgv():
+                return {name: records.pgv_factor(motion, scale.pgv) for name, motion in cut.items()}
+            case Sa():
+                of = scale.sa, scale.period, scale.damping
+                return {name: records.sa_factor(motion, *of) for name, motion in cut.items()}
+            case Spectrum() if target is not None:
+                return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
+            case Arias():
+                return self._arias_factors(scale)
+        return dict.fromkeys(cut, float(scale))
+
+    def _arias_factors(self, scale: Arias) -> dict[str, float]:
+        reference = self._other(scale.arias, ("records", "scale", "arias"))
+        if reference is None:
             return {}
-        if isinstance(spec.duration, float) and seconds > motion.duration + motion.dt:
-            short[name] = motion
-        cut[name] = motion.windowed(seconds)
-    _tell_short(short, spec.duration, root, warnings)
-    target = None
-    if isinstance(spec.scale, SpectrumScale):
-        try:
-            target = _target(spec.scale, spec, found, cut, reader, root, problems)
-        except InputError as refused:
-            _pass_on(refused, root, ("records", "scale"), problems)
-        if target is None:
+        window = self.spec.duration if scale.window == "duration" else scale.window
+        part = {
+            name: motion.windowed(self._seconds(window, name, motion, ("records", "scale", "window")))
+            for name, motion in {scale.arias: reference, **self.whole}.items()
+        }
+        if self.faults:
             return {}
-    factors = _factors(spec, found, cut, names, target, reader, root, problems)
-    used = {}
-    for name, factor in factors.items():
-        motion = cut[name].scaled(factor) if factor != 1.0 else cut[name]
-        use = MotionUse(
-            name,
-            motion.source,
-            motion.digest,
-            factor,
-            motion.duration,
-            motion.pga,
-            float(records.arias(motion)),
-        )
-        used[name] = Used(motion, use, target)
-    return used
+        one = part[scale.arias]
+        return {name: 1.0 if name == scale.arias else records.arias_factor(part[name], one) for name in self.whole}
 
 
-def _tell_vertical(names: list[str], root: Node | Tree, path: tuple[str | int, ...], warnings: Problems) -> None:
+def _tell_vertical(names: list[str], root: Any, path: Steps, warnings: Problems) -> None:
     """Warn of files that are named like vertical components."""
     if not names:
         return
@@ -113,9 +213,7 @@ def _tell_vertical(names: list[str], root: Node | Tree, path: tuple[str | int, .
     warnings.at(root, path, f"{what} shake the buildings sideways{whole}", hint)
 
 
-def _tell_units(
-    readings: list[records.Reading], root: Node | Tree, path: tuple[str | int, ...], warnings: Problems
-) -> None:
+def _tell_units(readings: list[records.Reading], root: Any, path: Steps, warnings: Problems) -> None:
     """Warn of headings from which no unit can be read, and of those that state another one than the study."""
     unclear: dict[str, list[str]] = {}
     against: dict[tuple[str, str], list[str]] = {}
@@ -132,7 +230,7 @@ def _tell_units(
         warnings.at(root, path, message, "remove `unit:` if the file is right")
 
 
-def _tell_short(motions: dict[str, Motion], seconds: float | str, root: Node | Tree, warnings: Problems) -> None:
+def _tell_short(motions: dict[str, Motion], seconds: float | str, root: Any, warnings: Problems) -> None:
     """Warn of motions shorter than the duration asked for [s]."""
     if not motions:
         return
@@ -146,177 +244,3 @@ def _tell_short(motions: dict[str, Motion], seconds: float | str, root: Node | T
         all_of = listed(f"{name} ({motion.duration:g} s)" for name, motion in motions.items())
         message = f"{len(motions)} motions are {asked}: {all_of}"
     warnings.at(root, ("records", "duration"), message, hint)
-
-
-def _pass_on(refused: InputError, root: Node | Tree, path: tuple[str | int, ...], problems: Problems) -> None:
-    """Problems inside a record file keep their place; others are put at the study's line."""
-    for problem in refused.problems:
-        if problem.line:
-            problems.extend([problem])
-        else:
-            file = f"{problem.file}: " if problem.file else ""
-            problems.at(root, path, f"{file}{problem.message}", problem.hint)
-
-
-def _seconds(
-    duration: float | str,
-    name: str,
-    known: bool,
-    motion: Motion,
-    root: Node | Tree,
-    path: tuple[str, ...],
-    problems: Problems,
-) -> float | None:
-    if duration == "whole" or (duration == "auto" and not known):
-        return motion.duration
-    if duration not in ("auto", "table1"):
-        return float(duration)
-    if not known:
-        problems.at(
-            root,
-            path,
-            f"table1 has no duration for '{name}'",
-            "write `whole` or a time, e.g. `duration: 10 s`",
-        )
-        return None
-    return float(records.entry(name).duration)
-
-
-def _factors(
-    spec: Records,
-    whole: dict[str, Motion],
-    cut: dict[str, Motion],
-    names: set[str],
-    target: records.TargetSpectrum | None,
-    reader: MotionReader,
-    root: Node | Tree,
-    problems: Problems,
-) -> dict[str, float]:
-    scale, path = spec.scale, ("records", "scale")
-    if isinstance(scale, float):
-        return dict.fromkeys(cut, scale)
-    for name in cut:
-        if scale == "table1" and name not in names:
-            problems.at(
-                root,
-                path,
-                f"table1 has no scale for '{name}'",
-                "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}",
-            )
-            return {}
-    if scale == "table1":
-        return {name: float(records.entry(name).scale) for name in cut}
-    try:
-        if isinstance(scale, PgaScale):
-            return {name: records.pga_factor(motion, scale.pga) for name, motion in cut.items()}
-        if isinstance(scale, PgvScale):
-            return {name: records.pgv_factor(motion, scale.pgv) for name, motion in cut.items()}
-        if isinstance(scale, SaScale):
-            return {
-                name: records.sa_factor(motion, scale.sa, scale.period, scale.damping) for name, motion in cut.items()
-            }
-        if isinstance(scale, SpectrumScale):
-            assert target is not None
-            return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
-        assert isinstance(scale, AriasScale)
-        return _arias_factors(scale, spec, whole, names, reader, root, problems)
-    except InputError as refused:
-        _pass_on(refused, root, path, problems)
-        return {}
-
-
-def _arias_factors(
-    scale: AriasScale,
-    spec: Records,
-    whole: dict[str, Motion],
-    names: set[str],
-    reader: MotionReader,
-    root: Node | Tree,
-    problems: Problems,
-) -> dict[str, float]:
-    part = partial(_measured, scale, spec, root=root, problems=problems)
-    reference = whole.get(scale.arias) or _reference(
-        scale.arias, ("records", "scale", "arias"), whole, reader, root, problems
-    )
-    if reference is None:
-        return {}
-    target = part(scale.arias, scale.arias in names or scale.arias not in whole, reference)
-    factor = {}
-    for name, motion in whole.items():
-        own = part(name, name in names, motion)
-        if own is None or target is None:
-            return {}
-        factor[name] = 1.0 if name == scale.arias else records.arias_factor(own, target)
-    return factor
-
-
-def _target(
-    scale: SpectrumScale,
-    spec: Records,
-    whole: dict[str, Motion],
-    cut: dict[str, Motion],
-    reader: MotionReader,
-    root: Node | Tree,
-    problems: Problems,
-) -> records.TargetSpectrum | None:
-    """The target as a spectrum over its range; what is wrong with it is noted in `problems`."""
-    path = ("records", "scale")
-    if not scale.low < scale.high:
-        message = f"the range of periods runs from {scale.low:g} s to {scale.high:g} s"
-        problems.at(root, (*path, "to"), message, "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`")
-        return None
-    if isinstance(scale.target, dict):
-        points = sorted(scale.target.items())
-        if len(points) < 2:
-            problems.at(
-                root,
-                (*path, "target"),
-                "a target spectrum needs two points at least",
-                "write {0.1 s: 0.8 g, 2 s: 0.2 g}",
-            )
-            return None
-        if not points[0][0] <= scale.low or not scale.high <= points[-1][0]:
-            message = f"the target is given from {points[0][0]:g} to {points[-1][0]:g} s, not over the whole range"
-            problems.at(root, (*path, "target"), message, f"give it from {scale.low:g} to {scale.high:g} s at least")
-            return None
-        periods, values = zip(*points, strict=True)
-        return records.TargetSpectrum(periods, values, scale.low, scale.high, scale.damping)
-    motion = cut.get(scale.target)
-    if motion is None:
-        reference = _reference(scale.target, (*path, "target"), whole, reader, root, problems)
-        if reference is None:
-            return None
-        seconds = _seconds(spec.duration, scale.target, True, reference, root, ("records", "duration"), problems)
-        assert seconds is not None  # the catalogue has a duration for each of its names
-        motion = reference.windowed(seconds)
-    return records.TargetSpectrum.of(motion, scale.low, scale.high, scale.damping)
-
-
-def _reference(
-    name: str,
-    path: tuple[str, ...],
-    whole: dict[str, Motion],
-    reader: MotionReader,
-    root: Node | Tree,
-    problems: Problems,
-) -> Motion | None:
-    known = records.names()
-    if name not in known:
-        problems.at(root, path, f"no record '{name}'", nearest(name, dict.fromkeys((*whole, *known))))
-        return None
-    return reader.named(name)
-
-
-def _measured(
-    scale: AriasScale,
-    spec: Records,
-    name: str,
-    known: bool,
-    motion: Motion,
-    root: Node | Tree,
-    problems: Problems,
-) -> Motion | None:
-    """The part of a motion its Arias intensity is measured over."""
-    window = spec.duration if scale.window == "duration" else scale.window
-    seconds = _seconds(window, name, known, motion, root, ("records", "scale", "window"), problems)
-    return None if seconds is None else motion.windowed(seconds)

@@ -14,18 +14,17 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
 from pounding_cli.optimise.search import Point, Search, Settings
+from pounding_cli.reading import shortened
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.expand import expand
 from pounding_cli.study.expression import Expression
-from pounding_cli.study.load import Study, validated
-from pounding_cli.study.optimise_keys import OptimiseSpec
+from pounding_cli.study.file import Map, Problems, get, nearest, parse
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.problems import Problems, nearest
+from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.sampled import at_points
 from pounding_cli.study.sensitivity import expressions
-from pounding_cli.study.source import Node
-from pounding_cli.study.varied import Factor, read_searched
-from pounding_cli.study.yaml_file import parse
+from pounding_cli.study.study import Study
+from pounding_cli.study.vary import Factor, read_searched
 
 MOST_POINTS = 200_000
 
@@ -155,8 +154,8 @@ def plan_of(hunt: Hunt) -> Plan:
 
 def question_of(study: Study) -> Question:
     """What a study asks.  Raises `InputError` as `expand_optimise`, but for corners that are not sound."""
-    spec: OptimiseSpec = study.model.optimise  # type: ignore[attr-defined]  # a section that the registry adds
-    problems, root = Problems(study.resolver.file), study.resolver.root
+    spec: OptimiseSpec = study.model.optimise
+    problems, root = Problems(study.file), study.root
     example = "largest V_ratio in stiff"
     if spec.least is not None and spec.most is not None:
         what = "'least' and 'most' both stand here: give one of them"
@@ -164,8 +163,7 @@ def question_of(study: Study) -> Question:
     key = "most" if spec.least is None and spec.most is not None else "least"
     text = getattr(spec, key)
     found = expressions(study, "optimise", key, () if text is None else (text,), problems, example)
-    node = root.get("optimise", "over")
-    factors = [] if node is None or node.value is None else read_searched("over", node, root, problems)
+    factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
     if not factors and not problems.found:
         hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
         problems.at(root, ("optimise",), "no key is given to vary", hint, key=True)
@@ -178,7 +176,7 @@ def question_of(study: Study) -> Question:
     if points > MOST_POINTS:
         hint = f"keep it to {MOST_POINTS}: write fewer"
         problems.at(root, ("optimise", "generations"), f"generations and population make {points} points", hint)
-    problems.refuse()
+    problems.check()
     (expression,) = found
     return Question(spec, expression, tuple(factors), case, analysis, _written(factors, root))
 
@@ -190,8 +188,8 @@ def text_at(study: Study, question: Question, point: Point) -> str:
     ------
     InputError : a key stands where an anchor or alias of YAML makes it part of something else
     """
-    nodes = {factor.key: factor.node(u) for factor, u in zip(question.factors, point, strict=True)}
-    return with_values(study.text, nodes, study.path)
+    values = {factor.key: factor.value(u) for factor, u in zip(question.factors, point, strict=True)}
+    return with_values(study.text, values, study.file)
 
 
 def check_written(study: Study, path: Path) -> None:
@@ -205,7 +203,7 @@ def check_written(study: Study, path: Path) -> None:
     question = question_of(study)
     text = text_at(study, question, tuple((0.5 + options // 2) / (options or 1) for options in _options(question)))
     try:
-        found, why = validated(path, text, parse(text, path)), "its motions would be others"
+        found, why = Study(path, text, parse(text, shortened(path))), "its motions would be others"
         first = (0,) * len(study.axes)
         is_same = _digests(found, first) == _digests(study, first)
     except InputError as error:
@@ -223,7 +221,7 @@ def _digests(study: Study, point: tuple[int, ...]) -> dict[str, str]:
     return {name: used.use.digest for name, used in study.motions(point).items()}
 
 
-def _one(name: str | None, names: Sequence[str], what: str, root: Node, problems: Problems) -> int:
+def _one(name: str | None, names: Sequence[str], what: str, root: Map, problems: Problems) -> int:
     """The number of the case or analysis that is looked at."""
     if name in names:
         return names.index(name)
@@ -236,11 +234,11 @@ def _one(name: str | None, names: Sequence[str], what: str, root: Node, problems
     return 0
 
 
-def _written(factors: Sequence[Factor], root: Node) -> Point | None:
+def _written(factors: Sequence[Factor], root: Map) -> Point | None:
     point = []
     for factor in factors:
-        node = root.get(*(int(step) if step.isdigit() else step for step in factor.key.split(".")))
-        u = None if node is None else factor.place(node)
+        given = get(root, *factor.key.split("."))
+        u = None if given is None else factor.place(given)
         if u is None:
             return None
         point.append(u)

@@ -11,8 +11,9 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.numbers import Unit
 
 if TYPE_CHECKING:
-    from pounding_cli.study.load import Study
+    from pounding_cli.study.motions import MotionUse
     from pounding_cli.study.scenes import Rows
+    from pounding_cli.study.study import Study
 
 
 @dataclass(frozen=True)
@@ -73,19 +74,6 @@ class Row(NamedTuple):
     scene: str
     baselines: tuple[str, ...]
     links: tuple[LinkSeen, ...]
-
-
-@dataclass(frozen=True)
-class MotionUse:
-    """A record as it is used: digest, peak [m/s2], Arias intensity [m/s] after window [s] and scale [-]."""
-
-    name: str
-    source: str
-    digest: str
-    scale: float
-    window: float
-    pga: float
-    arias: float
 
 
 @dataclass(frozen=True, eq=False)

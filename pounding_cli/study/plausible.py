@@ -3,23 +3,32 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli.errors import Problem
+from pounding_cli.laws import link_laws
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.numbers import counted, listed
-from pounding_cli.study.building_schema import BaseShear, BuildingSpec, StiffnessAt
-from pounding_cli.study.distributions import lacks_unit
+from pounding_cli.study import facing, schema
+from pounding_cli.study.axes import SweepAxis
+from pounding_cli.study.file import Items, Map, Mark, Problems, Steps, get, locate
+from pounding_cli.study.held import tell_held
+from pounding_cli.study.models import BaseShear, StiffnessAt
+from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.motions import Used
-from pounding_cli.study.problems import Path, Problems, Tree
-from pounding_cli.study.schema import StudyModel
-from pounding_cli.study.source import Node
-from pounding_cli.study.units import ACCELERATION, GRAVITY, NUMBER
-from pounding_cli.study.written import quantity_of
+from pounding_cli.study.quantity import ACCELERATION, NUMBER, lacks_unit
+from pounding_cli.study.words import quantity_at
+from pounding_cli.units import GRAVITY
+
+if TYPE_CHECKING:
+    from pounding_cli.study.study import Point, Study
 
 _LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
 _MASSES = {"t": 1e3, "kg": 1.0}
@@ -85,6 +94,9 @@ RANGES = {
 }  # fmt: skip
 """What is plausible, one row a quantity."""
 
+MOST_CORNERS = 256
+"""Combinations of swept values that are looked at for what is implausible together."""
+
 MOST_ALIKE = 3
 """Warnings told one by one that differ in their numbers alone, as along a swept axis."""
 
@@ -95,7 +107,74 @@ _AS_MEANT = "the study runs as it is"
 _PARTED = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*\Z")
 
 
-def doubt_building(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Problems) -> None:
+def warnings(study: Study) -> tuple[Problem, ...]:
+    """What is allowed in a study but should be known, in the order of its lines."""
+    notes, first = study.notes, (0,) * len(study.swept)
+    for point in (first, *_along(study.swept, first), *_corners(study)):
+        _doubt_point(study, point, notes)
+    doubt_accelerations(study.root, notes)
+    tell_held(study, notes)
+    if study.model.impact.dashpot == "printed":
+        message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
+        hint = "leave it out for the dashpot that gives the coefficient of restitution"
+        notes.at(study.root, ("impact", "dashpot"), message, hint)
+    return tuple(few(sorted(notes.found, key=lambda note: (note.file, note.line, note.column))))
+
+
+def _along(axes: Sequence[SweepAxis], first: Point) -> Iterator[Point]:
+    """The points of the sweep that differ from the first in one value."""
+    for place, axis in enumerate(axes):
+        yield from ((*first[:place], index, *first[place + 1 :]) for index in range(1, len(axis)))
+
+
+def _corners(study: Study) -> Iterator[Point]:
+    """The points where every axis is at an end of its values, at most MOST_CORNERS.
+
+    What is judged grows or falls with each value, so that the worst combinations stand there."""
+    ends: list[tuple[int, ...]] = []
+    for axis in study.axes:
+        sizes = [next((value for value in values if not isinstance(value, str)), 0.0) for values in axis.values]
+        order = sorted(range(len(sizes)), key=sizes.__getitem__)
+        ends.append((order[0], order[-1]) if 2 ** len(ends) < MOST_CORNERS else (0,))
+    yield from product(*ends)
+
+
+def _doubt_point(study: Study, point: Point, notes: Problems) -> None:
+    """Note what is sound at a point of the sweep, but unlikely or less than it seems; each answer is asked for once."""
+    root = study.at(point)
+
+    def noted(name: Any, subjects: tuple[Any, ...], work: Callable[[Problems], None]) -> None:
+        """Take over what `work` notes; where several swept values make it together, they are named."""
+
+        def take(at: Point, _: Problems) -> None:
+            own = Problems(study.file)
+            work(own)
+            mine = [(axis, place) for axis, place in zip(study.swept, at, strict=True) if place >= 0]
+            where = ", ".join(axis.told(place) for axis, place in mine)
+            jointly = sum(place > 0 for _, place in mine) > 1
+            for problem in own.found:
+                if jointly and problem not in notes.found:
+                    problem = replace(problem, message=f"{problem.message} (where {where})")
+                notes.extend([problem])
+
+        study.once(("doubt", name), point, subjects, take)
+
+    for name in study.root["buildings"]:
+        spec, building = study.building_spec(point, name), study.type(point, name)
+        assert spec is not None
+        assert building is not None  # the study was validated
+        work = partial(doubt_building, spec, building, root, ("buildings", name))
+        noted(("building", name), (("buildings", name),), work)
+    group = study.group(point)
+    if group is not None:
+        noted("group", ("buildings", "group"), partial(facing.tell, group.buildings, group.common, root, ("group",)))
+        for case in study.root["cases"]:
+            work = partial(doubt_links, study.links(point, case) or (), group.buildings, root, ("cases", case))
+            noted(("case", case), ("buildings", "group", "impact", "laws", ("cases", case)), work)
+    noted("motions", ("records",), partial(doubt_motions, study.motions(point), root))
+
+
+def doubt_building(spec: BuildingSpec, building: Building, root: Any, path: Steps, notes: Problems) -> None:
     """Note what is unlikely about a building: masses, heights, period, damping, yield shears."""
     given = spec.model_fields_set
     for key, what, values in (
@@ -128,7 +207,7 @@ def doubt_building(spec: BuildingSpec, building: Building, root: Tree, path: Pat
             )
 
 
-def slip_of_height(building: Building, root: Tree, path: Path) -> str:
+def slip_of_height(building: Building, root: Any, path: Steps) -> str:
     """The first storey height of a building that is unlikely, with what may have been meant; "" where there is none."""
     fits = RANGES["storey height"]
     height = next((value for value in building.height.tolist() if not fits.holds(value)), None)
@@ -140,7 +219,7 @@ def slip_of_height(building: Building, root: Tree, path: Path) -> str:
     )
 
 
-def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path, notes: Problems) -> None:
+def _doubt_period(spec: BuildingSpec, building: Building, root: Any, path: Steps, notes: Problems) -> None:
     period, storeys = spec.period if spec.stiffness is None else float(building.periods[0]), building.storeys
     assert period is not None  # a building has one or the other
     whole, each = RANGES["period"], RANGES["period of a storey"]
@@ -151,7 +230,7 @@ def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path
     words = f"period of {_rounded(period)} s for {counted(storeys, 'storey')}{a_storey}: {reason}"
     fits = replace(each, low=max(each.low, whole.low / storeys)) if storeys > 1 else whole
     if spec.stiffness is None:
-        at: Path = (*path, "period")
+        at: Steps = (*path, "period")
         meant = _meant(_text(root, at), period, fits, lambda value: value / storeys)
         notes.at(root, at, f"a {words}", _hint(meant))
     else:
@@ -167,7 +246,7 @@ def _doubt_period(spec: BuildingSpec, building: Building, root: Tree, path: Path
         notes.at(root, at, f"these stiffnesses give a {words}", _hint(meant))
 
 
-def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, path: Path, notes: Problems) -> None:
+def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Any, path: Steps, notes: Problems) -> None:
     """Note gaps and stiffnesses of a case's links that are unlikely, each once."""
     stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
     for gap in dict.fromkeys(link.gap for link in links if link.gap > 0):
@@ -179,9 +258,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, pa
         what = f"{'impact' if pounds else 'link'} stiffness over the stiffest storey's"
         if (fits := RANGES[what]).holds(stiffness / stiffest):
             continue
-        own = root.get(*path, "stiffness") is not None
-        at = (*path, "stiffness") if own or not pounds else ("impact", "stiffness")
-        at = at if pounds or own else _leaf(root, path, "stiffness")
+        at = _stiffness_of(root, path, pounds)
         text = _text(root, at)
         number = _PARTED.match(text)
         if number and not number[2] and fits.holds(float(number[1])):
@@ -197,59 +274,75 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Tree, pa
         )
 
 
-def doubt_accelerations(root: Node, notes: Problems) -> None:
+def _stiffness_of(root: Any, path: Steps, pounds: bool) -> Steps:
+    """The place of the stiffness of the first link of a case that gives one, of those that strike or of the others."""
+    for place, link in enumerate(get(root, *path, "links") or ()):
+        law = link_laws().get(str(get(link, "link")).rpartition(" of ")[2])
+        if law is not None and (not law.stiffness_default) == pounds and "stiffness" in link:
+            return (*path, "links", place, "stiffness")
+    return ("impact", "stiffness") if pounds else path
+
+
+def doubt_accelerations(root: Map, notes: Problems) -> None:
     """Note numbers without a unit that stand for an acceleration and would be plausible in g: 0.4 is 0.4 m/s2."""
     swept = swept_keys(root)
-    found = [pair for key, node in swept.items() for pair in _accelerations(tuple(key.split(".")), node)]
-    scale = root.get("records", "scale")
-    if scale is not None and "records.scale" not in swept:
-        own = _accelerations(("records", "scale"), scale)
-        found += [(path, node) for path, node in own if ".".join(path) not in swept]
-    bare: dict[Path, list[Node]] = {}
-    for path, node in found:
-        bare.setdefault(path[:3], []).append(node)
-    for place, nodes in bare.items():
-        first = nodes[0]
-        value = ACCELERATION.read(first.plain())
-        all_of, what = listed((node.text for node in nodes), 60), "has no unit: it"
-        if len(nodes) > 1:
-            what = f"have no unit: {first.text}"
+    found = [
+        each for key, (value, mark) in swept.items() for each in _accelerations(tuple(key.split(".")), value, mark)
+    ]
+    at = ("records", "scale")
+    if get(root, *at) is not None and "records.scale" not in swept:
+        own = _accelerations(at, get(root, *at), locate(root, at))
+        found += [each for each in own if ".".join(map(str, each[0])) not in swept]
+    bare: dict[Steps, list[tuple[Any, Mark]]] = {}
+    for path, value, mark in found:
+        bare.setdefault(path[:3], []).append((value, mark))
+    for place, values in bare.items():
+        first, mark = values[0]
+        value = ACCELERATION.read(first)
+        all_of, what = listed((str(each) for each, _ in values), 60), "has no unit: it"
+        if len(values) > 1:
+            what = f"have no unit: {first}"
         message = f"{place[-1]}: {all_of} {what} is {value:.4g} m/s2 = {value / GRAVITY:.3f} g"
-        notes.add(first.mark, message, f"write `{first.text} g`, or `{first.text} m/s2` if that is meant")
+        notes.add(mark, message, f"write `{first} g`, or `{first} m/s2` if that is meant")
 
 
-def swept_keys(root: Node) -> dict[str, Node]:
-    """The swept keys, dotted, with what stands there."""
+def swept_keys(root: Map) -> dict[str, tuple[Any, Mark]]:
+    """The swept keys, dotted, with what stands there and where."""
     sweep = root.get("sweep")
-    holders = [] if sweep is None else sweep.value if sweep.is_list else [sweep]
-    return {key: node for holder in holders if holder.is_mapping for key, node in holder.value.items()}
+    holders = sweep if isinstance(sweep, Items) else [sweep]
+    return {key: (node[key], node.marks[key][1]) for node in holders if isinstance(node, Map) for key in node}
 
 
-def _accelerations(path: tuple[str, ...], node: Node) -> list[tuple[tuple[str, ...], Node]]:
-    """The numbers without unit at or below a key that are accelerations and would be plausible in g, with their
-    keys."""
-    if node.is_list:
-        below = [(path, each) for each in node.value]
-    elif node.is_mapping and "from" in node.value and "spectrum" not in node.value:  # a range
-        below = [(path, node.value[end]) for end in ("from", "to") if end in node.value]
-    elif node.is_mapping:
-        below = [((*path, name), each) for name, each in node.value.items()]
+def _accelerations(path: Steps, node: Any, mark: Mark) -> Iterator[tuple[Steps, Any, Mark]]:
+    """The numbers without unit at or below a key that are accelerations and would be plausible in g, with their keys
+    and places."""
+    if isinstance(node, Items):
+        below = [(path, value, at) for value, at in zip(node, node.marks, strict=True)]
+    elif isinstance(node, Map) and "from" in node and "spectrum" not in node:  # a range
+        below = [(path, node[end], node.marks[end][1]) for end in ("from", "to") if end in node]
+    elif isinstance(node, Map) and "values" in node:  # low, middle and high
+        below = [(path, node["values"], node.marks["values"][1])]
+    elif isinstance(node, Map):
+        below = [((*path, name), value, node.marks[name][1]) for name, value in node.items()]
     else:
-        quantity = quantity_of(StudyModel, path)
+        quantity = quantity_at(schema.Study, tuple(map(str, path)))
         is_one = quantity is not None and quantity.si == "m/s2" and lacks_unit(node, quantity)
-        return [(path, node)] if is_one and 0 < ACCELERATION.read(node.plain()) <= _MOST_IN_G else []
-    return [each for pair in below for each in _accelerations(*pair)]
+        if is_one and 0 < ACCELERATION.read(node) <= _MOST_IN_G:
+            yield path, node, mark
+        return
+    for each in below:
+        yield from _accelerations(*each)
 
 
-def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Problems) -> None:
+def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
     """Note peaks of the ground that are unlikely, asked for or as they come out."""
-    asked = root.get("records", "scale", "pga")
+    asked, at = get(root, "records", "scale", "pga"), ("records", "scale", "pga")
     if asked is not None:
         pga = next((each.use.pga for each in used.values()), None)
-        swept = swept_keys(root.node).get("records.scale.pga")
-        told = _accelerations(("records", "scale", "pga"), swept or asked)  # without unit
+        swept, mark = swept_keys(root()).get("records.scale.pga", (None, (0, 0)))
+        told = any(_accelerations(at, swept or asked, mark))  # without unit
         if pga is not None and not told and not _in_plausible_range(swept):
-            _note("peak ground acceleration asked for", pga, root, ("records", "scale", "pga"), notes)
+            _note("peak ground acceleration asked for", pga, root, at, notes)
         return
     read, fits = RANGES["peak of a motion as read and as used"], RANGES["peak of a motion as used"]
     peaks = {name: each.use.pga for name, each in used.items() if each.use.pga}
@@ -274,11 +367,11 @@ def doubt_motions(used: Mapping[str, Used], root: Tree, notes: Problems) -> None
         notes.at(root, ("records", "scale") if scaled else ("records", "use"), message, hint)
 
 
-def _in_plausible_range(swept: Node | None) -> bool:
+def _in_plausible_range(swept: Any) -> bool:
     """Whether an acceleration runs over a range one end of which is plausible: then its unit is right, and low
     intensities are meant, as those that an incremental dynamic analysis begins with."""
     fits = RANGES["peak ground acceleration asked for"]
-    ends = [end.text for key in ("from", "to") if swept and swept.is_mapping and (end := swept.get(key)) is not None]
+    ends = [str(swept[key]) for key in ("from", "to") if isinstance(swept, Map) and key in swept]
     read = [_PARTED.match(text) for text in ends]
     return any(one and fits.holds(float(one[1]) * _ACCELERATIONS.get(one[2], np.nan)) for one in read)
 
@@ -309,7 +402,7 @@ def shown(value: float, units: Mapping[str, float]) -> str:
     return f"{_rounded(value / factor)} {unit}"
 
 
-def doubt(what: str, fits: Plausible, value: float, root: Node | Tree, path: Path, notes: Problems) -> None:
+def doubt(what: str, fits: Plausible, value: float, root: Any, path: Steps, notes: Problems) -> None:
     """Note a value that its range does not hold, with what may have been meant."""
     if fits.holds(value):
         return
@@ -337,29 +430,27 @@ def _meant(text: str, value: float, fits: Plausible, measured: Callable[[float],
     return ""
 
 
-def _note(what: str, value: float, root: Tree, path: Path, notes: Problems) -> None:
+def _note(what: str, value: float, root: Any, path: Steps, notes: Problems) -> None:
     doubt(what, RANGES[what], value, root, path, notes)
 
 
-def _text(root: Node | Tree, path: Path) -> str:
-    node = root.get(*path)
-    return "" if node is None else node.text
+def _text(root: Any, path: Steps) -> str:
+    value = get(root, *path)
+    return "" if value is None else str(value)
 
 
-def _leaf(root: Tree, path: Path, key: str) -> Path:
+def _leaf(root: Any, path: Steps, key: str) -> Steps:
     """The place of the first `key` at or below `path`."""
-    stack: list[Path] = [path]
+    stack: list[Steps] = [path]
     while stack:
         here = stack.pop(0)
-        node = root.get(*here)
-        if node is None:
-            continue
-        if node.is_mapping:
-            if key in node.value:
+        node = get(root, *here)
+        if isinstance(node, dict):
+            if key in node:
                 return (*here, key)
-            stack += [(*here, name) for name in node.value]
-        elif node.is_list:
-            stack += [(*here, place) for place in range(len(node.value))]
+            stack += [(*here, name) for name in node]
+        elif isinstance(node, list):
+            stack += [(*here, place) for place in range(len(node))]
     return path
 
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
-from typing import overload
+from typing import Any
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.study.load import Study, validated
-from pounding_cli.study.source import UNWRITTEN, Node
-from pounding_cli.study.sweep import SweepAxis
-from pounding_cli.study.varied import Factor
+from pounding_cli.study.axes import UNWRITTEN, SweepAxis
+from pounding_cli.study.file import Mark, get
+from pounding_cli.study.study import Study
+from pounding_cli.study.vary import Factor
 
 MOST_TOLD = 3
 """Problems of samples that are told one by one."""
@@ -32,47 +31,49 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
     members = [member for factor in factors for member in factor.members]
     written = None
     if and_written:
-        paths = ([int(step) if step.isdigit() else step for step in member.key.split(".")] for member in members)
-        written = tuple(study.resolver.root.get(*path) or UNWRITTEN for path in paths)
-    axis = SweepAxis(
-        tuple(member.key for member in members), _Nodes(factors, points, written), tuple(m.unit for m in members)
-    )
+        found = [get(study.root, *member.key.split(".")) for member in members]
+        written = tuple(UNWRITTEN if value is None else value for value in found)
+    given = _Given(factors, points, written)
+    marks = _Same(tuple(member.mark for member in members), len(given))
+    axis = SweepAxis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
     try:
-        found = validated(study.path, study.text, study.resolver.root, axis, study.resolver.reader)
+        return Study(study.path, study.text, study.root, axis, study.reader, written=study)
     except InputError as error:
         raise _few(error, len(points)) from None
-    return dataclasses.replace(found, warnings=study.warnings, from_data=study.from_data, written=study)
 
 
-class _Nodes(Sequence[tuple[Node, ...]]):
+class _Same(Sequence[tuple[Mark, ...]]):
+    """One thing, so many times."""
+
+    def __init__(self, each: tuple[Mark, ...], count: int) -> None:
+        self._each, self._count = each, count
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, place: Any) -> Any:
+        return self._each
+
+
+class _Given(Sequence[tuple[Any, ...]]):
     """What stands in the study at every point, made when it is looked at: held as numbers, which workers share; objects
     would be copied into each of them."""
 
-    def __init__(self, factors: Sequence[Factor], points: np.ndarray, written: tuple[Node, ...] | None = None) -> None:
+    def __init__(self, factors: Sequence[Factor], points: np.ndarray, written: tuple[Any, ...] | None = None) -> None:
         self._factors, self._points, self._written = factors, points, written
-        self._last: tuple[int, tuple[Node, ...]] = (-1, ())  # every section of the study asks for its key in turn
+        self._last: tuple[int, tuple[Any, ...]] = (-1, ())  # every section of the study asks for its key in turn
 
     def __len__(self) -> int:
         return len(self._points) + (self._written is not None)
 
-    @overload
-    def __getitem__(self, place: int) -> tuple[Node, ...]: ...
-
-    @overload
-    def __getitem__(self, place: slice) -> list[tuple[Node, ...]]: ...
-
-    def __getitem__(self, place: int | slice) -> tuple[Node, ...] | list[tuple[Node, ...]]:
-        if isinstance(place, slice):
-            return [self[number] for number in range(*place.indices(len(self)))]
-        last, nodes = self._last
+    def __getitem__(self, place: Any) -> Any:
         place = range(len(self))[place]
         if self._written is not None and place == len(self._points):
             return self._written
-        if place != last:
+        if place != self._last[0]:
             row = zip(self._factors, self._points[place].tolist(), strict=True)
-            nodes = tuple(member.node(u) for factor, u in row for member in factor.members)
-            self._last = place, nodes
-        return nodes
+            self._last = place, tuple(member.value(u) for factor, u in row for member in factor.members)
+        return self._last[1]
 
 
 def _few(error: InputError, points: int) -> InputError:
@@ -94,7 +95,7 @@ def distinct(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray,
     places = np.empty(len(points), dtype=int)
     for number, row in enumerate(points.tolist()):
         values = tuple(
-            repr(member.node(u).plain()) for factor, u in zip(factors, row, strict=True) for member in factor.members
+            repr(member.value(u)) for factor, u in zip(factors, row, strict=True) for member in factor.members
         )
         if values not in first:
             first[values] = len(kept)

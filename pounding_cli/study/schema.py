@@ -1,64 +1,48 @@
-"""The study file as pydantic models: every key, its unit, its default and what it means."""
+"""The study file as one pydantic model, and its JSON Schema for editors."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Discriminator, Field, Tag, WithJsonSchema, create_model
+from pydantic import ConfigDict, Field, WithJsonSchema, create_model
 
-from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
-from pounding_cli.study import units
-from pounding_cli.study.base import Model, Name, optional, word_or_mapping
-from pounding_cli.study.building_schema import BuildingSpec
-from pounding_cli.study.case_schema import CaseSpec, Impact
-from pounding_cli.study.formulas import LawSpec
-from pounding_cli.study.record_schema import Records
-from pounding_cli.study.units import Quantity, limited
+from pounding_cli.laws import link_laws
+from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP, setting_of
+from pounding_cli.study.base import Model, Name, Wrong, key, word_or
+from pounding_cli.study.laws import FORMULA, Impact, Link, _Impact, link_models
+from pounding_cli.study.models import Building, Case, OwnLaw, Records
+from pounding_cli.study.quantity import TIME, Quantity
 from pounding_cli.workflows import WORKFLOWS
 
-if TYPE_CHECKING:
-    Method = str
-else:
-    Method = Literal[tuple(METHODS)]
-AnalysisKind = Literal["elastic", "inelastic"]
-
-_ACCURACY_FORM = Quantity(ACCURACY.title, ACCURACY.unit, ACCURACY.example, ACCURACY.low, ACCURACY.high)
+Analysis = Literal["elastic", "inelastic"]
 _FILLED = Field(min_length=1, max_length=10_000)
 
 
-class ReportSpec(Model):
+class Report(Model):
     """What the report shows first."""
 
-    plot: tuple[str, ...] | None = optional(None, description="cases in the main figure; default: all")
-    building: str | None = optional(None, description="building of the main figure; default: the stiffest")
+    plot: tuple[str, ...] | None = key(None, "cases in the main figure; default: all")
+    building: str | None = key(None, "building of the main figure; default: the stiffest")
 
 
-class HistoriesSpec(Model):
+class Histories(Model):
     """Scenes whose histories are kept."""
 
-    cases: Annotated[tuple[str, ...], _FILLED] | None = optional(None, description="cases; default: all")
-    analyses: Annotated[tuple[AnalysisKind, ...], _FILLED] | None = optional(None, description="analyses; default: all")
-    records: Annotated[tuple[str, ...], _FILLED] | None = optional(None, description="motions; default: all")
-    where: dict[str, Any] = optional(
-        {}, description="swept keys with the value or the list of values to keep; default: all"
+    cases: Annotated[tuple[str, ...], _FILLED] | None = key(None, "cases; default: all")
+    analyses: Annotated[tuple[Analysis, ...], _FILLED] | None = key(None, "analyses; default: all")
+    records: Annotated[tuple[str, ...], _FILLED] | None = key(None, "motions; default: all")
+    where: dict[str, Any] = key({}, "swept keys with the value or the list of values to keep; default: all")
+    every: Annotated[float, TIME.but(name="output step", example="2 ms", low=1e-6, high=1.0, open_low=False)] = key(
+        0.002, "output step [s]"
     )
-    every: Annotated[
-        float, limited(units.TIME, name="output step", example="2 ms", low=1e-6, high=1.0, open_low=False)
-    ] = optional(0.002, description="output step [s]")
 
 
-class KeepSpec(Model):
+class Keep(Model):
     """What is kept besides peaks."""
 
-    histories: Annotated[
-        Annotated[Literal["all"], Tag("word")] | Annotated[HistoriesSpec, Tag("mapping")],
-        Discriminator(word_or_mapping),
-    ] = Field(description="scenes kept over time, or `all`", examples=[{"cases": ["touching"]}])
+    histories: word_or(Literal["all"], Histories) = key(..., "scenes kept over time, or `all`", {"cases": ["touching"]})  # type: ignore[valid-type]
 
-
-Keep = Annotated[
-    Annotated[Literal["histories"], Tag("word")] | Annotated[KeepSpec, Tag("mapping")], Discriminator(word_or_mapping)
-]
 
 _RANGE = {
     "type": "object",
@@ -72,7 +56,13 @@ _RANGE = {
     "required": ["from", "to"],
     "additionalProperties": False,
 }
-_AXIS = {"anyOf": [{"type": "array", "minItems": 1}, _RANGE]}
+_BRACKET = {
+    "type": "object",
+    "properties": {"values": {"type": "array", "minItems": 3}, "middle": {"type": ["number", "string"]}},
+    "required": ["values", "middle"],
+    "additionalProperties": False,
+}
+_AXIS = {"anyOf": [{"type": "array", "minItems": 1}, _RANGE, _BRACKET]}
 _SWEEP_FORM = {
     "anyOf": [
         {"type": "object", "additionalProperties": _AXIS},
@@ -81,14 +71,7 @@ _SWEEP_FORM = {
     "title": "Sweep",
     "examples": [{"impact.restitution": [0.4, 0.5, 0.65]}],
 }
-_BRACKET_FORM = {
-    "anyOf": [
-        {"const": "impact.stiffness"},
-        {"type": "object", "additionalProperties": {"type": "array", "minItems": 3}},
-    ],
-    "title": "Bracket",
-    "examples": ["impact.stiffness"],
-}
+
 _UNCERTAIN_KEYS = {
     "type": "object",
     "additionalProperties": {
@@ -102,56 +85,71 @@ _UNCERTAIN_FORM = {
 }
 
 
-class _StudyModel(Model):
+class _Study(Model):
     """A study of earthquake pounding between adjacent buildings."""
 
-    model_config = ConfigDict(frozen=False, validate_assignment=True, title="pound study")
+    model_config = ConfigDict(title="pound study")
 
-    title: str = optional("", description="title of figures and tables; default: the file's name")
-    records: Records = Field(description="ground motions")
-    buildings: dict[Name, BuildingSpec] = Field(description="building types by name", min_length=1, max_length=1000)
-    group: tuple[str, ...] = Field(
-        max_length=100, description="buildings from left to right", examples=[["stiff", "soft"]]
+    title: str = key("", "title of figures and tables; default: the file's name")
+    records: Records = key(..., "ground motions")
+    buildings: Annotated[dict[Name, Building], Field(min_length=1, max_length=1000)] = key(
+        ..., "building types by name"
     )
-    impact: Impact = optional(Impact(), description="impact element")
-    laws: dict[Name, LawSpec] = optional({}, description="the study's own laws of links, by name")
-    cases: dict[Name, CaseSpec] = Field(description="cases by name", min_length=1, max_length=20_000)
-    analyses: Annotated[tuple[AnalysisKind, ...], Field(min_length=1)] = optional(
-        ("elastic", "inelastic"), description="whether storeys may yield"
+    group: Annotated[tuple[str, ...], Field(max_length=100)] = key(
+        ..., "buildings from left to right", ["stiff", "soft"]
     )
-    accuracy: Annotated[float, _ACCURACY_FORM] = optional(
-        ACCURACY.default, description="relative error of the peaks [-]"
+    impact: Impact = key(Impact(), "impact element")
+    laws: dict[Name, OwnLaw] = key({}, "the study's own laws of links, by name")
+    cases: Annotated[dict[Name, Case], Field(min_length=1, max_length=20_000)] = key(..., "cases by name")
+    analyses: Annotated[tuple[Analysis, ...], Field(min_length=1)] = key(
+        ("elastic", "inelastic"), "whether storeys may yield"
     )
-    method: Method = optional("taylor", description="how the equations of motion are solved")
-    time_step: Annotated[float, limited(units.TIME, name=TIME_STEP.title, example=TIME_STEP.example)] | None = optional(
-        None, description="time step of a fixed-step method [s]"
+    accuracy: Annotated[
+        float, Quantity(ACCURACY.title, ACCURACY.unit, ACCURACY.example, ACCURACY.low, ACCURACY.high)
+    ] = key(ACCURACY.default, "relative error of the peaks [-]")
+    method: Literal[tuple(METHODS)] = key("taylor", "how the equations of motion are solved")  # type: ignore[valid-type]
+    time_step: Annotated[float, TIME.but(name=TIME_STEP.title, example=TIME_STEP.example)] | None = key(
+        None, "time step of a fixed-step method [s]"
     )
-    estimate: Literal["none", "sample", "all"] = optional(
-        "all", description="scenes whose numerical error and sensitivity are estimated"
+    estimate: Literal["none", "sample", "all"] = key(
+        "all", "scenes whose numerical error and sensitivity are estimated"
     )
-    tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = optional(
-        0.0, description="free vibration after the motion [s]"
-    )
-    claims: Literal["fig6", "fig7"] | None = optional(
-        None, description="figure of the paper that this study reproduces"
-    )
-    report: ReportSpec = optional(ReportSpec(), description="first figure of the report")
-    keep: Keep | None = optional(None, description="histories to keep; `histories`: of all scenes")
-    sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = optional(
+    tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = key(0.0, "free vibration after the motion [s]")
+    claims: Literal["fig6", "fig7"] | None = key(None, "figure of the paper that this study reproduces")
+    report: Report = key(Report(), "first figure of the report")
+    keep: word_or(Literal["histories"], Keep) | None = key(None, "histories to keep; `histories`: of all scenes")  # type: ignore[valid-type]
+    sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = key(
         None,
-        description="axes: dotted keys with the values they take; the keys of one list entry move together",
+        "axes: dotted keys with the values they take, a list, a range `{from: 1 cm, to: 5 cm, count: 5}`, or low, "
+        "middle "
+        "and high of an unknown value, `{values: [1e9, 5e9, 2e10], middle: 5e9}`: the middle one comes first in tables "
+        "and figures; the keys of one list entry move together",
     )
-    uncertain: Annotated[Any, WithJsonSchema(_UNCERTAIN_FORM)] = optional(
+    uncertain: Annotated[Any, WithJsonSchema(_UNCERTAIN_FORM)] = key(
         None,
-        description="dotted keys with the distribution of each: `uniform`, `normal`, `lognormal`, `triangular` or "
-        "`choice`; `motion: any` chooses one of the motions, `motion: bootstrap` draws as many anew; the keys of one "
-        "list entry move together",
+        "dotted keys with the distribution of each: `uniform`, `normal`, `lognormal`, `triangular` or `choice`; "
+        "`motion: any` chooses one of the motions, `motion: bootstrap` draws as many anew; the keys of one list entry "
+        "move together",
     )
-    bracket: Annotated[Any, WithJsonSchema(_BRACKET_FORM)] = optional(
-        None,
-        description="keys with unknown values, each with an odd number of values: the middle one comes first in tables "
-        "and figures; `impact.stiffness`: a quarter of, once and five times the study's own",
-    )
+
+    def wrong(self) -> Iterator[Wrong]:
+        timed = setting_of(self.method) is TIME_STEP
+        if timed and self.time_step is None:
+            yield (
+                ("method",),
+                f"method: {self.method} needs 'time_step'",
+                f"write e.g. `time_step: {TIME_STEP.example}`",
+            )
+        if not timed and self.time_step is not None:
+            yield (
+                ("time_step",),
+                f"'time_step' does not apply to method: {self.method}",
+                "remove it; `accuracy:` controls the cost",
+                True,
+            )
+        for place, analysis in enumerate(self.analyses):
+            if analysis in self.analyses[:place]:
+                yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"
 
 
 def _sections() -> dict[str, tuple[Any, Any]]:
@@ -160,17 +158,33 @@ def _sections() -> dict[str, tuple[Any, Any]]:
     for name, workflow in WORKFLOWS.items():
         if workflow.is_section:
             section = workflow.part("schema")
-            found[name] = section, optional(section(), description=f"settings of `pound {name}`")
+            found[name] = section, key(section(), f"settings of `pound {name}`")
     return found
 
 
-if TYPE_CHECKING:
-    StudyModel = _StudyModel
-else:
-    StudyModel = create_model("StudyModel", __base__=_StudyModel, __doc__=_StudyModel.__doc__, **_sections())
+_SECTIONS: Any = _sections()
+Study = create_model("Study", __base__=_Study, __doc__=_Study.__doc__, **_SECTIONS)
+ONCE = {*Study.model_fields} - {"records", "buildings", "impact", "laws", "cases", "tail"}
+"""Sections that are one for the whole study."""
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema (2020-12) of a study file, for editors."""
-    schema = StudyModel.model_json_schema(by_alias=True)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+    """The JSON Schema (2020-12) of a study file, for editors: cases as they are written, one link or several."""
+    found = Study.model_json_schema(by_alias=True)
+    defs = found["$defs"]
+    del defs["UnknownLink"]
+    several = defs["Case"]
+    branches = [each for each in several["properties"]["links"]["items"]["oneOf"] if "Unknown" not in each["$ref"]]
+    for name, model in link_models().items():
+        link = defs[model.__name__]
+        link["required"] = ["link"]  # what else it lacks, its case may give
+        word = {"type": "string", "not": {"enum": [*link_laws(), "none"]}} if name == FORMULA else {"const": name}
+        link["properties"]["link"] = {**word, "description": link["properties"]["link"]["description"]}
+    contact = {key: each for key, each in defs["Impact"]["properties"].items() if key not in _Impact.model_fields}
+    defs["Link_pounding"]["properties"] |= contact  # of the law of contact that `impact` names
+    shared = {key: each for model in link_models().values() for key, each in defs[model.__name__]["properties"].items()}
+    shared = {key: each for key, each in shared.items() if key not in Link.model_fields and key != "stiffness"}
+    items = {"anyOf": [{"type": "string"}, {"oneOf": branches}]}
+    several["properties"] = {**shared, "links": {**several["properties"]["links"], "items": items}}
+    defs["Case"] = {"anyOf": [{"oneOf": branches}, several]}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}

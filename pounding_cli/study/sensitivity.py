@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
+from pounding_cli.study.build import places
 from pounding_cli.study.claim_names import claims_about
 from pounding_cli.study.expand import expand
 from pounding_cli.study.expression import Expression, NotUnderstood, read_expression
-from pounding_cli.study.load import Study
+from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.plan import Plan
-from pounding_cli.study.problems import Problems, nearest
-from pounding_cli.study.resolve import places
+from pounding_cli.study.questions import ALL, SensitivitySpec
 from pounding_cli.study.sampled import at_points, distinct
 from pounding_cli.study.samples import grid
-from pounding_cli.study.sensitivity_keys import ALL, SensitivitySpec
-from pounding_cli.study.varied import MOTION, Factor, choice_of, read_uncertain
+from pounding_cli.study.study import Study
+from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
 
 SAMPLES = {"sobol": 256, "morris": 32}
 """Base samples unless the study says how many."""
@@ -165,11 +165,10 @@ def expand_sensitivity(study: Study) -> Plan:
 
 def question_of(study: Study) -> Question:
     """What a study asks.  Raises `InputError` as `expand_sensitivity`, but for samples that are not sound."""
-    spec: SensitivitySpec = study.model.sensitivity  # type: ignore[attr-defined]  # a section that the registry adds
-    problems, root = Problems(study.resolver.file), study.resolver.root
-    node = root.get("uncertain")
-    factors = read_uncertain(node, root, problems) if node is not None and node.value is not None else []
-    motions = tuple(study.motions(study.resolver.base))
+    spec: SensitivitySpec = study.model.sensitivity
+    problems, root = Problems(study.file), study.root
+    factors = read_uncertain(root, problems) if root.get("uncertain") is not None else []
+    motions = tuple(study.motions(study.base))
     if len(factors) < 2 and not problems.found:
         what = (
             "nothing is uncertain" if not factors else f"'{factors[0].key}' alone is uncertain: it decides everything"
@@ -191,13 +190,13 @@ def question_of(study: Study) -> Question:
     question = Question(spec, tuple(factors), outputs, claims, motions)
     if factors:
         _check_samples(question, root, problems)
-    problems.refuse()
+    problems.check()
     return question
 
 
 def _claims(study: Study, spec: SensitivitySpec, problems: Problems) -> tuple[str, ...]:
     """The claims that are asked for, in the order of the report."""
-    root, about = study.resolver.root, claims_about(study.model.claims)
+    root, about = study.root, claims_about(study.model.claims)
     if not spec.claims:
         return ()
     at = ("sensitivity", "claims")
@@ -205,9 +204,9 @@ def _claims(study: Study, spec: SensitivitySpec, problems: Problems) -> tuple[st
         hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
         problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
         return ()
-    node = root.get(*at)
+    is_list = isinstance(get(root, *at), list)
     for number, name in enumerate(spec.claims):
-        path = (*at, number) if node is not None and node.is_list else at
+        path = (*at, number) if is_list else at
         if name != ALL and name not in about:
             problems.at(root, path, f"'{name}' is not a claim about {study.model.claims}", nearest(name, about))
         if spec.claims.index(name) < number:
@@ -230,15 +229,15 @@ def expressions(
     study: Study, section: str, key: str, texts: Sequence[str], problems: Problems, example: str = "[largest mu]"
 ) -> tuple[Expression, ...]:
     """The expressions of a section, over the tables of this study."""
-    root, found = study.resolver.root, {}
-    node = root.get(section, key)
+    root, found = study.root, {}
+    is_list = isinstance(get(root, section, key), list)
     if not texts:
         problems.at(
             root, (section,), f"`{section}:` lacks '{key}'", f"write e.g. `{section}: {{{key}: {example}}}`", key=True
         )
     names = places(study.model.group)
     for number, text in enumerate(texts):
-        path = (section, key, number) if node is not None and node.is_list else (section, key)
+        path = (section, key, number) if is_list else (section, key)
         try:
             expression = read_expression(text, names)
         except NotUnderstood as error:

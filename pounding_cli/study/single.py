@@ -5,26 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
-from pounding_cli.study.data import at_keys, tree_of
-from pounding_cli.study.facing import COLUMNS, facing
-from pounding_cli.study.link_laws import Group
-from pounding_cli.study.links import Links
-from pounding_cli.study.motion_reader import MotionReader
-from pounding_cli.study.problems import Problems
-from pounding_cli.study.resolve import Resolver, places
-from pounding_cli.study.units import Quantity
-
-_FILE = Path("scene")
-"""Stands for the file that a study would be; errors name keys in its place."""
+from pounding_cli.study import build, schema
+from pounding_cli.study.data import tree_of
+from pounding_cli.study.file import Map, Problems
+from pounding_cli.study.laws import Impact
+from pounding_cli.study.links import Links, check_contact
+from pounding_cli.study.models import Building as BuildingSpec
+from pounding_cli.study.models import Case
+from pounding_cli.study.old_links import refuse_old
+from pounding_cli.study.quantity import Quantity
+from pounding_cli.study.spell import inherited, links_of
 
 
 def building_of(name: str, keys: Mapping[str, Any]) -> Building:
@@ -34,11 +32,17 @@ def building_of(name: str, keys: Mapping[str, Any]) -> Building:
     ------
     InputError : with every problem found, each at its key
     """
-    with _resolver({"buildings": {name: dict(keys)}}, f"buildings.{name}.") as resolver:
-        building = resolver.type((), name)
-        _refuse(resolver)
-        assert building is not None
-        return building
+    with _told_below(f"buildings.{name}.") as problems:
+        root = tree_of({"buildings": {name: dict(keys)}})
+        root["buildings"] = inherited(root["buildings"], problems)
+        problems.check()
+        spec = _valid(BuildingSpec, root["buildings"][name], root, ("buildings", name), problems)
+        try:
+            return build.building(name, spec)
+        except (ValueError, FloatingPointError) as error:
+            problems.at(root, ("buildings", name), str(error), "check its masses, heights, period and stiffness")
+            problems.check()
+            raise
 
 
 def links_between(
@@ -50,25 +54,30 @@ def links_between(
     ------
     InputError : with every problem found, each at its key; neighbours without a floor at one elevation
     """
-    common, strikes = zip(*(facing(left, right) for left, right in pairwise(buildings)), strict=True)
-    for (left, right), floors, struck in zip(pairwise(buildings), common, strikes, strict=True):
-        if not floors and not struck:
-            hint = f"let the storey heights agree somewhere; {COLUMNS}"
-            raise InputError(Problem(f"{left.name} and {right.name} have no floor at one elevation", hint))
-    with _resolver({"cases": {"case": dict(case)}, "impact": dict(impact)}, "cases.case.") as resolver:
-        spec, element = resolver.entry((), "cases", "case"), resolver.section((), "impact")
-        _refuse(resolver)
-        names = [building.name for building in buildings]
-        group = Group(buildings, dict(zip(names, buildings, strict=True)), common, element, names, {}, strikes)
-        problems = Problems(str(_FILE))
-        links = Links().of(spec, group, resolver.root_at(()), ("cases", "case"), problems)
-        problems.refuse()
-        return links
+    names = [building.name for building in buildings]
+    group = build.Group.of_buildings(tuple(buildings), dict(zip(names, buildings, strict=True)), names)
+    with _told_below("cases.case.") as problems:
+        build.check_meetings(group, {}, Map({}, ("", 0)), problems)
+        problems.check()
+        root = tree_of({"cases": {"case": dict(case)}, "impact": dict(impact)})
+        refuse_old(root, problems)
+        problems.check()
+        root["cases"]["case"] = links_of(root["cases"]["case"], root["impact"])
+        element = _valid(Impact, root["impact"], root, ("impact",), problems)
+        spec = _valid(Case, root["cases"]["case"], root, ("cases", "case"), problems)
+        check_contact(element.law, {}, root, problems)
+
+        def note(path: tuple[str | int, ...], message: str, hint: str) -> None:
+            problems.at(root, path, message, hint)
+
+        links = Links().of(spec, group, element, {}, ("cases", "case"), note)
+        problems.check()
+        return tuple(links or ())
 
 
 def by_place(buildings: Sequence[Building]) -> tuple[Building, ...]:
     """The buildings, renamed where two have one name: soft-1, soft-2."""
-    labels = places(tuple(building.name for building in buildings))
+    labels = build.places([building.name for building in buildings])
     return tuple(replace(each, name=label) for each, label in zip(buildings, labels, strict=True))
 
 
@@ -81,22 +90,24 @@ def quantity(form: Quantity, value: Any, key: str) -> float:
         raise InputError(Problem(said.get("message", str(refused)), said.get("hint", ""), key)) from None
 
 
-@contextmanager
-def _resolver(data: Mapping[str, Any], inside: str) -> Iterator[Resolver]:
-    """What resolves `data`; problems name their key below `inside`, without it."""
-    root = tree_of(data, _FILE)
+def _valid(kind: Any, value: Any, root: Map, path: tuple[str, ...], problems: Problems) -> Any:
     try:
-        with at_keys(root, _FILE):
-            yield Resolver(root, (), str(_FILE), MotionReader(Path()))
+        return TypeAdapter(kind).validate_python(value)
+    except ValidationError as error:
+        problems.validation(root, error, path, schema.Study)
+        problems.check()
+
+
+@contextmanager
+def _told_below(inside: str) -> Iterator[Problems]:
+    """Problems that name their key below `inside`, without it."""
+    try:
+        yield Problems("")
     except InputError as refused:
-        raise InputError([_told_once(replace(p, file=p.file.removeprefix(inside))) for p in refused.problems]) from None
+        found = [replace(problem, file=problem.file.removeprefix(inside)) for problem in refused.problems]
+        raise InputError([_told_once(problem) for problem in found]) from None
 
 
 def _told_once(problem: Problem) -> Problem:
     """A problem whose message need not begin with the key that its place names."""
     return replace(problem, message=problem.message.removeprefix(f"{problem.file.split('.')[-1]}: "))
-
-
-def _refuse(resolver: Resolver) -> None:
-    if resolver.met:
-        raise InputError(list(resolver.met))

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
+import copy
 import math
 
 import numpy as np
 
-from pounding_cli.study.load import Study
-from pounding_cli.study.plan import Axis
-from pounding_cli.study.resolve import Resolver
-from pounding_cli.study.sweep import SweepAxis
+from pounding_cli.study.study import Study
 
 
 def thinned(study: Study, most: int) -> Study:
@@ -22,20 +19,13 @@ def thinned(study: Study, most: int) -> Study:
         np.linspace(0, len(axis.values) - 1, size).round().astype(int).tolist()
         for axis, size in zip(study.axes, sizes, strict=True)
     ]
-    old = study.resolver
-    nodes = tuple(
-        SweepAxis(axis.names, tuple(axis.nodes[place] for place in some), axis.units)
-        for axis, some in zip(old.axes, places, strict=True)
-    )
-    axes = tuple(
-        Axis(axis.names, tuple(axis.values[place] for place in some), axis.units)
-        for axis, some in zip(study.axes, places, strict=True)
-    )
-    return dataclasses.replace(study, axes=axes, resolver=Resolver(old.root, nodes, old.file, old.reader))
+    found = copy.copy(study)
+    found.narrow([axis.some(some) for axis, some in zip(study.swept, places, strict=True)])
+    return found
 
 
 def times(study: Study, some: Study, *subjects: str | tuple[str, str]) -> float:
     """How often a thing that depends on these sections of the file stands in a study for every one in the thinned study
     `some`, if it differs from point to point."""
-    axes = zip(study.axes, some.axes, study.resolver.touching(*subjects), strict=True)
+    axes = zip(study.axes, some.axes, study.touches(*subjects), strict=True)
     return math.prod(len(axis.values) / len(few.values) for axis, few, touches in axes if touches)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jsonschema
 import pandas as pd
 import pytest
 import yaml
@@ -205,7 +206,12 @@ def test_a_study_and_its_results_cite_the_same(results, pound):
     ("old", "new", "added", "gone"),
     [
         ("link: pounding, gap: 5 mm", "link: connector, gap: 5 mm", "westermo1989", ""),
-        ("gap: 5 mm}", "gap: 5 mm, by_floor: {2: {link: connector}}}", "westermo1989", ""),
+        (
+            "{link: pounding, gap: 5 mm}",
+            "{gap: 5 mm, links: [pounding, {link: connector, floors: 2}]}",
+            "westermo1989",
+            "",
+        ),
         ("soft: {like: stiff,", "soft: {like: stiff, yield_shear: never, storey_law: peak-oriented,", "clough1966", ""),
         ("soft: {like: stiff,", "soft: {like: stiff, storey_law: bouc-wen,", "wen1976", ""),
         ("duration: 3 s", "duration: 3 s, scale: {arias: taft}", "arias1970", ""),
@@ -269,6 +275,25 @@ def test_the_schema_that_ships_is_that_of_the_program(folder, pound):
     for model in (schema, *(part for part in schema["$defs"].values() if "properties" in part)):
         assert model["additionalProperties"] is False
         assert all(key.get("description") or "$ref" in key for key in model["properties"].values())
+
+
+def test_editors_know_the_keys_of_the_law_that_stands_there():
+    """All studies of configs fit the schema; a key of another law does not, in a case and in an entry of `links`."""
+    validator = jsonschema.Draft202012Validator(json.loads((ROOT / "configs/pound.schema.json").read_text("utf-8")))
+    studies = [yaml.safe_load(path.read_text("utf-8")) for path in (ROOT / "configs").rglob("*.yaml")]
+    studies = [study for study in studies if "buildings" in study]
+    assert len(studies) > 10
+    assert all(validator.is_valid(study) for study in studies)
+
+    def fits(case: dict) -> bool:
+        return validator.is_valid({**studies[0], "cases": {"case": case}})
+
+    damper, slip = {"link": "damper", "damping_coefficient": 1e6}, {"slip_force": 1e5}
+    assert fits({"gap": 0.01} | damper)
+    assert not fits({"gap": 0.01} | damper | slip)
+    assert fits({"gap": 0.01, "links": ["pounding", damper | {"floors": 1}]})
+    assert not fits({"gap": 0.01, "links": ["pounding", damper | slip]})
+    assert not fits({"gap": 0.01, "link": ["pounding"]})
 
 
 # accuracy

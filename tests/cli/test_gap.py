@@ -303,7 +303,7 @@ buildings:
 group: [A, B]
 cases:
   near: {link: pounding, gap: 15 mm}
-  top: {link: pounding, gap: 15 mm, by_floor: {1: {link: pounding, gap: 5 mm}}}
+  top: {gap: 15 mm, links: [{link: pounding, floors: rest}, {link: pounding, floors: 1, gap: 5 mm}]}
 sweep:
   cases.near.gap: {from: 5 mm, to: 60 mm, step: 5 mm}
 """

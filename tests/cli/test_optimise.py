@@ -19,13 +19,13 @@ group: [A, B]
 cases:
   joined:
     gap: 3 cm
-    link: [pounding, {link: connector, stiffness: 1/5 mean storey of A, damping_ratio: 0.1}]
+    links: [pounding, {link: connector, stiffness: 1/5 mean storey of A, damping_ratio: 0.1}]
 analyses: [elastic]
 optimise:
   least: largest V_ratio
   over:
-    cases.joined.link.1.stiffness: {from: 0.01 x mean storey of A, to: 1 x mean storey of A, spacing: log}
-    cases.joined.link.1.damping_ratio: {from: 0, to: 0.95}
+    cases.joined.links.1.stiffness: {from: 0.01 x mean storey of A, to: 1 x mean storey of A, spacing: log}
+    cases.joined.links.1.damping_ratio: {from: 0, to: 0.95}
     impact.restitution: {choice: [0.4, 0.65]}
   population: 8
   generations: 4
@@ -43,7 +43,7 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     assert 0 < row["error"] < 1e-5
     assert f"with the study as written: {row['as_written']:.5g}" in out  # though the file says no e
     assert f"{row['value']:.4g}" in out
-    assert "cases.joined.link.1.stiffness [x mean storey of A]" in out
+    assert "cases.joined.links.1.stiffness [x mean storey of A]" in out
     assert "The search ended after 4 generations" in out
     assert f"{row['points']} points; scenes:" in out
     code, out, _ = pound("report", "results/two-optimise.h5", "-q", "--format", "png")
@@ -91,9 +91,13 @@ group: [A, B]
 cases:
   joined:
     gap: 3 mm   # narrow
-    link: [pounding, {link: connector, stiffness: 1/5 mean storey of A, damping_ratio: 0.1}]   # both
-    floors:
-      - 1   # the lower one
+    links:
+      - pounding   # both
+      - link: connector
+        stiffness: 1/5 mean storey of A
+        damping_ratio: 0.1
+        floors:
+          - 1   # the lower one
   other: {link: pounding, gap: 1 cm}
 optimise:
   least: largest drift
@@ -101,7 +105,7 @@ optimise:
   analysis: inelastic
   over:
     cases.joined.gap: {choice: [3 mm, 4.5 mm]}   # a comment
-    cases.joined.link.1.stiffness: {choice: [1/5 mean storey of A, 1/50 mean storey of A]}
+    cases.joined.links.1.stiffness: {choice: [1/5 mean storey of A, 1/50 mean storey of A]}
     KEY: {choice: [FIRST, SECOND]}
 """
 
@@ -175,14 +179,14 @@ def test_the_page_says_what_is_left(pound, tmp_path):
         ("impact.restitution", "0.4", "0.4000001", r"^impact: {restitution: 0\.4(000001)?}$"),
         ("buildings.B.mass", "150 t", "151 t", r"period: 0\.5 s, mass: 15[01] t}   # the soft one$"),
         ("buildings.B.yield.code", "UBC-1988", "UBC-1994", r"yield: {code: UBC-19(88|94)}}   # the soft one$"),
-        ("cases.joined.floors", "[1]", "[1, 2]", r"^    floors: \[1(, 2)?\]   # the lower one$"),
+        ("cases.joined.links.1.floors", "[1]", "[1, 2]", r"^        floors: \[1(, 2)?\]   # the lower one$"),
         ("cases.joined.restitution", "0.5", "0.7", r"^    restitution: 0\.[57]\n    gap: [34](\.5)? mm   # narrow$"),
     ],
 )
 def test_keys_that_the_file_lacks_are_added_where_they_belong(pound, key, first, second, place):
     """Values from left-out keys, too: what is written there now is the default."""
     text = few(key, first, second)
-    if key == "cases.joined.floors":
+    if key == "cases.joined.links.1.floors":
         text = text.replace("storeys: 1", "storeys: 2")
     Path("few.yaml").write_text(text)
     code, _, err = pound("optimise", "few.yaml", "-q", "--write", "best.yml")
@@ -250,7 +254,7 @@ def test_many_buildings_and_no_links(pound):
         .read_text()
         .replace("cases.joined.gap: {choice: [3 mm, 4.5 mm]}", "buildings.B.mass: {choice: [1 t, 2 t]}")
     )
-    Path("few.yaml").write_text(re.sub(r".*link\.1\.stiffness.*\n", "", text))
+    Path("few.yaml").write_text(re.sub(r".*links\.1\.stiffness.*\n", "", text))
     code, out, _ = pound("optimise", "few.yaml")
     assert code == 0
     assert "no contact is left" in out
@@ -259,13 +263,13 @@ def test_many_buildings_and_no_links(pound):
 
 def test_flags_are_counted_on_both_sides(pound):
     """A connector that closes more than its gap as written, and less at the optimum."""
-    link = "link: [pounding, {link: connector, stiffness: 1/5 mean storey of A, damping_ratio: 0.1}]"
+    links = FEW[FEW.index("    links:") : FEW.index("  other:")]
     text = (
         few("impact.restitution", "0.4", "0.65")
-        .replace(link, "link: connector")
+        .replace(links, "    link: connector\n")
         .replace("[3 mm, 4.5 mm]", "[3 mm, 9 m]")
     )
-    text = re.sub(r".*link\.1\.stiffness.*\n", "", text)
+    text = re.sub(r".*links\.1\.stiffness.*\n", "", text)
     Path("few.yaml").write_text(text)
     code, out, _ = pound("optimise", "few.yaml", "--write", "best.yaml")
     assert code == 0

@@ -115,7 +115,9 @@ def test_what_limits_the_numbers_stands_on_the_page(folder, pound):
     """Warnings with their lines, the table of a bracket, and scenes that have no meaning, by name."""
     spring = "spring: {link: connector, gap: 2, stiffness: 1 kN/mm}\n  close: {link: connector, gap: 1 mm}"
     text = TWO.replace("gap: {link: pounding, gap: 5 mm}", spring).replace(", inelastic", "")
-    Path("two.yaml").write_text(text + "bracket: impact.stiffness\n")
+    values = "[5 x stiffest storey, 20 x stiffest storey, 100 x stiffest storey]"
+    sweep = f"sweep: {{impact.stiffness: {{values: {values}, middle: 20 x stiffest storey}}}}\n"
+    Path("two.yaml").write_text(text + sweep)
     pound("run", "two.yaml", "-q")
     pound("report", "results/two.h5", "--no-figures", "-o", "out")
     page = words(Path("out/report.html"))

@@ -85,19 +85,18 @@ def case(draw: Any, storeys: int, own: dict[str, Any], uneven: bool) -> dict[str
     kind = draw(st.integers(1, 12))
     if kind == 1:
         return {"link": "none"}
-    spec: dict[str, Any] = {"gap": draw(GAP)}
+    links = draw(st.lists(link(own), min_size=1, max_size=3 if kind <= 4 else 1))
+    for one in links[:1]:
+        some(draw, one, "floors", st.sampled_from([1, [1], [storeys], {"except": [1]}]))
+    if draw(st.integers(1, 3)) == 1:
+        links.append(draw(link(own) | st.just({"link": "none"})) | {"floors": "rest"})
     if uneven:
         other = GAP.map(lambda gap: {"link": "pounding", "gap": gap})
-        spec["at_columns"] = draw(st.one_of(st.sampled_from(["pounding", "pounding", "none"]), other))
-    if kind <= 4:
-        spec["link"] = draw(st.lists(link(own), min_size=1, max_size=3))
-    else:
-        spec |= draw(link(own))
-    some(draw, spec, "floors", st.sampled_from([[1], [storeys]]))
-    if "floors" in spec:
-        some(draw, spec, "elsewhere", link(own) | st.just("none"), 2)
-    some(draw, spec, "by_floor", link(own).map(lambda one: {1: one}), 6)
-    return spec
+        links.append(
+            draw(st.one_of(st.sampled_from([{"link": "pounding"}, {"link": "none"}]), other)) | {"at": "columns"}
+        )
+    gap = {"gap": draw(GAP)}
+    return gap | links[0] if len(links) == 1 else gap | {"links": links}
 
 
 @st.composite

@@ -35,7 +35,7 @@ group: [stiff, soft]
 impact: {stiffness: 20 x stiffest storey, restitution: 0.5}
 cases:
   gap: {link: pounding, gap: 5 cm}
-  con: {link: connector, gap: 5 cm, floors: [1, 3], elsewhere: pounding, by_floor: {2: none}}
+  con: {gap: 5 cm, links: [{link: connector, floors: [1, 3]}, {link: none, floors: 2}, {link: pounding, floors: rest}]}
 analyses: [elastic, inelastic]
 accuracy: 1e-6
 keep: {histories: {cases: [gap], where: {impact.restitution: 0.5}}}

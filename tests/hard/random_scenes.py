@@ -56,7 +56,7 @@ def _case(random: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any]]:
     }
     case = _link(random, gap)
     if random.random() < 0.3:
-        case["by_floor"] = {1: _link(random, gap)}
+        case = {"links": [case | {"floors": {"except": [1]}}, _link(random, gap) | {"floors": 1}]}
     return case, impact
 
 

@@ -64,7 +64,7 @@ def test_a_blow_on_a_column(at):
     its columns bend otherwise, or if the ends of a column take each other's shear."""
     left = storey(MASSES[0], STIFFNESSES[0], height=at * HEIGHT, slab=1e-3)
     right = storey(MASSES[1], STIFFNESSES[1], height=HEIGHT, slab=1e-3, columns=SHARE)
-    case = {"link": "pounding", "gap": 0.0, "at_columns": "pounding"}
+    case = {"link": "pounding", "gap": 0.0}
     more = {"impact": {"stiffness": CONTACT, "restitution": 1.0}}
     start = [[0.0], [0.0]], [[SPEED], [0.0]]
     run = solve(Scene((left, right), case=case, more=more, start=start, **still(DURATION)), 1e-11)

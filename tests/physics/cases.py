@@ -162,10 +162,10 @@ GROUNDS = (
 )
 
 COLUMNS = (
-    Row("slabs on columns", {"link": "pounding", "at_columns": "pounding"}, SLABS, {"height": [4.2, 3.0, 3.0]}),
+    Row("slabs on columns", {"link": "pounding"}, SLABS, {"height": [4.2, 3.0, 3.0]}),
     Row(
         "slabs on columns, on a foundation",
-        {"link": "pounding", "at_columns": "pounding"}, SLABS | {"foundation": SWAY | ROCK},
+        {"link": "pounding"}, SLABS | {"foundation": SWAY | ROCK},
         {"height": [4.2, 3.0, 3.0]},
     ),
 )  # fmt: skip

@@ -381,7 +381,7 @@ def test_blow_on_columns(at: float) -> None:
     Fails if the two ends take each other's place."""
     striker = storey(1e5, 1e-3, height=at * H, slab=0.1)
     struck = storey(1e14, 1e9, slab=0.1, columns=0.25)
-    case = {"link": "pounding", "gap": 0.0, "at_columns": "pounding"}
+    case = {"link": "pounding", "gap": 0.0}
     more = {"impact": {"stiffness": 1e8, "restitution": 1.0}}
     start = [[0.0], [0.0]], [[0.5], [0.0]]
     run = solve(Scene((striker, struck), case=case, more=more, start=start, **still(0.4)), 1e-12)

@@ -16,7 +16,7 @@ STUDY = {
     "group": ["stiff", "soft"],
     "cases": {
         "gap": {"link": "pounding", "gap": "2 cm", "restitution": 0.4, "floors": [1, 3]},
-        "filled": {"link": "infill", "gap": "2 cm", "by_floor": {2: "connector"}},
+        "filled": {"gap": "2 cm", "links": [{"link": "infill", "floors": "rest"}, {"link": "connector", "floors": 2}]},
     },
     "analyses": ["inelastic"],
     "impact": {"stiffness": "10 x stiffest storey", "tension_cut": True},

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import math
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -171,8 +173,6 @@ def test_the_separation_of_the_paper():
 
 # Links
 
-SPRING = "{link: connector, stiffness: 20 kN/mm}"
-
 
 @pytest.mark.parametrize(
     ("case", "links"),
@@ -182,22 +182,25 @@ SPRING = "{link: connector, stiffness: 20 kN/mm}"
         ("{link: pounding, gap: 5 cm, floors: 2}", "2 pounding 5"),
         ("{link: connector, gap: 5 cm, floors: [3, 1]}", "1 connector 5, 3 connector 5"),
         (
-            "{link: connector, gap: 5 cm, floors: [3], stiffness: 1 MN/m, elsewhere: pounding}",
+            "{gap: 5 cm, links: [{link: connector, floors: 3, stiffness: 1 MN/m}, {link: pounding, floors: rest}]}",
             "1 pounding 5, 2 pounding 5, 3 connector 5",
         ),
         (
-            "{link: connector, gap: 5 cm, floors: [3], elsewhere: {link: infill, gap: 7 cm}}",
+            "{gap: 5 cm, links: [{link: connector, floors: [3]}, {link: infill, floors: rest, gap: 7 cm}]}",
             "1 infill 7, 2 infill 7, 3 connector 5",
         ),
-        ("{link: infill, gap: 5 cm, by_floor: {2: none, 3: {gap: 4 cm}}}", "1 infill 5, 3 infill 4"),
-        (f"{{gap: 5 cm, floors: [1], link: [pounding, {SPRING}]}}", "1 pounding 5, 1 connector 5"),
         (
-            "{gap: 5 cm, link: [pounding, {link: connector, floors: [2], gap: 1 cm}]}",
-            "1 pounding 5, 2 pounding 5, 2 connector 1, 3 pounding 5",
+            "{gap: 5 cm, links: [{link: infill, floors: {except: [2, 3]}}, {link: infill, floors: 3, gap: 4 cm}]}",
+            "1 infill 5, 3 infill 4",
+        ),
+        ("{gap: 5 cm, links: [{link: none, floors: 2}, {link: pounding, floors: rest}]}", "1 pounding 5, 3 pounding 5"),
+        (
+            "{gap: 5 cm, links: [{link: pounding, floors: 1}, {link: connector, floors: 1, stiffness: 20 kN/mm}]}",
+            "1 pounding 5, 1 connector 5",
         ),
         (
-            f"{{gap: 5 cm, floors: [2, 3], link: [pounding, {SPRING}], by_floor: {{3: {{gap: 2 cm}}}}}}",
-            "2 pounding 5, 2 connector 5, 3 pounding 2, 3 connector 2",
+            "{gap: 5 cm, links: [pounding, {link: connector, floors: [2], gap: 1 cm}]}",
+            "1 pounding 5, 2 pounding 5, 2 connector 1, 3 pounding 5",
         ),
     ],
 )
@@ -210,7 +213,7 @@ def test_links_of_a_case(case, links):
 
 def test_pairs_of_a_row():
     """Each pair its own links; what an entry leaves out comes from the case. Twins are told apart by their places."""
-    case = "{link: pounding, gap: 5 cm, pairs: [{gap: 2 cm, floors: [3]}, connector]}"
+    case = "{gap: 5 cm, links: [{link: pounding, pair: 1, gap: 2 cm, floors: [3]}, {link: connector, pair: 2}]}"
     table = run(study(f"cases.case: {case}", group=["soft", "stiff", "soft"])).link()
     assert table["link"].tolist() == ["soft-1|stiff floor 3", *(f"stiff|soft-2 floor {floor}" for floor in (1, 2, 3))]
     assert table["gap"].tolist() == [0.02, 0.05, 0.05, 0.05]
@@ -376,13 +379,55 @@ def test_a_swept_value_reaches_who_inherits_it():
     assert [read.building((place,), 1).mass[0] for place in (0, 1)] == [1e5, 3e5]
 
 
-def test_a_bracket_is_a_sweep_around_the_studys_own_value():
-    (axis,) = pound.load_study(study(bracket="impact.stiffness")).axes
-    assert [text for place in range(3) for text in axis.shown(place)] == [
+def test_an_unknown_value_stands_at_its_middle():
+    values = {"values": [0.4, 0.45, 0.65], "middle": 0.45}
+    read = pound.load_study(study(sweep={"impact.restitution": values}))
+    assert [read.axes[0].shown(place) for place in range(3)] == [("0.4",), ("0.45",), ("0.65",)]
+    assert read.resolved()["impact"]["restitution"] == 0.45
+    assert read.resolved()["bracket"] == ["impact.restitution"]
+
+
+OLD = """
+cases:
+  a: {link: connector, gap: 5 cm, floors: [3], stiffness: 1 MN/m, elsewhere: pounding}  # a comment
+  b:
+    gap: 5 cm
+    floors: [2, 3]
+    link:
+      - pounding
+      - {link: connector, stiffness: 20 kN/mm}
+    by_floor: {3: {gap: 2 cm}}
+  c: {link: pounding, gap: 5 cm, pairs: [{gap: 2 cm, floors: [3]}]}
+  d: {link: infill, gap: 5 cm, by_floor: {2: none}}
+bracket: impact.stiffness
+uncertain: {cases.b.link.1.stiffness: {choice: [1 MN/m, 2 MN/m]}}
+"""
+
+
+def test_the_tool_rewrites_old_spellings(tmp_path):
+    """`tools/rewrite_study.py`: the links are those that the old spelling stood for; comments stay."""
+    data = {key: value for key, value in study().items() if key != "cases"}
+    path = tmp_path / "old.yaml"
+    path.write_text(yaml.safe_dump(data) + OLD)
+    with pytest.raises(pound.InputError):
+        pound.load_study(path)
+    tool = Path(__file__).parents[2] / "tools" / "rewrite_study.py"
+    subprocess.run([sys.executable, tool, path], check=True)
+    assert "floors: rest}]}  # a comment" in path.read_text()
+    read = pound.load_study(path)
+    found = {
+        case: ", ".join(f"{link.left_floor} {link.kind} {100 * link.gap:g}" for link in read.links((0,), case))
+        for case in "abcd"
+    }
+    assert found == {
+        "a": "1 pounding 5, 2 pounding 5, 3 connector 5",
+        "b": "2 pounding 5, 2 connector 5, 3 pounding 2, 3 connector 2",
+        "c": "3 pounding 2",
+        "d": "1 infill 5, 3 infill 5",
+    }
+    assert [text for place in range(3) for text in read.axes[0].shown(place)] == [
         f"{factor} x stiffest storey" for factor in (5, 20, 100)
     ]
-    (axis,) = pound.load_study(study(bracket={"impact.restitution": [0.4, 0.45, 0.65]})).axes
-    assert [axis.shown(place) for place in range(3)] == [("0.4",), ("0.45",), ("0.65",)]
 
 
 @pytest.mark.parametrize(

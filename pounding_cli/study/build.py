@@ -1,0 +1,210 @@
+"""From validated sections to buildings and their group: stiffness and yield shears derived, floors that meet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from pounding_cli.laws import storey_laws
+from pounding_cli.model.building import Building, weight_above
+from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
+from pounding_cli.model.foundation import Foundation
+from pounding_cli.model.meetings import Strike
+from pounding_cli.model.separation import ASCE7, EN1998, asce7_displacement, en1998_displacement
+from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
+from pounding_cli.numbers import counted
+from pounding_cli.study import facing
+from pounding_cli.study.file import Problems, nearest
+from pounding_cli.study.laws import own
+from pounding_cli.study.models import BaseShear, StiffnessAt
+from pounding_cli.study.quantity import Storey
+
+MOST_IN_GROUP = 20
+
+
+def building(name: str, spec: Any) -> Building:
+    """The building that a section describes.  Raises ValueError, UnstableError where it cannot stand."""
+    mass, height, hardening = (_filled(getattr(spec, key), spec.count) for key in ("mass", "height", "hardening"))
+    if spec.stiffness is None:
+        stiffness, period = stiffness_for_period(mass, spec.period, spec.taper), spec.period
+    else:
+        if isinstance(spec.stiffness, StiffnessAt):
+            at = _filled(spec.stiffness.mass, spec.count)
+            stiffness = stiffness_for_period(at, spec.stiffness.period, spec.taper)
+        else:
+            stiffness = np.array(spec.stiffness)
+        period = 2 * np.pi / float(frequencies(mass, stiffness)[0])
+    if spec.yield_shear is None:
+        yield_shear = spec.yield_.overstrength * _design(spec.yield_).yield_shears(mass, height, period)
+    else:
+        yield_shear = np.full(spec.count, np.inf) if spec.yield_shear == "never" else np.array(spec.yield_shear)
+    given = spec.rayleigh
+    alpha, beta = (given.alpha, given.beta) if given else rayleigh_factors(mass, stiffness, spec.damping)
+    law, base = storey_laws()[spec.storey_law], spec.foundation
+    load = (weight_above(mass) if spec.p_delta else None) if isinstance(spec.p_delta, bool) else np.array(spec.p_delta)
+    below = None
+    if base != "fixed":
+        sways, rocks = base.sway_stiffness is not None, base.rocking_stiffness is not None
+        below = Foundation(
+            base.mass, base.sway_stiffness or 0.0, base.sway_damping,
+            base.inertia, base.rocking_stiffness or 0.0, base.rocking_damping, sways, rocks,
+        )  # fmt: skip
+    parameters = tuple((key, value) for key in own(law) if (value := getattr(spec, key)) is not None)
+    collapse = np.inf if isinstance(spec.collapse, str) else spec.collapse
+    return Building(
+        name, mass, height, stiffness, yield_shear, hardening, float(alpha), float(beta), below, law, parameters, load,
+        collapse, spec.slab, spec.columns,
+    )  # fmt: skip
+
+
+def _filled(value: Any, storeys: int) -> np.ndarray:
+    return np.array(value) if isinstance(value, tuple) else np.full(storeys, float(value))
+
+
+def _design(code: Any) -> UbcDesign | BaseShearDesign:
+    """What sets the yield shears."""
+    if isinstance(code, BaseShear):
+        return BaseShearDesign(code.base_shear, code.distribution)
+    known = {key: value for key in ("rw", "k") if (value := getattr(code, key)) is not None}
+    return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **known)
+
+
+def design_displacements(spec: Any, building: Building) -> np.ndarray | None:
+    """Design displacements by the code that set the yield shears [m], shape (n,); None without one."""
+    if spec.yield_shear is not None or isinstance(spec.yield_, BaseShear):
+        return None
+    design, period = _design(spec.yield_), float(building.periods[0])
+    assert isinstance(design, UbcDesign)
+    return design.design_displacements(building.mass, building.height, building.stiffness, period)
+
+
+def code_displacements(spec: Any, building: Building) -> dict[str, np.ndarray]:
+    """The displacement that a code expects, by the name of its rule [m], shape (n,), from the ground up; without the
+    rules whose factors the study does not give.
+
+    delta_M and d_s follow from the static displacements under the forces of `base_shear` and `distribution`.
+    """
+    code = spec.yield_ if spec.yield_shear is None else None
+    if not isinstance(code, BaseShear):
+        return {}
+    design, found = BaseShearDesign(code.base_shear, code.distribution), {}
+    mass, height, stiffness = building.mass, building.height, building.stiffness
+    elastic = design.elastic_displacements(mass, height, stiffness, float(building.periods[0]))
+    if code.cd is not None and code.ie is not None:
+        found[ASCE7] = asce7_displacement(elastic, code.cd, code.ie)
+    if code.qd is not None:
+        found[EN1998] = en1998_displacement(elastic, code.qd)
+    return found
+
+
+def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:
+    """Code separation of two neighbours at the lower roof [m]; None where no code designed one."""
+    return None if left is None or right is None else float(code_separation(left, right)[-1])
+
+
+def places(names: Sequence[str]) -> tuple[str, ...]:
+    """Names by place: a type that stands more than once is told apart by a number (soft-1, soft-2)."""
+    return tuple(
+        f"{name}-{list(names[: n + 1]).count(name)}" if list(names).count(name) > 1 else name
+        for n, name in enumerate(names)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """The buildings by place and by name; of each pair of neighbours the floors that meet, and slabs that strike
+    columns whose share of the storey is known.
+
+    defined : every name that the file defines, sound or not
+    """
+
+    buildings: tuple[Building, ...]
+    types: Mapping[str, Building]
+    common: tuple[dict[int, int], ...]
+    strikes: tuple[tuple[Strike, ...], ...]
+    defined: Sequence[str] = ()
+
+    @classmethod
+    def of(cls, names: Sequence[str], types: Mapping[str, Building], defined: Sequence[str] = ()) -> Group:
+        placed = tuple(
+            b if (b := types[name]).name == label else replace(b, name=label)
+            for name, label in zip(names, places(names), strict=True)
+        )
+        return cls.of_buildings(placed, types, defined)
+
+    @classmethod
+    def of_buildings(
+        cls, placed: tuple[Building, ...], types: Mapping[str, Building], defined: Sequence[str] = ()
+    ) -> Group:
+        """The group of buildings by place."""
+        found = [facing.facing(one, other) for one, other in pairwise(placed)]
+        common, strikes = tuple(dict(floors) for floors, _ in found), tuple(strikes for _, strikes in found)
+        return cls(placed, types, common, strikes, defined)
+
+    @cached_property
+    def floors(self) -> tuple[Any, ...]:
+        """`common`, to be looked up by."""
+        return tuple(tuple(common.items()) for common in self.common)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it stands in for one that is not sound, so that cases can be checked all the same."""
+        return not self.buildings
+
+    @cached_property
+    def _stiffness(self) -> dict[Storey, float]:
+        return {}
+
+    def stiffness(self, given: Any) -> float:
+        """A stiffness in N/m.  Raises KeyError for a building that is not defined."""
+        if not isinstance(given, Storey):
+            return given
+        if given not in self._stiffness:
+            some = self.buildings if given.building is None else (self.types[given.building],)
+            stiffest = given.which == "stiffest"
+            each = (max(k) if stiffest else sum(k) / len(k) for k in (b.stiffness.tolist() for b in some))
+            self._stiffness[given] = given.factor * max(each)
+        return self._stiffness[given]
+
+
+def check_group(names: Sequence[str], defined: Sequence[str], root: Any, problems: Problems) -> bool:
+    """Whether the names of a group are sound; what is wrong is noted."""
+    before, count = len(problems.found), len(names)
+    if count > MOST_IN_GROUP:
+        problems.at(root, ("group",), f"the group has {count} buildings", f"name at most {MOST_IN_GROUP}")
+        return False
+    for place, name in enumerate(names):
+        if name not in defined:
+            problems.at(root, ("group", place), f"no building '{name}' is defined", nearest(name, defined))
+    if count < 2:
+        hint = "name at least two, e.g. `group: [stiff, soft]`; each alone is computed as a baseline anyway"
+        problems.at(root, ("group",), f"the group has {counted(count, 'building')}: pounding takes two", hint)
+    labels = places(names)
+    for place, label in enumerate(labels):
+        if labels.index(label) != place:
+            problems.at(
+                root,
+                ("group", place),
+                f"two places of the group are called '{label}'",
+                "give the building another name",
+            )
+    return len(problems.found) == before
+
+
+def check_meetings(group: Group, slips: Mapping[str, str], root: Any, problems: Problems) -> bool:
+    """Whether all neighbours can strike each other; slips : what is unlikely about the heights of a building."""
+    before = len(problems.found)
+    for place, (floors, strikes) in enumerate(zip(group.common, group.strikes, strict=True)):
+        if floors or strikes:
+            continue
+        one, other = group.buildings[place : place + 2]
+        told = (", ".join(f"{each:g}" for each in b.elevation[:6]) + ", ..." * (b.storeys > 6) for b in (one, other))
+        slip = slips.get(one.name) or slips.get(other.name) or "let the storey heights agree somewhere"
+        message = f"{one.name} and {other.name} have no floor at one elevation: {' against '.join(told)} m"
+        problems.at(root, ("group", place + 1), message, f"{slip}; {facing.COLUMNS}")
+    return len(problems.found) == before

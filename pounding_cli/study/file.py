@@ -1,0 +1,440 @@
+"""A YAML file as plain dicts and lists that know where everything stands, and problems told at file:line:column."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.reading import read_bytes, shortened
+from pounding_cli.texts import CONTROL, plain
+
+Mark = tuple[Any, int]
+"""Line and column; of Python data the dotted key and 0."""
+
+Steps = tuple[str | int, ...]
+MOST_BYTES, MOST_VALUES, MOST_TOLD, DEEPEST = 4_000_000, 100_000, 100, 30
+"""Bytes of a file; its values, those that aliases repeat included; problems of a section that are told one by one;
+levels of a file."""
+
+MISSING_BLANK = re.compile(r"([\w.-]{1,60}):([^\s:/\\]\S{0,60}.{0,60})\Z")
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_INTEGER = re.compile(r"[-+]?[0-9]+\Z")
+# YAML 1.1, as PyYAML reads it, takes 1e10 for text, `no` for false, 0:36 for 36. Here numbers look like it.
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
+_LIST = re.compile(r"(?P<key>[\w.-]{1,60}: +)?\[(?P<values>[^\[\]{}]{1,2000})\]\s*\Z")
+_UNIT = re.compile(r"[A-Za-z%°µ][\w/^*².() -]{0,30}?(?=\s*(?:[,}\]#\n]|\Z))")
+_AFTER_COMMA = re.compile(r"[0-9]{1,15}(?:\s{0,9}[A-Za-z%][^,]{0,30})?\Z")
+_WORDS: dict[str, Any] = {"": None, "~": None, "null": None, "true": True, "false": False}
+_TAGS = {f"tag:yaml.org,2002:{kind}" for kind in ("str", "int", "float", "bool", "null", "map", "seq")} | {"!", None}
+
+
+class Map(dict[str, Any]):
+    """A mapping; `mark`: where it begins, `marks`: where each key and its value begin."""
+
+    def __init__(
+        self, values: Any = (), mark: Mark = (0, 0), marks: dict[str, tuple[Mark, Mark]] | None = None
+    ) -> None:
+        super().__init__(values)
+        self.mark, self.marks = mark, marks or {}
+
+    def __str__(self) -> str:
+        return f"{{{', '.join(f'{key}: {value}' for key, value in self.items())}}}"
+
+    def take(self, key: str, source: Map, name: str = "") -> None:
+        """The value of a key of another mapping, with its place."""
+        self[key] = source[name or key]
+        self.marks[key] = source.marks[name or key]
+
+
+class Quoted(str):
+    """A text that stands in quotes."""
+
+    __slots__ = ()
+
+
+class Real(float):
+    """A number that is written as the file writes it."""
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class Items(list[Any]):
+    """A list; `mark`: where it begins, `marks`: where each item begins."""
+
+    def __init__(self, values: Any = (), mark: Mark = (0, 0), marks: Sequence[Mark] = ()) -> None:
+        super().__init__(values)
+        self.mark, self.marks = mark, list(marks)
+
+    def __str__(self) -> str:
+        return f"[{', '.join(map(str, self))}]"
+
+
+def get(node: Any, *path: str | int) -> Any:
+    """What stands at a path, or None; of a function, in what it makes."""
+    node = node() if callable(node) else node
+    for step in path:
+        if isinstance(node, dict) and str(step) in node:
+            node = node[str(step)]
+        elif isinstance(node, list) and str(step).isdigit() and int(step) < len(node):
+            node = node[int(step)]
+        else:
+            return None
+    return node
+
+
+def put(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
+    """The same tree with `value` at `path`; mappings are made where they are missing.  Raises KeyError off the tree."""
+    if not path:
+        return value
+    step, *rest = path
+    if isinstance(node, Map) or node is None:
+        known: Map = Map({}, mark) if node is None else node
+        key, old = known.marks.get(step, (mark, mark))
+        found = Map(known, known.mark, {**known.marks, step: (key, old if rest else mark)})
+        found[step] = put(known.get(step), rest, value, mark)
+        return found
+    if isinstance(node, Items) and step.isdigit() and int(step) < len(node):
+        items = Items(node, node.mark, node.marks)
+        items[int(step)] = put(node[int(step)], rest, value, mark)
+        if not rest:
+            items.marks[int(step)] = mark
+        return items
+    raise KeyError(step)
+
+
+def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
+    """Where the value (or its key) at `path` begins; steps that the file lacks, as tags of unions, are passed over."""
+    node = root() if callable(root) else root
+    mark = own = getattr(node, "mark", (1, 1))
+    for step in path:
+        if isinstance(node, Map) and str(step) in node:
+            own, mark = node.marks[str(step)]
+            node = node[str(step)]
+        elif isinstance(node, Items) and isinstance(step, int) and step < len(node):
+            own = mark = node.marks[step]
+            node = node[step]
+    return own if key else mark
+
+
+def read_study(path: Path) -> tuple[str, Map]:
+    """The text of a file and its tree.  Raises `InputError` at its place for what is no YAML mapping."""
+    shown = shortened(path)
+    try:
+        text = read_bytes(path, MOST_BYTES, "study file").decode("utf-8-sig")
+    except FileNotFoundError:
+        names = [p.name for p in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
+        near = difflib.get_close_matches(path.name, names[:1000], 1)
+        hint = f"did you mean {shortened(path.parent / near[0])}?" if near else "`pound init NAME` writes one"
+        raise InputError(Problem("no such file", hint, shown)) from None
+    except IsADirectoryError:
+        raise InputError(Problem(f"{shown} is a folder", "name the study file in it", shown)) from None
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise InputError(Problem("the file is not UTF-8 text", "save it as UTF-8", shown, line, 1)) from None
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(
+            Problem(
+                f"cannot be read: {getattr(error, 'strerror', None) or error}",
+                "check the path and its permissions",
+                shown,
+            )
+        ) from None
+    return text, parse(text, shown)
+
+
+def parse(text: str, file: str) -> Map:
+    """The tree of a text."""
+    reader = _Reader(text, file)
+    try:
+        root, mark = reader.document()
+    except yaml.MarkedYAMLError as error:
+        raise InputError(_syntax(file, error, text)) from None
+    except yaml.YAMLError as error:
+        raise InputError(
+            Problem(f"this is not YAML: {error}", "remove control characters; save the file as UTF-8 text", file, 1, 1)
+        ) from None
+    if root is None:
+        raise InputError(
+            Problem("the file is empty", "see configs/quickstart.yaml for the smallest useful study", file, 1, 1)
+        )
+    if not isinstance(root, Map):
+        reader.refuse(mark, "a study is a mapping of keys to values", "begin with `title: ...`")
+    reader.problems.check()
+    return root
+
+
+class _Reader:
+    """Turns the events of a parser into Maps, Items and scalars of YAML 1.2; notes what is wrong on the way."""
+
+    def __init__(self, text: str, file: str) -> None:
+        self.text, self.file, self.count, self.problems = text, file, 0, Problems(file)
+        self.anchors: dict[str, tuple[Any, Mark, int, int]] = {}
+        self.events: Iterator[Any] = yaml.parse(text, Loader=_LOADER)
+
+    def refuse(self, mark: Mark, message: str, hint: str, last: bool = False) -> None:
+        self.problems.add(mark, message, hint)
+        if last or len(self.problems.found) > 2 * MOST_TOLD:
+            self.problems.check()
+
+    def document(self) -> tuple[Any, Mark]:
+        root: tuple[Any, Mark] = (None, (1, 1))
+        for event in self.events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                if root[0] is not None:
+                    self.refuse(
+                        _mark(event),
+                        "this is not YAML: expected a single document",
+                        "one file holds one study: remove the line `---`",
+                        True,
+                    )
+                root = self.node(next(self.events), 0)
+        return root
+
+    def node(self, event: Any, depth: int) -> tuple[Any, Mark]:
+        mark = _mark(event)
+        if isinstance(event, yaml.AliasEvent):
+            if event.anchor not in self.anchors:
+                self.refuse(
+                    mark,
+                    f"this is not YAML: found undefined alias '{event.anchor}'",
+                    "put quotes around a value that begins with * or &",
+                    True,
+                )
+            value, mark, size, height = self.anchors[str(event.anchor)]
+            self.counted(size, mark, depth + height)
+            return value, mark
+        self.counted(1, mark, depth)
+        before = self.count
+        if event.tag not in _TAGS:
+            self.refuse(mark, f"the tag {event.tag} is not used here", "write the plain value")
+        if isinstance(event, yaml.ScalarEvent):
+            value = self.scalar(event, mark)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            value = Items((), mark)
+            while not isinstance(below := next(self.events), yaml.SequenceEndEvent):
+                item, at = self.node(below, depth + 1)
+                value.append(item)
+                value.marks.append(at)
+        else:
+            value = self.mapping(mark, depth)
+        if event.anchor is not None:
+            self.anchors[event.anchor] = value, mark, self.count - before + 1, _height(value)
+        return value, mark
+
+    def counted(self, values: int, mark: Mark, depth: int) -> None:
+        self.count += values
+        if self.count > MOST_VALUES:
+            hint = "write fewer aliases (*name)" if self.anchors else "a study is far shorter: motions stand in files"
+            self.refuse(mark, f"more than {MOST_VALUES} keys and values", hint, True)
+        if depth > DEEPEST:
+            self.refuse(mark, "the file is nested too deeply", f"a study needs at most {DEEPEST} levels", True)
+
+    def mapping(self, mark: Mark, depth: int) -> Map:
+        found, last = Map((), mark), None
+        while not isinstance(event := next(self.events), yaml.MappingEndEvent):
+            at, word = _mark(event), event.value if isinstance(event, yaml.ScalarEvent) else None
+            if word is None:
+                self.node(event, depth + 1)
+                self.refuse(at, "a key must be a word", "write `key: value`")
+            key, first = canonical(word or ""), next(self.events)
+            value, there = self.node(first, depth + 1)
+            if word is None or (value is None and _is_plain(event) and self.is_slip(word, event, last)):
+                pass
+            elif word == "<<" and _is_plain(event):
+                self.refuse(at, "merge keys (<<) are not used here", "write `like: NAME` to build on another building")
+            elif key in found:
+                line, column = found.marks[key][0]
+                self.refuse(
+                    at,
+                    f"'{key}' occurs twice; first in line {line}" + (f", column {column}" if line == at[0] else ""),
+                    "remove one of the two",
+                )
+            else:
+                found[key], found.marks[key] = value, (at, there)
+            last = first
+        return found
+
+    def is_slip(self, word: str, event: Any, last: Any) -> bool:
+        """A key without value that is none: `period:0.6 s`, or the second half of `0,6 s` in {...}."""
+        if slip := MISSING_BLANK.match(word):
+            self.refuse(_mark(event), f"'{word}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`")
+            return True
+        if (
+            isinstance(last, yaml.ScalarEvent)
+            and _is_plain(last)
+            and _INTEGER.match(last.value)
+            and _AFTER_COMMA.match(word)
+        ):
+            end: Any = last.end_mark
+            if self.text[end.index : event.start_mark.index] == ",":
+                self.refuse(
+                    _mark(last),
+                    f"'{last.value},{word}' has a decimal comma: inside brackets a comma ends the value",
+                    f"write `{last.value}.{word}`",
+                )
+                return True
+        return False
+
+    def scalar(self, event: Any, mark: Mark) -> Any:
+        word = event.value
+        if CONTROL.search(word):
+            self.refuse(mark, f"'{plain(word)[:60]}' holds a control character", "write letters, digits and signs")
+        if not _is_plain(event):
+            return Quoted(word) if event.style in ("'", '"') else word
+        if word.lower() in _WORDS:
+            return _WORDS[word.lower()]
+        if _INTEGER.match(word) and len(word) < 19:
+            return int(word)
+        if _FLOAT.match(word):
+            if math.isinf(float(word)):
+                self.refuse(mark, f"{word[:60]} is too large a number", "write a number below 1e308")
+            number = Real(word)
+            number.text = word
+            return number
+        return word
+
+
+def canonical(key: str) -> str:
+    """A key as it is read: `" gap "` is `gap`, `01` is `1`, and accents are one character each."""
+    key = " ".join(unicodedata.normalize("NFC", key).split())
+    return key.lstrip("0") or "0" if key.isascii() and key.isdigit() else key
+
+
+def _is_plain(scalar: Any) -> bool:
+    return scalar.style not in ('"', "'", "|", ">")
+
+
+def _mark(event: Any) -> Mark:
+    return event.start_mark.line + 1, event.start_mark.column + 1
+
+
+def _height(node: Any) -> int:
+    below = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    return max((1 + _height(child) for child in below), default=0)
+
+
+def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
+    mark = error.problem_mark or error.context_mark
+    line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+    what, lines = error.problem or "unreadable", text.split("\n")
+    begin = error.context_mark.line + 1 if error.context and error.context_mark else line
+    if begin != line:
+        what += f" ({error.context} that begins in line {begin})"
+    if (unit := _unit_behind_list(lines, line, column)) is not None:
+        return Problem(*unit, file, line, column)
+    flow = "flow" in str(error.context)
+    for number in range(begin, min(line, begin + 50) + 1):
+        row = "".join(lines[number - 1 : number])[:2000]
+        if flow and (place := row.find(" #")) >= 0 and ("}" in row[place:] or "]" in row[place:]):
+            return Problem(
+                "a # inside brackets hides the rest of its line, the closing bracket too",
+                "move the comment behind the closing bracket",
+                file,
+                number,
+                place + 2,
+            )
+    for number in (line, line - 1):
+        row = "".join(lines[number - 1 : number])[:200] if number > 0 else ""
+        if (slip := MISSING_BLANK.match(row.strip().removeprefix("- "))) and not flow:
+            return Problem(
+                f"'{slip[0]}' lacks a blank after its colon",
+                f"write `{slip[1]}: {slip[2]}`",
+                file,
+                number,
+                len(row) - len(row.lstrip()) + 1,
+            )
+    shown = "".join(lines[line - 1 : line])
+    if "\t" in shown[: len(shown) - len(shown.lstrip())] or "\\t" in what:
+        hint = "indent with spaces: YAML does not allow tabs"
+    elif "mapping values are not allowed" in what:
+        hint = "put quotes around a value that holds ': '"
+    else:
+        hint = "check brackets, quotes, commas and the indentation around this place"
+    return Problem(f"this is not YAML: {what}", hint, file, line, column)
+
+
+def _unit_behind_list(lines: list[str], line: int, column: int) -> tuple[str, str] | None:
+    """Message and hint for `[1, 2] kN/m`, where the reading ended at the unit; None for anything else."""
+    before = "\n".join([*lines[max(0, line - 50) : line - 1], "".join(lines[line - 1 : line])[: column - 1]])[-4000:]
+    unit = _UNIT.match("".join(lines[line - 1 : line])[column - 1 :])
+    found = _LIST.search(before)
+    if unit is None or found is None:
+        return None
+    values = [value.strip() for value in found["values"].split(",")]
+    if not all(_FLOAT.match(value.split(" ")[0]) for value in values):
+        return None
+    whole = ", ".join(f"{value} {unit[0].strip()}" if _FLOAT.match(value) else value for value in values)
+    message = f"YAML ends the list at its bracket: '{unit[0].strip()}' behind it belongs to no value"
+    return message, f"write the unit at each value: `{found['key'] or ''}[{whole}]`"
+
+
+class Problems:
+    """Collects problems of one file; two at one place with one message count once."""
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.found: dict[Problem, None] = {}
+
+    def add(self, mark: Mark, message: str, hint: str = "") -> None:
+        """Note a problem at a line and column, or at a key of Python data."""
+        place: Any = (mark[0], 0, 0) if isinstance(mark[0], str) else (self.file, *mark)
+        self.found[Problem(message, hint, *place)] = None
+
+    def at(self, root: Any, path: Steps, message: str, hint: str = "", key: bool = False) -> None:
+        """Note a problem with the value (or the key) at `path`."""
+        self.add(locate(root, path, key), message, hint)
+
+    def extend(self, problems: Iterable[Problem]) -> None:
+        """Note problems found elsewhere."""
+        self.found |= dict.fromkeys(problems)
+
+    def validation(self, root: Any, error: ValidationError, at: Steps, model: Any, told: Sequence[str] = ()) -> None:
+        """Note every error of a validation against `model` of what stands at `at`.
+
+        told : sections whose entries are validated elsewhere
+        """
+        from pounding_cli.study.words import in_words
+
+        for number, item in enumerate(error.errors(include_url=False)):
+            path = (*at, *item["loc"])
+            if number >= MOST_TOLD:
+                self.at(root, path[:1], "and more problems like these", key=True)
+                break
+            if len(path) > 1 and path[0] in told and path[-1] != "[key]":
+                continue
+            message, hint, key = in_words(dict(item), path, model, root)
+            if message:
+                self.at(root, path, message, hint, key)
+
+    def check(self) -> None:
+        """Raise `InputError` with everything noted, in the file's order, if anything was."""
+        if self.found:
+            ordered = sorted(self.found, key=lambda p: (p.file, p.line, p.column))
+            if len(ordered) > 2 * MOST_TOLD:
+                ordered[2 * MOST_TOLD :] = [
+                    Problem(f"and {len(ordered) - 2 * MOST_TOLD} more problems", "correct these first", self.file)
+                ]
+            raise InputError(ordered)
+
+
+def nearest(word: Any, names: Iterable[str]) -> str:
+    """A hint naming the nearest of `names`, and all of them."""
+    known = [str(name)[:60] for name in islice(names, 1000)]
+    near = difflib.get_close_matches(str(word)[:60], known, 1, 0.5)
+    listed = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
+    return (f"did you mean '{near[0]}'? " if near else "") + (f"known: {listed}" if known else "none is defined")

@@ -1,0 +1,309 @@
+"""Quantities as people write them, `5 cm` or `0.35 g`: one declaration gives reading, range, messages, schema, docs."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from pydantic_core import PydanticCustomError, core_schema
+
+from pounding_cli.units import GRAVITY, Dimension, factor, measure
+
+NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+_QUANTITY = re.compile(rf"({NUMBER})(?:\s*/\s*({NUMBER}))?\s*([A-Za-zµ°%].*)?\Z")
+_COMMA = re.compile(r"([-+]?[0-9]{1,15}),([0-9]{1,15})((?: ?[A-Za-z%][^,]*)?)\Z")
+_COMMENT = re.compile(r"([^#]*[^#\s])#(.*)\Z")
+LONGEST = 200
+"""Characters of a quantity."""
+
+
+def written_unit(value: Any) -> str:
+    """The unit in a text such as "5 cm"; "" where it names none or is no quantity."""
+    found = _QUANTITY.match(value.strip()) if isinstance(value, str) and len(value) <= LONGEST else None
+    return (found[3] or "") if found else ""
+
+
+def lacks_unit(value: Any, quantity: Quantity | None) -> bool:
+    """Whether a value is written without the unit that it has."""
+    if quantity is None or not quantity.si or isinstance(value, list | dict | bool) or value in quantity.words:
+        return False
+    try:
+        return bool(quantity.read(value)) and not written_unit(str(value))
+    except PydanticCustomError:
+        return False  # said where it is read
+
+
+def refuse(message: str, hint: str = "", key: bool = False, whole: bool = False) -> PydanticCustomError:
+    """A pydantic error with a hint; key : it stands at the key, not at the value; whole : it says whose it is."""
+    return PydanticCustomError("refused", "{message}", {"message": message, "hint": hint, "key": key, "whole": whole})
+
+
+def said(value: Any) -> str:
+    """A value as messages quote it."""
+    if isinstance(value, list | tuple | dict):
+        return "a mapping" if isinstance(value, dict) else "a list"
+    return (
+        {True: "true", False: "false", None: "nothing"}.get(value, f"'{str(value)[:60]}'")
+        if not isinstance(value, float | int) or isinstance(value, bool)
+        else f"'{value}'"
+    )
+
+
+def said_place(mark: tuple[Any, int]) -> str:
+    """A place of the study in words."""
+    return f"at {mark[0]}" if isinstance(mark[0], str) else f"in line {mark[0]}"
+
+
+class Read:
+    """What stands in `Annotated[...]`: `read` gives the value or raises; `form` and `examples` say how it looks."""
+
+    form: str = ""
+    examples: tuple[Any, ...] = ()
+
+    def read(self, value: Any) -> Any:
+        raise NotImplementedError
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [{"type": "number"}, {"type": "string"}], "title": self.form, "examples": list(self.examples)}
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return self.schema()
+
+
+@dataclass(frozen=True)
+class Quantity(Read):
+    """A number with a unit.
+
+    name, si, example : what it is, its SI unit ("" for a plain number), how to write one
+    low, high, open_low, open_high : the range allowed, in SI; the end itself is excluded where open
+    words : other texts, taken as they are;  percent : it is written with its %
+    """
+
+    name: str
+    si: str
+    example: str
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    open_high: bool = False
+    words: tuple[str, ...] = ()
+    percent: bool = False
+
+    def but(self, **changes: Any) -> Quantity:
+        return replace(self, **changes)
+
+    @property
+    def range(self) -> str:
+        """The range in words, e.g. "above 0 s and at most 20 s"."""
+        unit, parts, scale = (" %", [], 100) if self.percent else (f" {self.si}" if self.si else "", [], 1)
+        if self.low > -math.inf:
+            parts.append(f"{'above' if self.open_low else 'at least'} {scale * self.low:g}{unit}")
+        if self.high < math.inf:
+            parts.append(f"{'below' if self.open_high else 'at most'} {scale * self.high:g}{unit}")
+        return " and ".join(parts)
+
+    @property
+    def wanted(self) -> str:
+        """What to write, in words."""
+        what = f"{'an' if self.name[0] in 'aeio' else 'a'} {self.name}" + (f" [{self.si}]" if self.si else "")
+        words = "".join(f" or {word}" for word in self.words)
+        return f"write {what}{f' {self.range}' if self.range else ''}{words}, e.g. {self.example}"
+
+    @property
+    def form(self) -> str:  # type: ignore[override]
+        if self.percent:
+            return f"{self.name} in %"
+        return ", ".join(filter(None, (self.si or "-", self.range, *(f"`{word}`" for word in self.words))))
+
+    def read(self, value: Any) -> Any:
+        """The SI number, or one of `words`.  Raises PydanticCustomError saying what to write."""
+        if isinstance(value, str) and value.strip() in self.words:
+            return value.strip()
+        number = self._number(value)
+        if not math.isfinite(number):
+            raise refuse(f"{value} is not a finite number", self.wanted)
+        if (
+            number < self.low
+            or number > self.high
+            or (self.open_low and number == self.low)
+            or (self.open_high and number == self.high)
+        ):
+            shown = f"{100 * number:g} %" if self.percent else f"{number:g}{f' {self.si}' if self.si else ''}"
+            raise refuse(f"the {self.name} is {shown}; it must be {self.range}", self.wanted)
+        return number
+
+    def _number(self, value: Any) -> float:
+        if isinstance(value, list | tuple | dict):
+            hint = f"{self.wanted}; several values to run one after the other stand under `sweep:`"
+            raise refuse(f"{said(value)} stands where one {self.name} belongs", hint)
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise refuse(f"{said(value)} is not a {self.name}", self.wanted)
+        if self.percent and not (isinstance(value, str) and value.strip().endswith("%")):
+            raise refuse(f"{said(value)} is not a {self.name}: it lacks its %", self.wanted)
+        if not isinstance(value, str):
+            return float(value)
+        value = value.strip()
+        if len(value) > LONGEST:
+            raise refuse(f"{len(value)} characters are not a {self.name}", self.wanted)
+        found = _QUANTITY.match(value)
+        if not found:
+            raise refuse(f"'{value}' is not a number with a unit{_slip(value)}", self.wanted)
+        number = float(found[1])
+        if found[2] is not None:
+            if float(found[2]) == 0:
+                raise refuse(f"'{value}' divides by zero", self.wanted)
+            number /= float(found[2])
+        if found[3] is None:
+            return number
+        try:
+            one = factor(found[3], self.si)
+        except ValueError:
+            raise refuse(f"'{found[3]}' is not a unit this program knows{_slip(value)}", self.wanted) from None
+        if one is None:
+            if self.si == "kg" and (force := factor(found[3], "N")) is not None:
+                tonnes = f"{number * force / GRAVITY / 1000:.3g} t"
+                raise refuse(f"'{value}' is a force, not a mass: the weight of about {tonnes}", f"write `{tonnes}`")
+            raise refuse(f"'{value}' is no {self.name}: expected {self.si or 'a plain number'}", self.wanted)
+        return number * one
+
+    def schema(self) -> dict[str, Any]:
+        number: dict[str, Any] = {"type": "number"}
+        if self.low > -math.inf:
+            number["exclusiveMinimum" if self.open_low else "minimum"] = self.low
+        if self.high < math.inf:
+            number["exclusiveMaximum" if self.open_high else "maximum"] = self.high
+        kinds = [{"type": "string"}] if self.percent else [number, {"type": "string"}]
+        title = f"{self.name} [{self.si}]" if self.si else self.name
+        return {"anyOf": kinds, "title": title, "examples": [self.example, *self.words]}
+
+
+def _slip(value: str) -> str:
+    if found := _COMMA.match(value):
+        return f": it has a decimal comma, write `{found[1]}.{found[2]}{found[3]}`"
+    if found := _COMMENT.match(value):
+        return f": a comment needs a blank before its #, write `{found[1]}  # {found[2].strip()}`"
+    return ""
+
+
+@dataclass(frozen=True)
+class Storey:
+    """A stiffness as a multiple of the stiffest or the mean storey of a building, or of all of the group."""
+
+    factor: float
+    which: str
+    building: str | None = None
+
+    def __str__(self) -> str:
+        return f"{self.factor:.12g} x {self.which} storey{f' of {self.building}' if self.building else ''}"
+
+
+_RULE = re.compile(
+    rf"\s*(?:(?P<top>{NUMBER})\s*(?:/\s*(?P<bottom>{NUMBER}))?\s*(?P<percent>%)?\s*(?:x|X|×|\*|times)?\s*)?"
+    r"(?:the\s+)?(?P<which>stiffest|mean|average)\s+store?y(?:\s+of\s+(?:the\s+)?(?P<building>\S.*?))?\s*\Z"
+)
+
+
+@dataclass(frozen=True)
+class Stiffness(Quantity):
+    """A stiffness [N/m], or a multiple of a storey's: `20 x stiffest storey`, `1/5 mean storey of stiff`."""
+
+    def read(self, value: Any) -> float | Storey:
+        if isinstance(value, Storey):
+            return value
+        if not isinstance(value, str) or "stor" not in value:
+            return super().read(value)
+        found, hint = (
+            _RULE.match(value) if len(value) <= LONGEST else None,
+            ("write an SI or unit value such as 200 kN/mm, or `20 x stiffest storey`, or `1/5 mean storey of NAME`"),
+        )
+        if not found:
+            raise refuse(f"'{value[:LONGEST]}' is not a stiffness", hint)
+        if float(found["bottom"] or 1) == 0:
+            raise refuse(f"'{value}' divides by zero", hint)
+        multiple = float(found["top"] or 1) / float(found["bottom"] or 1) / (100 if found["percent"] else 1)
+        if not 0 < multiple < 1e12:
+            raise refuse(f"the factor in '{value}' is {multiple:g}; it must be above 0", hint)
+        return Storey(multiple, "mean" if found["which"] == "average" else found["which"], found["building"])
+
+    @property
+    def form(self) -> str:  # type: ignore[override]
+        return "N/m, or a multiple of a storey's"
+
+
+@dataclass(frozen=True)
+class Whole(Read):
+    """A whole number, in digits."""
+
+    low: int
+    high: int
+    si: str = ""
+
+    @property
+    def form(self) -> str:  # type: ignore[override]
+        return "whole number"
+
+    def read(self, value: Any) -> int:
+        if (isinstance(value, str) and re.fullmatch(r"[0-9]{1,9}", value)) or (
+            isinstance(value, float) and value.is_integer() and abs(value) < 1e15
+        ):
+            value = int(value)
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise refuse(
+                f"{said(value)} is not a whole number", f"write a whole number from {self.low} to {self.high}, e.g. 5"
+            )
+        if not self.low <= value <= self.high:
+            bound = f"at least {self.low}" if value < self.low else f"at most {self.high}"
+            raise refuse(f"'{value}' is not allowed; it must be {bound}", f"write a number {bound}")
+        return value
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "integer", "minimum": self.low, "maximum": self.high}
+
+
+@dataclass(frozen=True)
+class Text(Read):
+    """A value read by a function of its own."""
+
+    reader: Callable[[Any], Any]
+    form: str = ""
+    examples: tuple[Any, ...] = ()
+    quantity: Quantity | None = None
+
+    def read(self, value: Any) -> Any:
+        return self.reader(value)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A number with a unit of any dimension, in SI, with its powers of kg, m and s, as written."""
+
+    value: float
+    dimension: Dimension
+    text: str
+
+
+def measured(value: Any) -> Measured:
+    """A number with any unit, or none."""
+    unit = written_unit(value)
+    try:
+        one, dimension = measure(unit) if unit else (1.0, (0.0, 0.0, 0.0))
+    except ValueError:
+        raise refuse(f"'{unit}' is not a unit this program knows", "write e.g. 20 kN/mm or 5e12 N/m^3") from None
+    bare = value.strip().removesuffix(unit) if unit else value
+    return Measured(Quantity("parameter", "", "20 kN/mm").read(bare) * one, dimension, str(value))
+
+
+LENGTH = Quantity("length", "m", "3 m", 0.0, open_low=True)
+GAP = Quantity("gap", "m", "5 cm", 0.0, 10.0)
+MASS = Quantity("mass", "kg", "200 t", 0.0, open_low=True)
+TIME = Quantity("time", "s", "0.36 s", 0.0, open_low=True)
+STIFFNESS = Quantity("stiffness", "N/m", "200 kN/mm", 0.0, open_low=True)
+LINK_STIFFNESS = Stiffness("stiffness", "N/m", "200 kN/mm", 0.0, open_low=True)
+FORCE = Quantity("force", "N", "900 kN", 0.0, open_low=True)
+ACCELERATION = Quantity("acceleration", "m/s2", "0.35 g", 0.0, open_low=True)

@@ -1,0 +1,226 @@
+"""The sections of a study that ask a question: gap, fragility, sensitivity, optimise."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import WithJsonSchema
+
+from pounding_cli.model.separation import GB_SHARE, GB_STEP
+from pounding_cli.study.base import Model, key, one_or_many
+from pounding_cli.study.claim_names import CLAIMS
+from pounding_cli.study.file import nearest
+from pounding_cli.study.limits import Limit, read_limit
+from pounding_cli.study.quantity import TIME, Quantity, Text, Whole, refuse, written_unit
+
+ALL = "all"
+"""Every claim about the figure of the study."""
+
+SEED = Annotated[int, Whole(1, 2**31 - 1)]
+_COLUMN = (
+    "a column of the tables, `largest`, `smallest` or `mean` over its storeys (default: `largest`), `in BUILDING`, "
+    "`storey N`; arithmetic, `max`, `min`"
+)
+
+
+def _share(name: str, example: str) -> Quantity:
+    """A share above 0 % and below 100 %, written with its %; read as a number from 0 to 1."""
+    return Quantity(name, "", example, 0.0, 1.0, open_low=True, open_high=True, percent=True)
+
+
+CONFIDENCE = _share("confidence", "90 %")
+
+
+def _percents(name: str, example: str) -> Any:
+    return one_or_many(Annotated[float, _share(name, example)], most=20, as_list=True)
+
+
+class Gb50011Spec(Model):
+    """GB 50011-2010, clause 6.1.4: what it takes from the user."""
+
+    intensity: Annotated[int, Whole(min(GB_STEP), max(GB_STEP))] = key(
+        ..., "seismic fortification intensity, 6 to 9", 8
+    )
+    structure: Literal[tuple(GB_SHARE)] = key("frame", "system of the building that needs the wider joint")  # type: ignore[valid-type]
+
+
+class GapSpec(Model):
+    """What `pound gap` is asked."""
+
+    percentiles: _percents("percentile", "84 %") = key(("84 %",), "percentiles over the motions, one or a list")  # type: ignore[valid-type]
+    contact: _percents("probability of contact", "10 %") = key(  # type: ignore[valid-type]
+        ("10 %",), "probabilities of contact, one or a list: the gap for each"
+    )
+    gb50011: Gb50011Spec | None = key(None, "intensity and system for the joint of GB 50011-2010")
+
+
+MEASURES = ("pga", "pgv", "sa", "factor")
+"""Intensity measures, as `records.scale` has them; `factor` is the scale factor itself."""
+
+_PERIOD = TIME.but(name="period", example="0.5 s", low=0.01, open_low=False, high=60.0)
+_MEASURE = re.compile(r"(?P<name>[A-Za-z]+)\s*(?:\(\s*(?P<period>[^()]*?)\s*\))?\Z")
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An intensity measure of a motion; `period` [s] of `sa` only, 0 where it is the swept one."""
+
+    name: str
+    period: float = 0.0
+
+    def __str__(self) -> str:
+        return f"sa({self.period:g} s)" if self.period else self.name
+
+
+def read_measure(value: Any) -> Measure:
+    """`pga`, `pgv`, `factor`, `sa` or `sa(0.5 s)`.  Raises PydanticCustomError saying what to write."""
+    hint = "write pga, pgv, factor or the pseudo-acceleration at a period, sa(0.5 s)"
+    found = _MEASURE.match(value.strip()) if isinstance(value, str) and len(value) < 60 else None
+    if found is None:
+        raise refuse(f"'{str(value)[:60]}' is not an intensity measure", hint)
+    if found["name"] not in MEASURES:
+        raise refuse(f"no intensity measure '{found['name']}' is known", nearest(found["name"], MEASURES))
+    if found["period"] is None:
+        return Measure(found["name"])
+    if found["name"] != "sa":
+        raise refuse(f"'{value}': only sa has a period", f"write `{found['name']}`")
+    if not written_unit(found["period"]):
+        raise refuse(f"'{value}': the period has no unit", "write e.g. `sa(0.5 s)`")
+    return Measure("sa", _PERIOD.read(found["period"]))
+
+
+_LIMIT = Annotated[Limit, Text(read_limit, "limit in words", ("mu > 4", "drift > 2 %", "contact"))]
+
+
+class FragilitySpec(Model):
+    """What `pound fragility` is asked."""
+
+    limits: one_or_many(_LIMIT, 0, 20, True) = key(  # type: ignore[valid-type]
+        (),
+        "limits in words, one or a list: `mu > 4`, `drift > 2 %` (of the storey height) or `drift > 6 cm`, "
+        "`acceleration > 1 g`, `shear_demand > 1` (of columns that slabs strike), `contact`, `collapse`; of each "
+        "building, or with `in BUILDING`, `in BUILDING storey N` of one",
+    )
+    method: Literal["ida", "stripes", "cloud"] = key(
+        "ida",
+        "`ida`: each motion is scaled through the swept intensities until it passes, few of them solved; "
+        "`stripes`: every motion at every swept intensity; `cloud`: motions as they are, and a line through them",
+    )
+    intensity: Annotated[Measure, Text(read_measure, "intensity measure", (*MEASURES, "sa(0.5 s)"))] | None = key(
+        None, "intensity measure of the curves; default: the swept one; for a cloud, pga"
+    )
+    fill: Annotated[int, Whole(0, 1000)] = key(
+        4,
+        "intensities solved below the one at which a motion passes, and among those that a collapse leaves "
+        "undecided (`ida`), in case it passes there too",
+    )
+    confidence: Annotated[float, CONFIDENCE] = key("90 %", "confidence of all intervals")
+    draws: Annotated[int, Whole(100, 100_000)] = key(1000, "draws of the bootstrap over the motions")
+
+
+def _read_text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise refuse("this is not an expression", "write e.g. `largest mu in soft`")
+    return value
+
+
+EXPRESSION = Annotated[
+    str, Text(_read_text, "expression over the tables", ("mu", "largest V_ratio in stiff", "max(mu, mu0)"))
+]
+
+
+def _read_claim(value: Any) -> str:
+    if value not in (ALL, *CLAIMS):
+        shown = f"'{value[:60]}'" if isinstance(value, str) else "this"
+        raise refuse(f"{shown} is not a claim", nearest(str(value), (ALL, *CLAIMS)))
+    return str(value)
+
+
+_CLAIM = Annotated[str, Text(_read_claim, "name of a claim, or `all`", ("all", "infill-response"))]
+
+
+class SensitivitySpec(Model):
+    """What `pound sensitivity` is asked."""
+
+    outputs: one_or_many(EXPRESSION, 0, 50, True) = key(  # type: ignore[valid-type]
+        (),
+        f"outputs, one or a list: {_COLUMN}",
+    )
+    claims: one_or_many(_CLAIM, 0, 50, True) = key(  # type: ignore[valid-type]
+        (),
+        "statements of the paper whose probability is computed, one or a list, or `all` about the figure "
+        "that `claims:` of the study names",
+    )
+    method: Literal["sobol", "morris"] = key(
+        "sobol",
+        "`sobol`: shares of the variance, and the distribution of each output; `morris`: a cheap screening "
+        "by elementary effects",
+    )
+    samples: Annotated[int, Whole(4, 2**17)] | None = key(
+        None,
+        "base samples; `sobol` takes (keys + 2) points for each, a power of 2, default: 256; `morris` "
+        "(keys + 1), default: 32",
+    )
+    confidence: Annotated[float, CONFIDENCE] = key("95 %", "confidence of all intervals")
+    draws: Annotated[int, Whole(100, 100_000)] = key(1000, "draws of the bootstrap")
+    over_motions: Literal["mean", "largest"] = key(
+        "mean", "value over the motions, storey by storey, unless each sample has one motion"
+    )
+    seed: SEED = key(1, "seed of samples and draws")
+
+
+_END = {"type": ["number", "string"]}
+_OVER_FORM = {
+    "type": "object",
+    "additionalProperties": {
+        "anyOf": [
+            {
+                "type": "object",
+                "properties": {"from": _END, "to": _END, "spacing": {"enum": ["linear", "log"]}},
+                "required": ["from", "to"],
+                "additionalProperties": False,
+            },
+            {
+                "type": "object",
+                "properties": {"choice": {"type": "array", "minItems": 2}},
+                "required": ["choice"],
+                "additionalProperties": False,
+            },
+        ]
+    },
+    "title": "Over",
+    "examples": [{"cases.near.gap": {"from": "1 cm", "to": "10 cm"}, "cases.near.floors": {"choice": [[5], [3, 5]]}}],
+}
+
+
+class OptimiseSpec(Model):
+    """What `pound optimise` is asked."""
+
+    least: EXPRESSION | None = key(
+        None,
+        f"number to minimise: {_COLUMN}",
+    )
+    most: EXPRESSION | None = key(None, "number to maximise, instead of `least`")
+    over: Annotated[Any, WithJsonSchema(_OVER_FORM)] = key(
+        None,
+        "dotted keys with the range of each, `{from: 1 cm, to: 5 cm}` (`spacing: log` for stiffnesses), or "
+        "with the values to choose from, `{choice: [[5], [3, 5]]}`",
+    )
+    case: str | None = key(None, "case to optimise; required if the study has several")
+    analysis: Literal["elastic", "inelastic"] | None = key(None, "analysis to optimise; required if the study has both")
+    over_motions: Literal["mean", "largest"] = key("mean", "value over the motions, storey by storey")
+    over_sweep: Literal["worst", "mean"] = key(
+        "worst",
+        "value over the points of a `sweep:`; `worst`: the largest for `least`, the smallest for `most`",
+    )
+    generations: Annotated[int, Whole(1, 10_000)] = key(
+        100, "largest number of generations; the search ends when all points of one are nearly as good"
+    )
+    population: Annotated[int, Whole(5, 10_000)] | None = key(
+        None, "points of a generation; default: 12 for each key, at least 20"
+    )
+    slice_points: Annotated[int, Whole(5, 1001)] = key(21, "points along each key through the optimum")
+    map_points: Annotated[int, Whole(5, 201)] = key(15, "points along each of the two keys of the map")
+    seed: SEED = key(1, "seed of the search")

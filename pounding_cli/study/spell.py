@@ -1,0 +1,196 @@
+"""From what people write to what the schema holds: `like:` carried out, the links of a case as one list."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from pounding_cli.laws import KELVIN_VOIGT, link_laws
+from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
+from pounding_cli.study.laws import LOSSES, POUNDING, SHARED, Unknown, keys_of
+from pounding_cli.study.models import BASE_SHEAR
+
+CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
+"""Keys of a yield that speak of a code."""
+
+Sides = tuple[frozenset[str], frozenset[str]]
+ALTERNATIVES: dict[str, tuple[Sides, ...]] = {
+    "building": (
+        (frozenset({"stiffness"}), frozenset({"period", "taper"})),
+        (frozenset({"yield_shear"}), frozenset({"yield"})),
+        (frozenset({"rayleigh"}), frozenset({"damping"})),
+    ),
+    "yield": ((frozenset({"K"}), frozenset({"Rw"})), (BASE_SHEAR, CODE)),
+}
+"""Keys of which one mapping may give one side only; an inherited key is replaced by its alternative."""
+
+MOST_LIKES = 50
+"""Buildings that one may inherit from, one through the other."""
+
+
+def _alternatives(kind: str, stiffness: Any) -> tuple[Sides, ...]:
+    """Those of a mapping; a `stiffness` that is itself made from a period takes the taper."""
+    pairs = ALTERNATIVES.get(kind, ())
+    if kind == "building" and isinstance(stiffness, Map):
+        return ((frozenset({"stiffness"}), frozenset({"period"})), *pairs[1:])
+    return pairs
+
+
+def _refuse_alternatives(node: Any, kind: str, problems: Problems) -> None:
+    """Note every pair of keys in this one mapping that say the same thing in two ways."""
+    for one, other in _alternatives(kind, node.get("stiffness")) if isinstance(node, Map) else ():
+        first, second = [key for key in node if key in one], [key for key in node if key in other]
+        if first and second:
+            hint = f"remove one: '{first[0]}' stands in place of {' and '.join(repr(key) for key in sorted(other))}"
+            problems.add(node.marks[first[0]][0], f"'{first[0]}' and '{second[0]}' cannot both be given", hint)
+
+
+def inherited(buildings: Any, problems: Problems) -> Any:
+    """The buildings with every `like:` carried out; unknown names and circles are noted and left out."""
+    if not isinstance(buildings, Map):
+        return buildings
+    own = {name: _own(node, problems) for name, node in buildings.items()}
+    done: dict[str, Any] = {}
+    for name in own:
+        for each in reversed(_chain(name, own, done, problems)):
+            like = like_of(own[each]) or ""
+            parent = done.get(like, own.get(like))  # as it is written only where that is told as a fault
+            done[each] = own[each] if parent is None else _merged(parent, own[each], "building")
+    return Map({name: done[name] for name in own}, buildings.mark, buildings.marks)
+
+
+def like_of(building: Any) -> str | None:
+    """The building that one is like, which a number may name too; None where it stands on its own."""
+    like = building.get("like") if isinstance(building, Map) else None
+    return str(like) if isinstance(like, str | int | float) and not isinstance(like, bool) else None
+
+
+def _own(node: Any, problems: Problems) -> Any:
+    """A building as it is written, of keys that say the same in two ways the first."""
+    _refuse_alternatives(node, "building", problems)
+    below = get(node, "yield")
+    _refuse_alternatives(below, "yield", problems)
+    if not isinstance(below, Map):
+        return node
+    gone = CODE if "base_shear" in below else BASE_SHEAR if not CODE.isdisjoint(below) else frozenset()
+    if gone.isdisjoint(below):
+        return node
+    kept = Map({key: value for key, value in below.items() if key not in gone}, below.mark, below.marks)
+    return put(node, ["yield"], kept, node.marks["yield"][1])
+
+
+def _chain(name: str, own: dict[str, Any], done: dict[str, Any], problems: Problems) -> list[str]:
+    """A building, the one it is like, and so on, up to one that stands on its own or is done."""
+    chain: list[str] = []
+    while name not in done:
+        chain.append(name)
+        like = like_of(own[name])
+        if like is None:
+            break
+        mark = own[name].marks["like"][1]
+        if like not in own:
+            known = [other for other in own if other != name]
+            problems.add(mark, f"like: no building '{like}' is defined", nearest(like, known))
+            break
+        if like in chain:
+            shown = " -> ".join((*chain[:5], *(("...",) if len(chain) > 5 else ()), like))
+            problems.add(mark, f"like: is circular: {shown}", "let one of them stand on its own")
+            break
+        if len(chain) > MOST_LIKES:
+            message = f"like: leads through more than {MOST_LIKES} buildings"
+            problems.add(mark, message, "let one of them stand on its own")
+            break
+        name = like
+    return chain
+
+
+def _merged(parent: Any, child: Any, kind: str = "") -> Any:
+    """`child` over `parent`, mapping by mapping; lists and scalars are replaced whole."""
+    if not (isinstance(parent, Map) and isinstance(child, Map)):
+        return child
+    gone = {"like"}
+    for one, other in _alternatives(kind, child.get("stiffness") or parent.get("stiffness")):
+        gone |= other if child.keys() & one else set()
+        gone |= one if child.keys() & other else set()
+    found = Map((), child.mark)
+    for key in parent:
+        if key not in gone:
+            found.take(key, parent)
+    for key in child:
+        own = _merged(found[key], child[key], key) if key in found else child[key]
+        found.take(key, child)
+        found[key] = own
+    return found
+
+
+# Links
+
+
+PLACES = ("link", "links", "floors", "pair", "at")
+"""Keys of a link that say which it is and where it stands."""
+
+
+def links_of(case: Any, impact: Any, own: Iterable[str] = ()) -> Any:
+    """A case with its links as one list of whole mappings: each with the keys of the case and of `impact` that its law
+    takes. A word stands for `link: word`; own : names of the study's own laws."""
+    if not isinstance(case, Map):
+        return case
+    mark, several = case.mark, isinstance(case.get("links"), Items)
+    if "links" in case and not several:
+        return Map({"links": case["links"]}, mark, {"links": case.marks["links"]})
+    if not several:
+        entries: list[tuple[Any, Mark]] = [(case, mark)]
+    else:
+        entries = list(zip(case["links"], case["links"].marks, strict=True))
+    found = Items((), case.marks["links"][1] if several else mark)
+    used = {"links"}
+    for entry, at in entries:
+        rule, spoken = _whole(_mapping(entry, at), case if several else None, impact, own)
+        used |= spoken
+        found.append(rule)
+        found.marks.append(at)
+    whole = Map({"links": found}, mark, {"links": case.marks.get("links", (mark, mark))})
+    for key in case if several and found else ():
+        if key not in used:
+            whole.take(key, case)  # nobody's key: it is refused there
+    return whole
+
+
+def _mapping(value: Any, mark: Mark) -> Any:
+    if isinstance(value, str):
+        return Map({"link": value}, mark, {"link": (mark, mark)})
+    return value
+
+
+def _whole(entry: Any, case: Map | None, impact: Any, own: Iterable[str]) -> tuple[Any, set[str]]:
+    """One link with every key that speaks of it, and the keys of the case that do."""
+    if not isinstance(entry, Map):
+        return entry, set()
+    word = entry.get("link")
+    word = str(word) if isinstance(word, int | float) and not isinstance(word, bool) else word
+    contact = impact.get("law", KELVIN_VOIGT) if isinstance(impact, Map) else KELVIN_VOIGT
+    full = f"{word} of {contact}" if word == POUNDING and contact != KELVIN_VOIGT else word
+    law = link_laws().get(str(contact if full != word else word))
+    takes = keys_of(law) if law else set() if word == "none" else {"gap"}
+    rule, spoken = Map((), entry.mark), set[str]()
+    for key in entry:
+        if word != "none" or key not in SHARED:  # what else a link says means nothing where there is none
+            rule.take(key, entry)
+    for key in case or ():
+        # A stiffness beside several links does not say which it is of.
+        if case is not None and key in takes and key != "stiffness" and key not in PLACES:
+            spoken.add(key)
+            if key not in rule and not (key in LOSSES and any(one in entry for one in LOSSES)):
+                rule.take(key, case)
+    if isinstance(impact, Map):
+        for key in impact.keys() & takes - {"stiffness"} - rule.keys():
+            if key in LOSSES and any(one in rule for one in LOSSES):
+                continue
+            if (law is not None and law.subtracts_gap) or key in (*LOSSES, "tension_cut"):
+                rule.take(key, impact)
+    if word is not None:
+        rule["link"] = full
+        if isinstance(full, str) and full.rpartition(" of ")[2] not in (*link_laws(), "none", *own):
+            rule["link"] = Unknown(full)
+            rule["link"].known = (*link_laws(), *own)
+    return rule, spoken

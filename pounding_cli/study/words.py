@@ -1,0 +1,221 @@
+"""The schema asked: what may stand at a dotted key, which quantity it is, and errors of pydantic in words."""
+
+from __future__ import annotations
+
+import functools
+import types
+import typing
+from collections.abc import Iterator, Sequence
+from typing import Any, get_args, get_origin, get_type_hints
+
+import yaml
+from pydantic import BaseModel
+from pydantic_core import PydanticCustomError
+
+from pounding_cli.laws import instead, link_laws
+from pounding_cli.study.file import MISSING_BLANK, Steps, get, nearest
+from pounding_cli.study.laws import Link, keys_of, link_models, own, tag
+from pounding_cli.study.quantity import Quantity, Read, Text, said
+
+
+@functools.cache
+def fields_of(model: type[BaseModel]) -> dict[str, tuple[Any, Any]]:
+    """Type and field of every key of a mapping, as the file calls it."""
+    hints = get_type_hints(model, include_extras=True)
+    return {info.alias or name: (hints[name], info) for name, info in model.model_fields.items()}
+
+
+def leaves(kind: Any) -> Iterator[Any]:
+    """What a type comes to: models, tuples, dicts, literals and what is read."""
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is typing.Annotated:
+        read = next((part for part in parts[1:] if isinstance(part, Read)), None)
+        yield from [read] if read is not None else leaves(parts[0])
+    elif origin in (typing.Union, types.UnionType):
+        for part in parts:
+            yield from leaves(part)
+    elif kind is not type(None):
+        yield kind
+
+
+def _is_model(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, BaseModel)
+
+
+def at(model: type[BaseModel], path: Sequence[Any]) -> tuple[list[Any], Any]:
+    """What may stand at a path, and the field that it is; steps that no type knows, as tags of unions, narrow it."""
+    level, field = [model], None
+    tags = {tag(name): link for name, link in link_models().items()}
+    for step in path:
+        below: list[Any] = []
+        for kind in level:
+            if _is_model(kind) and str(step) in fields_of(kind):
+                hint, field = fields_of(kind)[str(step)]
+                below += leaves(hint)
+            elif get_origin(kind) is tuple and str(step).isdigit():
+                below += leaves(get_args(kind)[0])
+            elif get_origin(kind) is dict:
+                below += leaves(get_args(kind)[1])
+        if not below and str(step) in tags:
+            below = [tags[str(step)]]
+        level = below or level
+    return level, field
+
+
+def keys_at(model: type[BaseModel], path: Sequence[Any], root: Any) -> list[str]:
+    """The keys that the schema knows at `path`; of a free mapping those the file has."""
+    found: dict[str, None] = {}
+    for kind in at(model, path)[0]:
+        if _is_model(kind):
+            found |= dict.fromkeys(fields_of(kind))
+        elif get_origin(kind) is dict and isinstance(node := get(root, *path), dict):
+            found |= dict.fromkeys(node)
+    return list(found)
+
+
+@functools.lru_cache(maxsize=1000)
+def _readers(model: type[BaseModel], path: tuple[str, ...]) -> list[Read]:
+    """What reads the value of a key; keys of links mean one thing wherever they stand."""
+    kinds: list[Any] = at(model, path)[0]
+    if path[0] == "cases" and len(path) > 2:
+        hints = [fields_of(link)[path[-1]][0] for link in link_models().values() if path[-1] in fields_of(link)]
+        kinds = [leaf for hint in hints for leaf in leaves(hint)]
+    return [kind for kind in kinds if isinstance(kind, Read)]
+
+
+def quantity_at(model: type[BaseModel], path: tuple[str, ...]) -> Quantity | None:
+    """The quantity that may stand at a key, or None."""
+    read = (kind.quantity if isinstance(kind, Text) else kind for kind in _readers(model, path))
+    return next((each for each in read if isinstance(each, Quantity)), None)
+
+
+def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float | str:
+    """A value of a key as tables have it: an SI number, or the word that the file writes."""
+    found = given
+    for reader in _readers(model, path):
+        try:
+            found = reader.read(given)
+            break
+        except PydanticCustomError:
+            continue
+    if isinstance(found, int | float) and not isinstance(found, bool):
+        return float(found)
+    return {True: "true", False: "false"}.get(given, str(given)) if isinstance(given, bool) else str(given)
+
+
+Told = tuple[str, str, bool]
+"""Message, hint, whether it stands at the key."""
+
+
+def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: Any) -> Told:
+    """An error of pydantic in words; "" for what is told elsewhere."""
+    kind, context, given = item["type"], item.get("ctx", {}), item.get("input")
+    words = [step for step in path if isinstance(step, str) and not step.startswith("(")]
+    name, shown = (words[-1] if words else "the study")[:60], said(given)
+    owner = _owner(path, root)
+    match kind:
+        case "refused":
+            return f"{'' if context.get('whole') else owner}{context['message']}", context["hint"], context["key"]
+        case "extra_forbidden":
+            return _unknown(str(path[-1])[:60], path, model, root)
+        case "missing":
+            return _missing(name, path, model, root)
+        case "literal_error" | "enum":
+            return f"{owner}{shown} is not known", f"write {context['expected']}", False
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return _no_mapping(given, owner, path, model, root)
+        case "tuple_type" | "list_type":
+            return f"{owner}{shown} is not a list", "write [first, second, ...]", False
+        case "too_long":
+            many = context.get("actual_length") or len(given or ())
+            return f"{owner or f'{name}: '}{many} entries", f"write at most {context['max_length']}", False
+        case "too_short":
+            # Pydantic counts sound entries only: what is wrong with the others is told.
+            is_so = context.get("actual_length") == len(given or ())
+            return f"'{name}' is empty" * is_so, _example(model, path) or "write at least one value", False
+        case "string_pattern_mismatch":
+            return f"{shown} cannot be a name", "use letters, digits, blanks, _, - and +", True
+        case "string_too_long":
+            return f"{shown} is too long a name", f"use at most {context['max_length']} characters", True
+        case "bool_parsing" | "bool_type":
+            return f"{owner}{shown} is neither true nor false", "write true or false", False
+        case "string_type":
+            return f"{owner}{shown} is not a text", "write a word, in quotes if it looks like something else", False
+    return f"{owner}{item['msg']}", _example(model, path), False
+
+
+def _owner(path: Steps, root: Any) -> str:
+    """The innermost key on a path, as `key: `."""
+    for end in range(len(path), 0, -1):
+        above = get(root, *_real(root, path[: end - 1]))
+        if isinstance(path[end - 1], str) and isinstance(above, dict) and path[end - 1] in above:
+            return f"{path[end - 1]}: "
+    return ""
+
+
+def _unknown(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
+    """A key that does not belong where it stands."""
+    known, above = keys_at(model, path[:-1], root), get(root, *_real(root, path[:-1]))
+    owners = [law.name for law in link_laws().values() if name in keys_of(law)]
+    if "link" in known and owners:
+        link = get(above, "link")
+        if link is None:
+            return "", "", True  # that it is missing is told
+        message = f"'{name}' does not apply to link: {link}"
+        if name in own(link_laws()[owners[0]]):
+            whose = " and ".join(f"{'an' if one[0] in 'aeio' else 'a'} {one}" for one in owners)
+            return message, f"remove it; it belongs to {whose}", True
+        takes = ", ".join(key for key in known if key not in Link.model_fields)
+        return message, f"remove it; {link} takes {takes or 'none'}", True
+    if known == ["links"]:
+        words = [str(get(link, "link")) for link in get(above, "links") or ()]
+        if any(name in keys_of(link_laws()[word]) for word in words if word in link_laws()):
+            hint = f"write it in the list: `links: [..., {{link: {words[-1]}, {name}: ...}}]`"
+            return f"'{name}' beside several links does not say which it is of", hint, True
+        if owners:
+            return f"'{name}' does not apply to links {', '.join(words)}", "remove it", True
+        if name in Link.model_fields:
+            return f"'{name}' beside `links:` says nothing", "write it in an entry of `links:`", True
+        known = [*known, *dict.fromkeys(key for link in link_models().values() for key in fields_of(link))]
+    return f"unknown key '{name}'", instead().get(name) or nearest(name, known), True
+
+
+def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
+    known, above = keys_at(model, path[:-1], root), get(root, *_real(root, path[:-1]))
+    law = link_laws().get(str(get(above, "link")).rpartition(" of ")[2])
+    if name == "link":
+        return "'link' is missing", f"write `link: pounding`, {', '.join([*link_laws()][1:])} or none", False
+    if "link" in known and law is not None and name in own(law):
+        contact = " here or under `impact`" if law.subtracts_gap else ""
+        return f"'{name}' is missing", f"a {law.name} needs it{contact}: {own(law)[name].words}", False
+    return f"'{name}' is missing", _example(model, path), False
+
+
+def _no_mapping(given: Any, owner: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
+    if isinstance(given, str) and (slip := MISSING_BLANK.match(given)):
+        return f"'{given}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`", False
+    keys = keys_at(model, path, root)
+    if keys == ["links"]:
+        keys = ["link", "gap", "floors", "keys of its law", "or several `links`"]
+    hint = f"write {{key: value}} with the keys {', '.join(keys)}" if keys else "write {name: {...}}"
+    return f"{owner}{said(given)} is not a mapping", hint, False
+
+
+def _real(root: Any, path: Steps) -> Steps:
+    """The steps of a path that the file has."""
+    found: list[str | int] = []
+    for step in path:
+        if get(root, *found, step) is not None:
+            found.append(step)
+    return tuple(found)
+
+
+def _example(model: type[BaseModel], path: Steps) -> str:
+    """What the schema says about the field at `path`, with its example."""
+    field = at(model, path)[1]
+    if field is None or not field.description:
+        return ""
+    flow = yaml.safe_dump(field.examples[0], default_flow_style=True, width=10_000) if field.examples else ""
+    flow = flow.removesuffix("\n").removesuffix("\n...").strip()
+    words = [str(step) for step in path if not str(step).startswith("(")]
+    return f"write {field.description}" + (f", e.g. `{words[-1]}: {flow}`" if flow else "")

@@ -1,0 +1,112 @@
+"""Rewrite studies of before links were one list: `python tools/rewrite_study.py FILE...`.
+
+Cases with `elsewhere`, `by_floor`, `pairs`, `at_columns` or a list under `link` get `links:`; `bracket:` becomes an
+option of the sweep. Everything else stays as it is written, comments too, but for those in a case that is rewritten.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pounding_cli.errors import InputError
+from pounding_cli.study.file import Items, Map, canonical, parse
+from pounding_cli.study.old_links import GONE, bracket_axes, flow, old_key, respelled
+
+LONGEST = 110
+"""Characters of a case on one line."""
+
+
+def rewritten(text: str) -> str:
+    """The text of a study in the present spelling.  Raises InputError where it is no YAML mapping."""
+    root, tree = parse(text, "study"), yaml.compose(text)
+    changes: list[tuple[int, int, str]] = []
+    cases = root.get("cases")
+    for key, value in _pairs(_value(tree, "cases")) if isinstance(cases, Map) else ():
+        case = cases[canonical(key.value)]
+        if old_key(case) is not None:
+            changes.append(_case(text, key, value, respelled(case)))
+    if root.get("bracket") is not None:
+        changes += _bracket(text, root, tree)
+    for begin, end, new in sorted(changes, reverse=True):
+        text = text[:begin] + new + text[end:]
+    text = re.sub(r"(\bcases\.[^\s.:,{}]+)\.link\.(\d+)\.", r"\1.links.\2.", text)
+    for found in re.finditer(rf"\bcases\.[^\s.:,{{}}]+\.(?:{'|'.join(GONE)})\.\S+", text):
+        print(f"  {found[0]} has to be rewritten by hand: it is now a key of an entry of `links`", file=sys.stderr)
+    return text
+
+
+def _pairs(node: Any) -> list[tuple[Any, Any]]:
+    return node.value if isinstance(node, yaml.MappingNode) else []
+
+
+def _value(tree: Any, name: str) -> Any:
+    return next((value for key, value in _pairs(tree) if key.value == name), None)
+
+
+def _case(text: str, key: Any, value: Any, new: dict[str, Any]) -> tuple[int, int, str]:
+    begin, end = text.index(":", key.end_mark.index) + 1, _end(value)
+    line, column = f" {flow(new)}", key.start_mark.column
+    row_begin = text.rfind("\n", 0, key.start_mark.index) + 1
+    if value.flow_style and (len(line) + begin - row_begin <= LONGEST or "{" in text[row_begin : key.start_mark.index]):
+        blanks = len(text[begin : value.start_mark.index])
+        return begin, end, " " * max(blanks, 1) + line[1:]
+    inner = " " * (column + 2)
+    rows = [f"{inner}{name}: {flow(each)}" for name, each in new.items() if name != "links"]
+    if "links" in new:
+        rows += [f"{inner}links:", *(f"{inner}  - {flow(link)}" for link in new["links"])]
+    return begin, end, "\n" + "\n".join(rows)
+
+
+def _bracket(text: str, root: Map, tree: Any) -> list[tuple[int, int, str]]:
+    axes = bracket_axes(root["bracket"], root)
+    key, value = next(pair for pair in _pairs(tree) if pair[0].value == "bracket")
+    begin, end = key.start_mark.index, _end(value)
+    sweep = _value(tree, "sweep")
+    if sweep is None or (not _pairs(sweep) and not isinstance(root.get("sweep"), Items)):
+        rows = "".join(f"\n  {name}: {flow(axis)}" for name, axis in axes.items())
+        return [(begin, end, f"sweep:{rows}")]
+    end += text[end : end + 1] == "\n"
+    if isinstance(sweep, yaml.SequenceNode):
+        rows = "".join(f"\n{' ' * sweep.start_mark.column}- {flow({name: axis})}" for name, axis in axes.items())
+    elif sweep.flow_style:
+        rows = "".join(f", {name}: {flow(axis)}" for name, axis in axes.items())
+        return [(begin, end, ""), (sweep.end_mark.index - 1, sweep.end_mark.index - 1, rows)]
+    else:
+        column = sweep.value[0][0].start_mark.column
+        rows = "".join(f"\n{' ' * column}{name}: {flow(axis)}" for name, axis in axes.items())
+    return [(begin, end, ""), (_end(sweep), _end(sweep), rows)]
+
+
+def _end(node: Any) -> int:
+    """Where a value ends; of a block, where its last value does."""
+    if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
+        last = node.value[-1]
+        return _end(last[1] if isinstance(last, tuple) else last)
+    return int(node.end_mark.index)
+
+
+def main(names: list[str]) -> int:
+    """Rewrite files in place; 2 where one cannot be read."""
+    failed = 0
+    for name in names:
+        path = Path(name)
+        try:
+            text = path.read_bytes().decode("utf-8")
+            new = rewritten(text)
+        except (OSError, UnicodeDecodeError, InputError) as error:
+            print(f"{name}: {error}", file=sys.stderr)
+            failed = 2
+            continue
+        if new != text:
+            path.write_bytes(new.encode("utf-8"))
+            print(f"{name}: rewritten")
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
