@@ -32,13 +32,7 @@ _LATE = 2.0
 
 
 class Work(Protocol):
-    """How every scene of a run is solved; goes to the workers once.
-
-    solver : as of `store.keys.solver_version`
-    """
-
-    @property
-    def solver(self) -> str: ...
+    """How every scene of a run is solved; goes to the workers once."""
 
     def __call__(self, scene: Any) -> Response:
         """The response of a scene; whatever goes wrong in it becomes a failed response."""
