@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pounding_cli.model.stiffness import positive
 from pounding_cli.records.motion import GRAVITY
 
 EDITIONS = (1985, 1988, 1991, 1994)
@@ -222,12 +223,7 @@ def _check_period(period: float) -> None:
 
 
 def _per_storey(**values: ArrayLike) -> list[np.ndarray]:
-    arrays = {name: np.array(value, dtype=float) for name, value in values.items()}
-    for name, array in arrays.items():
-        if array.ndim != 1 or array.size == 0:
-            raise ValueError(f"{name} has shape {array.shape}: give one value per storey")
-        if not (np.isfinite(array).all() and (array > 0).all()):
-            raise ValueError(f"{name} is {array.tolist()}: every value must be finite and above zero")
+    arrays = {name: positive(name, value) for name, value in values.items()}
     if len({array.size for array in arrays.values()}) > 1:
         sizes = ", ".join(f"{array.size} of {name}" for name, array in arrays.items())
         raise ValueError(f"{sizes}: give one value of each per storey")

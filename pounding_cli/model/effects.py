@@ -40,64 +40,14 @@ class Effects:
     dropped: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Buildings:
-    """What matters here of the buildings of a scene."""
-
-    can_yield: bool
-    founded: bool
-    loaded: bool
-    can_collapse: bool
-    mass_damped: bool
-    stiffness_damped: bool
-
-
-@dataclass(frozen=True)
-class _Links:
-    """What matters here of the links of a scene. kinds : each once, sorted; cut_asked : for a tension cut-off."""
-
-    kinds: tuple[str, ...]
-    damped: bool
-    cut: bool
-    cut_asked: bool
-
-
-@functools.lru_cache(maxsize=256)  # a run asks five times about one scene, and many scenes are laid out together
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""
     return _effects_of(scene.buildings, scene.links, scene.analysis)
 
 
-@functools.lru_cache(maxsize=64)  # the same for every motion
+@functools.lru_cache(maxsize=256)  # a run asks five times about one scene; it is the same for every motion
 def _effects_of(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Effects:
-    return _effects(_of_buildings(buildings), _of_links(links), analysis)
-
-
-@functools.lru_cache(maxsize=256)
-def _of_buildings(buildings: tuple[Building, ...]) -> _Buildings:
-    return _Buildings(
-        can_yield=any(np.isfinite(b.yield_shear).any() for b in buildings),
-        founded=any(b.foundation is not None for b in buildings),
-        loaded=any(b.gravity_load is not None and b.gravity_load.any() for b in buildings),
-        can_collapse=any(np.isfinite(b.collapse_drift).any() for b in buildings),
-        mass_damped=any(b.alpha > 0 for b in buildings),
-        stiffness_damped=any(b.beta > 0 for b in buildings),
-    )
-
-
-@functools.lru_cache(maxsize=256)
-def _of_links(links: tuple[Link, ...]) -> _Links:
-    return _Links(
-        kinds=tuple(sorted({link.kind for link in links})),
-        damped=any(link.law.damped for link in links),
-        cut=any(link.law.cut for link in links),
-        cut_asked=any(getattr(link.law, "tension_cut", False) for link in links),
-    )
-
-
-@functools.lru_cache(maxsize=256)  # most scenes of a study call for the same
-def _effects(buildings: _Buildings, links: _Links, analysis: Analysis) -> Effects:
-    kept, dropped = [], []
+    kept, dropped = list[str](), list[str]()
 
     def decide(needed: bool, effect: str, reason: str) -> bool:
         if needed:
@@ -108,26 +58,26 @@ def _effects(buildings: _Buildings, links: _Links, analysis: Analysis) -> Effect
 
     inelastic = analysis == Analysis.INELASTIC
     yielding = decide(
-        inelastic and buildings.can_yield,
+        inelastic and any(np.isfinite(building.yield_shear).any() for building in buildings),
         "yielding storeys",
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )
-    decide(buildings.founded, "foundation motions", "every base is fixed")
-    decide(buildings.loaded, "P-Delta", "no building has it")
+    decide(any(building.foundation is not None for building in buildings), "foundation motions", "every base is fixed")
+    loads = (building.gravity_load for building in buildings)
+    decide(any(load is not None and load.any() for load in loads), "P-Delta", "no building has it")
     collapse = decide(
-        inelastic and buildings.can_collapse,
+        inelastic and any(np.isfinite(building.collapse_drift).any() for building in buildings),
         "collapse",
         "no storey can lose its resistance, and none is asked for" if inelastic else "the analysis is elastic",
     )
-    decide(buildings.mass_damped, "mass-proportional damping", "alpha is 0")
-    decide(buildings.stiffness_damped, "stiffness-proportional damping", "beta is 0")
-    for kind in (*link_laws(), *(kind for kind in links.kinds if kind not in link_laws() and kind != APART)):
-        decide(kind in links.kinds, f"{kind} links", "the case has none")
-    if links.kinds:
-        decide(links.damped, "link dashpots", "restitution is 1")
-        decide(
-            links.cut,
-            "tension cut-off",
-            "without a dashpot no link can pull" if links.cut_asked else "links may pull, as printed",
-        )
+    decide(any(building.alpha > 0 for building in buildings), "mass-proportional damping", "alpha is 0")
+    decide(any(building.beta > 0 for building in buildings), "stiffness-proportional damping", "beta is 0")
+    kinds = sorted({link.kind for link in links})
+    for kind in (*link_laws(), *(kind for kind in kinds if kind not in link_laws() and kind != APART)):
+        decide(kind in kinds, f"{kind} links", "the case has none")
+    if kinds:
+        decide(any(link.law.damped for link in links), "link dashpots", "restitution is 1")
+        asked = any(getattr(link.law, "tension_cut", False) for link in links)
+        reason = "without a dashpot no link can pull" if asked else "links may pull, as printed"
+        decide(any(link.law.cut for link in links), "tension cut-off", reason)
     return Effects(yielding, collapse, tuple(kept), tuple(dropped))

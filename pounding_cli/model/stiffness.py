@@ -18,7 +18,7 @@ def frequencies(mass: ArrayLike, stiffness: ArrayLike) -> np.ndarray:
     ------
     ValueError : shapes differ, or a value is not finite and positive
     """
-    m, k = _positive("mass", mass), _positive("stiffness", stiffness)
+    m, k = positive("mass", mass), positive("stiffness", stiffness)
     if m.shape != k.shape:
         raise ValueError(f"{m.size} masses and {k.size} stiffnesses: give one of each per storey")
     if m.size == 1:
@@ -45,8 +45,8 @@ def stiffness_for_period(mass: ArrayLike, period: float, taper: float = 1.0) -> 
     ------
     ValueError : a value is not finite and positive
     """
-    m = _positive("mass", mass)
-    (wanted,), (ratio,) = _positive("period", [period]), _positive("taper", [taper])
+    m = positive("mass", mass)
+    (wanted,), (ratio,) = positive("period", [period]), positive("taper", [taper])
     shape = np.linspace(1.0, ratio, m.size)
     return shape * (2 * np.pi / wanted / frequencies(m, shape)[0]) ** 2
 
@@ -74,7 +74,8 @@ def rayleigh_factors(mass: ArrayLike, stiffness: ArrayLike, damping: float) -> t
     return float(2 * damping * first * second / (first + second)), float(2 * damping / (first + second))
 
 
-def _positive(name: str, values: ArrayLike) -> np.ndarray:
+def positive(name: str, values: ArrayLike) -> np.ndarray:
+    """One value for every storey, shape (n,).  Raises ValueError where there is none, or one is not above zero."""
     array = np.array(values, dtype=float)
     if array.ndim != 1 or array.size == 0:
         raise ValueError(f"{name} has shape {array.shape}: give one value per storey")

@@ -12,9 +12,9 @@ from pounding_cli.digests import DigestList, pieces
 from pounding_cli.fragility import Brackets, Curve, Fits, Outcome, cloud, cloud_draw, draw, fit
 from pounding_cli.fragility.hunt import UNDECIDED, found
 from pounding_cli.model.placed import among
+from pounding_cli.study.expression import TAKES_NEIGHBOUR
 from pounding_cli.study.fragility import intensities
 from pounding_cli.study.fragility_rounds import Demands, Layout, Responses
-from pounding_cli.study.limits import TAKES_NEIGHBOUR
 
 if TYPE_CHECKING:
     import pandas as pd

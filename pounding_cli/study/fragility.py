@@ -13,9 +13,9 @@ from pounding_cli import records
 from pounding_cli.numbers import Unit
 from pounding_cli.study.build import places
 from pounding_cli.study.expand import expand
+from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
 from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.fragility_rounds import Asked, Layout, struck_columns
-from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.questions import FragilitySpec, Measure
 from pounding_cli.study.scenes import seen

@@ -13,7 +13,7 @@ from pounding_cli.digests import DigestList
 from pounding_cli.fragility.hunt import UNDECIDED, next_levels
 from pounding_cli.model.placed import Placed
 from pounding_cli.model.scene import Scene
-from pounding_cli.study.limits import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
+from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
 from pounding_cli.study.plan import LinkSeen, Plan
 from pounding_cli.study.scenes import LinkSets, Scenes
 

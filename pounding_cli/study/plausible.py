@@ -249,7 +249,8 @@ def _doubt_period(spec: BuildingSpec, building: Building, root: Any, path: Steps
 def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Any, path: Steps, notes: Problems) -> None:
     """Note gaps and stiffnesses of a case's links that are unlikely, each once."""
     stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
-    for gap in dict.fromkeys(link.gap for link in links if link.gap > 0):
+    gaps = dict.fromkeys(link.gap for link in links if link.gap > 0)
+    for gap in (gap for gap in gaps if not RANGES["gap"].holds(gap)):
         _note("gap", gap, root, _leaf(root, path, "gap"), notes)
     facing = (link.law for link in links if not link.columns)  # slabs strike columns in series with these
     springs = (law for law in facing if "stiffness" in law.parameters())  # others are not in N/m

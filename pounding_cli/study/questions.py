@@ -11,8 +11,8 @@ from pydantic import WithJsonSchema
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
 from pounding_cli.study.base import Model, key, one_or_many
 from pounding_cli.study.claim_names import CLAIMS
+from pounding_cli.study.expression import Limit, read_limit
 from pounding_cli.study.file import nearest
-from pounding_cli.study.limits import Limit, read_limit
 from pounding_cli.study.quantity import TIME, Quantity, Text, Whole, refuse, written_unit
 
 ALL = "all"

@@ -105,6 +105,7 @@ class Study:
         self._touched = [touched_by(axis.names, self.root) for axis in self.swept]
         self._masks: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
         self._kept: dict[Any, tuple[Any, tuple[Problem, ...]]] = {}
+        self._last: tuple[Point, build.Group] | None = None  # the group that was asked for last, if it is sound
 
     def _say_axes(self) -> None:
         self.axes = tuple(Axis(axis.names, tuple(_values(axis)), axis.units) for axis in self.swept)
@@ -133,6 +134,10 @@ class Study:
     def key(self, point: Point, subjects: tuple[Subject, ...]) -> Point:
         """A point with the axes set aside that touch none of some subjects."""
         mask = self._masks.get(subjects) or self.touches(*subjects)
+        if True not in mask:
+            return self.base
+        if False not in mask:
+            return point
         return tuple([place if mine else -1 for place, mine in zip(point, mask, strict=True)])
 
     def once(
@@ -236,7 +241,11 @@ class Study:
             problems.extend(own.found)
             return spec
 
-        return self.once(("spec", name), point, (("buildings", name),), work) if get(tree, name) is not None else None
+        return (
+            self.once(("spec", name), point, (("buildings", name),), work)
+            if isinstance(tree, Map) and name in tree
+            else None
+        )
 
     def type(self, point: Point, name: str) -> Building | None:
         """A building type."""
@@ -258,6 +267,9 @@ class Study:
 
     def group(self, point: Point) -> build.Group | None:
         """The buildings by place and what meets between them; None where it is not sound."""
+        place = self.key(point, ("buildings", "group"))
+        if self._last is not None and self._last[0] == place:
+            return self._last[1]
         types, names = self.types(point), self.section(point, "group")
 
         def work(at: Point, problems: Problems) -> build.Group | None:
@@ -274,7 +286,9 @@ class Study:
             }
             return group if build.check_meetings(group, slips, self.at(at), problems) else None
 
-        return None if names is None else self.once("group", point, ("buildings", "group"), work)
+        group = None if names is None else self.once("group", point, ("buildings", "group"), work)
+        self._last = None if group is None else (place, group)
+        return group
 
     def laws(self, point: Point) -> dict[str, OwnLaw]:
         """The laws of the study's own by name."""
@@ -293,6 +307,10 @@ class Study:
 
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
         """The links of a case; None where something is wrong."""
+        subjects = (*BETWEEN, ("cases", name))
+        kept = self._kept.get((("links", name), self.key(point, subjects)))
+        if kept is not None and kept[0] is not None:  # sound, and so is all that it follows from
+            return kept[0]
         case, group, laws, impact = (
             self.case(point, name),
             self.group(point),
@@ -311,7 +329,7 @@ class Study:
 
             return self._links.of(case, group, impact, laws, ("cases", name), note)
 
-        return self.once(("links", name), point, (*BETWEEN, ("cases", name)), work)
+        return self.once(("links", name), point, subjects, work)
 
     def motions(self, point: Point) -> Mapping[str, Used]:
         """The motions by name at a point of the sweep (one index an axis), cut and scaled."""

@@ -10,7 +10,7 @@ import pytest
 
 from pounding_cli.solver.response import BuildingResponse, ColumnResponse, LinkResponse, Response
 from pounding_cli.store import open_results
-from pounding_cli.study.limits import read_limit
+from pounding_cli.study.expression import read_limit
 
 STUDY = """\
 title: Slabs against columns
