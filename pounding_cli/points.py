@@ -203,7 +203,12 @@ def write(sweep: Sweep, points: Sequence[Point], file: Path, folder: Path) -> li
     from pounding_cli.report.web.story import Grid, digits
 
     asked = sweep.question
-    dataset(sweep, points).to_netcdf(file, engine="h5netcdf")
+    draft = file.with_name(f".{file.name}.draft")
+    try:  # made in memory, and renamed when it is whole: the disk may be full
+        draft.write_bytes(dataset(sweep, points).to_netcdf(engine="h5netcdf"))
+        draft.replace(file)
+    finally:
+        draft.unlink(missing_ok=True)
     table(sweep, points).to_csv(folder / f"{asked.name}.csv", index=False)
     done = [point for point in points if point.found["status"] == "done"]
     drawn = asked.figures(sweep.title, done, sweep.axes) if done else {}
