@@ -181,7 +181,7 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
         for name in axis.names:
             along = {point.place[number]: point.swept[name] for point in points}
             found[name] = (axes[number], [along[place] for place in sorted(along)])
-    about = {"title": sweep.title, "study": sweep.text}
+    about = {"kind": sweep.question.name, "title": sweep.title, "study": sweep.text}
     data = xr.Dataset(found, attrs=about)
     return data.set_coords([name for axis in sweep.axes for name in axis.names])
 
