@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
@@ -13,13 +13,15 @@ from pounding_cli.connector.findings import Question
 from pounding_cli.connector.oscillators import Oscillators, eq7_dashpot
 from pounding_cli.study.base import Model
 from pounding_cli.study.file import Map, Problems
-from pounding_cli.study.plausible_systems import CONNECTOR, doubt_period, doubt_spec
+from pounding_cli.study.plausible import doubt_values
 from pounding_cli.study.quantity import LONGEST, MASS, NUMBER, STIFFNESS, TIME, Quantity, Text, Whole
 from pounding_cli.study.system_study import SystemModel
+from pounding_cli.study.usual import FREQUENCY_RATIO, RANGES
 
 _TIMES_K1 = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*k1\s*\Z")
+_PERIOD = replace(RANGES["period"], units={"s": 1.0})
 Mass = Annotated[float, MASS]
-Period = Annotated[float, TIME.but(name="period", high=60.0)]
+Period = Annotated[float, TIME.but(name="period", high=60.0, usual=_PERIOD)]
 _STIFFNESS = STIFFNESS.but(example="0.2 k1", open_low=False)
 
 
@@ -45,8 +47,8 @@ ConnectorStiffness = Annotated[
     float | TimesK1, Text(_read_stiffness, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))
 ]
 Stiffness = Annotated[float, STIFFNESS]
-Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
-Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
+Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, usual=RANGES["damping ratio"])]
+Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True, usual=FREQUENCY_RATIO)]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
 
 
@@ -120,14 +122,17 @@ class ConnectorStudyModel(SystemModel):
 
     def doubt(self, model: Question, tree: Map, notes: Problems) -> None:
         """Note what is unlikely at a point of the sweep."""
-        doubt_spec(self, CONNECTOR, tree, notes)
+        doubt_values(self, tree, (), notes)
         pair = model.pair
         for who, given, mass, stiffness in (
             ("first", self.first.stiffness, pair.m1, pair.k1),
             ("second", self.second.stiffness, pair.m2, pair.k2),
         ):
-            if given is not None:
-                doubt_period(2 * math.pi * math.sqrt(mass / stiffness), who, tree, notes)
+            period = 2 * math.pi * math.sqrt(mass / stiffness)
+            if given is not None and not _PERIOD.holds(period):
+                message = f"mass and stiffness give the {who} system a period of {period:.3g} s: {_PERIOD.reason}"
+                hint = "check the units of both; otherwise leave it, the study runs as it is"
+                notes.at(tree, (who, "stiffness"), message, hint)
 
 
 def _alternatives(spec: ConnectorStudyModel, tree: Map, problems: Problems) -> None:

@@ -9,9 +9,10 @@ from pydantic import Field
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
+from pounding_cli.study import usual
 from pounding_cli.study.base import Model
 from pounding_cli.study.file import Map, Problems, locate
-from pounding_cli.study.plausible_systems import WALL, doubt_spec
+from pounding_cli.study.plausible import doubt_values
 from pounding_cli.study.quantity import LENGTH, MASS, TIME, Quantity, Text, Whole, refuse
 from pounding_cli.study.system_study import SystemModel
 from pounding_cli.wall import model as wall
@@ -20,6 +21,7 @@ from pounding_cli.wall.model import WallModel
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
 Length = Annotated[float, LENGTH]
 Mass = Annotated[float, MASS]
+Side = Annotated[float, LENGTH.but(usual=usual.SECTION)]
 _HEIGHT = LENGTH.but(name="height", example="13.5 m", low=0.0, open_low=False)
 
 
@@ -32,10 +34,10 @@ def _read_height(value: Any) -> float | str:
 
 
 Height = Annotated[float | str, Text(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
-Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True)]
+Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True, usual=usual.MODULUS)]
 Poisson = Annotated[float, Quantity("Poisson's ratio", "", "0.2", 0.0, 0.5, open_high=True)]
-Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0)]
-Speed = Annotated[float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True)]
+Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0, usual=usual.DENSITY)]
+Speed = Annotated[float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True, usual=usual.SPEED)]
 Share = Annotated[float, Quantity("number", "", "0.2", 0.0, 1.0)]
 Step = Annotated[float | str, TIME.but(name="time step", example="0.1 ms", words=("auto",))]
 
@@ -43,15 +45,19 @@ Step = Annotated[float | str, TIME.but(name="time step", example="0.1 ms", words
 class WallSpec(Model):
     """The bumper wall."""
 
-    length: Length = Field(default=2.0, description="length of the wall, at right angles to the gap", examples=["2 m"])
-    thickness: Length = Field(default=0.25, description="thickness of the wall", examples=["25 cm"])
+    length: Annotated[float, LENGTH.but(usual=usual.WALL_LENGTH)] = Field(
+        default=2.0, description="length of the wall, at right angles to the gap", examples=["2 m"]
+    )
+    thickness: Annotated[float, LENGTH.but(usual=usual.WALL_THICKNESS)] = Field(
+        default=0.25, description="thickness of the wall", examples=["25 cm"]
+    )
 
 
 class SectionSpec(Model):
     """A rectangular cross-section."""
 
-    width: Length = Field(description="width, out of the frame's plane", examples=["25 cm"])
-    depth: Length = Field(description="depth, in the frame's plane", examples=["60 cm"])
+    width: Side = Field(description="width, out of the frame's plane", examples=["25 cm"])
+    depth: Side = Field(description="depth, in the frame's plane", examples=["60 cm"])
 
 
 class FrameSpec(Model):
@@ -60,7 +66,9 @@ class FrameSpec(Model):
     storeys: Annotated[int, Whole(1, 100)] = Field(
         default=5, ge=1, le=100, description="number of storeys", examples=[5]
     )
-    storey_height: Length = Field(default=3.0, description="storey height", examples=["3 m"])
+    storey_height: Annotated[float, LENGTH.but(usual=usual.RANGES["storey height"])] = Field(
+        default=3.0, description="storey height", examples=["3 m"]
+    )
     bays: tuple[Length, ...] = Field(
         default=(5.0, 5.0, 5.0),
         min_length=1,
@@ -96,7 +104,7 @@ class ContactSpec(Model):
 
     over: wall.Over = Field(default=wall.Over.PATCH, description="patch or node", examples=["patch"])
     bond: wall.Bond = Field(default=wall.Bond.UNILATERAL, description="unilateral or glued", examples=["unilateral"])
-    patch: Length = Field(
+    patch: Annotated[float, LENGTH.but(usual=usual.PATCH)] = Field(
         default=0.20, description="height of the patch: the striking slab's thickness", examples=["20 cm"]
     )
 
@@ -112,7 +120,9 @@ class MeshSpec(Model):
 class TimeSpec(Model):
     """The integration in time."""
 
-    end: Annotated[float, TIME] = Field(default=0.060, description="end of the analysis", examples=["60 ms"])
+    end: Annotated[float, TIME.but(usual=usual.END)] = Field(
+        default=0.060, description="end of the analysis", examples=["60 ms"]
+    )
     step: Step = Field(default="auto", description="time step, or auto", examples=["0.1 ms"])
     rho: Share = Field(default=0.9, description="spectral radius at infinite frequency; 1: no damping", examples=[0.9])
 
@@ -144,7 +154,7 @@ class WallStudyModel(SystemModel):
 
     def doubt(self, model: WallModel, tree: Map, notes: Problems) -> None:
         """Note what is unlikely at a point of the sweep."""
-        doubt_spec(self, WALL, tree, notes)
+        doubt_values(self, tree, (), notes)
 
 
 def _mark(problem: Problem, tree: Map) -> tuple[int, int]:
