@@ -4,8 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.stamp
 POUND := $(BIN)/pound
-STUDIES := fig5:connector fig6:run fig7:run fig8:wall
-PAGES := $(foreach study,$(STUDIES),results/$(firstword $(subst :, ,$(study)))/report.html)
+PAGES := $(foreach study,fig5 fig6 fig7 fig8,results/$(study)/report.html)
 
 .PHONY: all setup figures studies pages test lint lock docs peers reference bench fuzz dist clean
 
@@ -26,10 +25,15 @@ figures: studies
 
 studies: setup
 	@mkdir -p results
-	@for each in $(STUDIES); do \
-		study=$${each%:*}; $(POUND) $${each#*:} configs/$$study.yaml -o results/$$study.h5 || exit $$?; done
+	@for study in fig6 fig7; do $(POUND) run configs/$$study.yaml -o results/$$study.h5 || exit $$?; done
 
 pages: $(PAGES)
+
+results/fig5/report.html: configs/fig5.yaml
+	$(POUND) connector $< -o results/fig5.h5
+
+results/fig8/report.html: configs/fig8.yaml
+	$(POUND) wall $< -o results/fig8.h5
 
 results/%/report.html: results/%.h5
 	$(POUND) report $< -o results/$*

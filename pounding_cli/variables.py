@@ -4,7 +4,7 @@ and its charts are made from it, and a test holds docs/results.md to it."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -141,9 +141,6 @@ SCENES = (
     Variable("energy_links", PLACE, "J", "energy lost in links"),
     Variable("scene", PLACE, "", "digest of the scene", "s"),
 )
-
-POINTS = tuple(replace(v, dims=()) for v in SCENES if v.name in ("status", "advice", "flags", "seconds", "scene"))
-"""What every point of a model of its own has besides the variables of its workflow."""
 
 FORMERLY = {"accuracy": "tolerance", "time_step": "tolerance"}
 """What files of before call a variable: accuracy or time step were one, the study says which."""

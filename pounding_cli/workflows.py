@@ -4,8 +4,7 @@ They are stated here alone; commands, results files, reports and citations read 
 "module:name" and imported when it is needed, so that reading the list costs nothing.
 
 A workflow proposes scenes (`expand`, then `refine` as often as it likes); the one batch solves them with every engine,
-resume and progress (`batch.run_plan`), the one store keeps them, and `tables` says what follows from them. Its scenes
-are rows of buildings over time, or points of a model of its own, which it says how to `solve`."""
+resume and progress (`batch.run_plan`), the one store keeps them, and `tables` says what follows from them."""
 
 from __future__ import annotations
 
@@ -27,19 +26,15 @@ class Workflow:
     title : its line in `pound --help`
     marks : top-level keys that only its studies have; none where its studies are those of `pound run`
     shows : tables that it adds to a results file
-    schema : pydantic model of its section of a study file; of the whole file where it has `marks`, then a
-        `study.system_study.SystemModel`
+    schema : pydantic model of its section of a study file
     question : (Study) -> what its section asks; raises `InputError` where it asks what the study cannot answer
     expand : (study) -> Plan, the scenes of the first round
     refine : (Plan, responses by digest) -> Plan of the next round, which holds the scenes of all rounds before;
         None when nothing is left to ask
-    solve : (model of a point) -> response with the fields that its `variables` name; "" where scenes are rows of
-        buildings
-    variables : `variables.Variable` of every number that a point has, of a workflow with `solve`
     tables : (Plan, read) -> list of `store.answers.Table`; `read(name)` gives a variable over the whole study, shape
         (swept axes, dimensions of the variable)
     page : (Results, Evidence of the point shown, with_figures) -> `report.answer_page.AnswerPage`: what the report says
-        and draws in place of the ratios to the building alone; of a workflow with `solve` there is no Evidence
+        and draws in place of the ratios to the building alone
     cite : (resolved study, used) -> None; calls `used(key of REFERENCES, what for)`
     sampled : whether its last swept axis holds samples that nobody wrote: reports show none of them by itself
     """
@@ -52,8 +47,6 @@ class Workflow:
     question: str = ""
     expand: str = ""
     refine: str = ""
-    solve: str = ""
-    variables: str = ""
     tables: str = ""
     page: str = ""
     cite: str = ""
@@ -133,32 +126,6 @@ _LIST = (
         page="pounding_cli.report.optimise:optimise_page",
         cite="pounding_cli.report.optimise:cite_optimise",
         sampled=True,
-    ),
-    Workflow(
-        "connector",
-        "Solve two connected oscillators in closed form (Figs 4 and 5).",
-        ("first", "second", "connector", "frequencies"),
-        shows=("connector",),
-        schema="pounding_cli.study.connector_study:ConnectorStudyModel",
-        expand="pounding_cli.study.system_study:expand_system",
-        solve="pounding_cli.connector.findings:answer",
-        variables="pounding_cli.connector.findings:VARIABLES",
-        tables="pounding_cli.store.points:point_tables",
-        page="pounding_cli.report.connector:connector_page",
-        cite="pounding_cli.report.connector:cite_connector",
-    ),
-    Workflow(
-        "wall",
-        "Solve an impact on a bumper wall (Fig. 8).",
-        ("wall", "frame", "striker", "concrete", "mesh"),
-        shows=("wall",),
-        schema="pounding_cli.study.wall_study:WallStudyModel",
-        expand="pounding_cli.study.system_study:expand_system",
-        solve="pounding_cli.wall.analysis:strike",
-        variables="pounding_cli.wall.variables:VARIABLES",
-        tables="pounding_cli.store.points:point_tables",
-        page="pounding_cli.report.wall:wall_page",
-        cite="pounding_cli.report.wall:cite_wall",
     ),
 )
 

@@ -12,7 +12,6 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 from pounding_cli.store.files import opened, opened_dataset
 from pounding_cli.store.structure import strings
-from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,12 +113,8 @@ class Results(store.Results):
         return f"<p>{escape(repr(self))}</p>{self._worst().to_html(float_format='{:.3f}'.format, max_rows=40)}"
 
     def _worst(self) -> pd.DataFrame:
-        """The largest mean ratio over the storeys and the sweep by case and building; columns analysis and ratio. Of
-        points of a model of its own their table."""
+        """The largest mean ratio over the storeys and the sweep by case and building; columns analysis and ratio."""
         import pandas as pd
-
-        if WORKFLOWS[self.workflow].solve:
-            return self.table(self.workflow)
 
         summary = self.summary()
         order = [list(dict.fromkeys(summary[name])) for name in ("case", "building")]

@@ -60,14 +60,10 @@ def run(
     which a storey collapses ("collapsed"), which are no failures.
     """
     from pounding_cli.batch import finished, run_plan
-    from pounding_cli.study.kinds import load_for
     from pounding_cli.workflows import expansion
 
     expansion(workflow)  # refuses a workflow that there is not
-    if isinstance(study, Mapping):
-        loaded = load_study(study)
-    else:
-        loaded = load_for(Path(study), workflow) if isinstance(study, str | Path) else study
+    loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
     if replace or not finished(loaded, workflow, path):
         run_plan(

@@ -138,7 +138,6 @@ class Task:
     all_effects: bool = False
     time_step: float | None = None
     harder: bool = False
-    solver: str = ""
 
     def __call__(self, scene: Scene) -> Response:
         """The response; an exception becomes a failed response that names it."""

@@ -9,10 +9,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pounding_cli.solver.response import PointResponse, Response
+from pounding_cli.solver.response import Response
 from pounding_cli.store.chunk import Chunk
-
-Answer = Response | PointResponse
 
 CHUNK_SECONDS = 0.5
 """Work in one chunk: long against sending and keeping it (milliseconds), little to lose."""
@@ -34,28 +32,22 @@ _LATE = 2.0
 
 
 class Work(Protocol):
-    """How every scene of a run is solved; goes to the workers once.
+    """How every scene of a run is solved; goes to the workers once."""
 
-    solver : as of `store.keys.solver_version`
-    """
-
-    @property
-    def solver(self) -> str: ...
-
-    def __call__(self, scene: Any) -> Answer:
+    def __call__(self, scene: Any) -> Response:
         """The response of a scene; whatever goes wrong in it becomes a failed response."""
         ...
 
     def each(
         self, scenes: Sequence[Any], begins: Callable[[int], None], halted: Callable[[], bool]
-    ) -> Sequence[Answer]:
+    ) -> Sequence[Response]:
         """The responses of scenes in their order; only the first of them, at least one, where it is `halted`.
 
         begins : told the place of every scene before something of it is run
         """
         ...
 
-    def without(self, scene: Any, status: str, advice: str) -> Answer:
+    def without(self, scene: Any, status: str, advice: str) -> Response:
         """The response of a scene that gave none."""
         ...
 
@@ -129,7 +121,7 @@ def solve_bundle(
 
     begins : told the place in the bundle of every scene before it is solved
     """
-    found: dict[str, Answer] = {}
+    found: dict[str, Response] = {}
     begin = time.perf_counter()
 
     def halted() -> bool:

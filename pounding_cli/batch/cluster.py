@@ -230,7 +230,7 @@ def _sent(client: Client, bundle: list[str], scenes: Mapping[str, Any], task: Wo
     name = f"pound-{next(_numbers)}-{bundle[0][:12]}"
     scene_of = found(scenes, bundle)
     whole = [(digest, scene_of(digest)) for digest in bundle]
-    return client.submit(solve_there, whole, task, key, solver_version(task.solver), key=name, pure=False)
+    return client.submit(solve_there, whole, task, key, solver_version(), key=name, pure=False)
 
 
 def _received(
@@ -274,7 +274,7 @@ class WrongSolver(Exception):
 
 def solve_there(bundle: list[tuple[str, Any]], task: Work, key: str, version: str) -> tuple[bytes, float]:
     """On a worker: a chunk as bytes, and the time it took [s].  Raises WrongSolver."""
-    if (mine := solver_version(task.solver)) != version:
+    if (mine := solver_version()) != version:
         raise WrongSolver(f"they run solver {mine}, this is {version}")
     at_hand: Any = dict(bundle)
     chunk, seconds = solve_bundle(list(at_hand), at_hand.__getitem__, task, work=WORK)

@@ -18,7 +18,6 @@ from pounding_cli.batch.engines import Engine, Finished, engine
 from pounding_cli.batch.families import Order, order_of
 from pounding_cli.batch.histories import kept_histories
 from pounding_cli.batch.outcome import Failure, Outcome
-from pounding_cli.batch.point_task import PointTask
 from pounding_cli.batch.progress import Progress, Quiet
 from pounding_cli.batch.reuse import reuse
 from pounding_cli.batch.serial import Serial
@@ -235,8 +234,7 @@ def _solve_missing(
         keep(Finished(Chunk.of({digest: task(plan.scenes[digest])})))
         return time.perf_counter() - begin
 
-    needs_none = isinstance(task, PointTask) or solve is not None
-    if not needs_none:
+    if solve is None:
         _tell_compiling(progress)
     for digests in order.samples.values():
         here(digests[0])
@@ -258,8 +256,6 @@ def _solve_missing(
 
 def _work(plan: Plan, solve: Solve | None) -> Work:
     """How the scenes of a plan are solved."""
-    if WORKFLOWS[plan.workflow].solve:
-        return PointTask(plan.workflow)
     estimate = "alone" if plan.rough and plan.estimate == "all" else plan.estimate
     return Task(
         solve or _default_solve(), plan.accuracy, plan.method, estimate, plan.all_effects, plan.time_step,
@@ -289,7 +285,7 @@ def _failures(plan: Plan, parts: PartStore) -> Iterator[Failure]:
             for axis, number in zip(plan.axes, row.point, strict=True)
             for name, value in zip(axis.names, axis.values[number], strict=True)
         ]
-        places = [(row.scene, "" if WORKFLOWS[plan.workflow].solve else row.case)]
+        places = [(row.scene, row.case)]
         places += [(key, f"{building} alone") for building, key in zip(plan.buildings, row.baselines, strict=True)]
         for digest, what in places:
             if digest in failed:

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 FEW_POINTS = 4
 """Points of a sweep that are printed; the table of the answer holds all."""
 
-MOST_POINTS = 50
-"""Points of a model of its own that are printed, some lines each."""
-
 Tell = Callable[[Path, "Outcome"], None]
 """tell(results file, outcome) -> None; prints the answer."""
 
@@ -64,25 +61,3 @@ def print_outcome(outcome: Outcome, scenes: str) -> None:
         f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}"
     )
     click.echo(f"Results: {outcome.path}")
-
-
-def tell_points(path: Path, outcome: Outcome, lines: Callable[[dict[str, Any]], Sequence[str]]) -> None:
-    """Print the points of a model of its own; `lines` : what is said of the values of one (`store.points.Point`)."""
-    import math
-
-    from pounding_cli.store import open_results
-    from pounding_cli.store.points import read_points
-
-    results = open_results(path)
-    click.echo(results.title)
-    for point in read_points(results, MOST_POINTS):
-        done = point.values["status"] == "done"
-        if point.label:
-            click.echo(point.label)
-        for line in lines(point.values) if done else [f"{point.values['status']}"]:
-            click.echo(f"  {line}")
-        for flag in point.values["flags"].splitlines():
-            click.echo(f"  note: {flag}")
-    if (left := math.prod(len(values) for values in results.axes.values()) - MOST_POINTS) > 0:
-        click.echo(f"{left} further points: pound show {path}")
-    print_outcome(outcome, "Points")

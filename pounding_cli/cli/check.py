@@ -25,20 +25,21 @@ def command(study: Path) -> None:
 
     Example: pound check configs/fig6.yaml
     """
+    from pounding_cli.points import QUESTIONS, load
     from pounding_cli.reading import shortened
-    from pounding_cli.study import expand
-    from pounding_cli.study.kinds import kind_of_file, load_for
+    from pounding_cli.study import expand, load_study
+    from pounding_cli.study.kinds import kind_of_file
     from pounding_cli.workflows import WORKFLOWS
 
     name = shortened(study)
     kind = kind_of_file(study)
-    read = load_for(study, kind)
-    if WORKFLOWS[kind].solve:
-        for warning in read.warnings:
+    if kind in QUESTIONS:
+        sweep = load(study, kind)
+        for warning in sweep.warnings:
             streams.echo_warning(warning)
-        count = counted(len(read.points), "point")
-        click.echo(f"OK: {name}: a study of `pound {kind}`, {count} to compute")
+        click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
+    read = load_study(study)
     for each, workflow in WORKFLOWS.items():
         if workflow.question and read.root.get(each) is not None:
             workflow.part("question")(read)

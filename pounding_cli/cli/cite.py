@@ -57,25 +57,17 @@ _Used = tuple[str, str, Mapping[str, Any], Mapping[str, str], Collection[str]]
 
 
 def _study(path: Path) -> _Used:
-    from pounding_cli.study.kinds import kind_of_file, load_for
-    from pounding_cli.workflows import WORKFLOWS, expansion
+    from pounding_cli.study import expand, load_study
 
-    kind = kind_of_file(path)
-    study = load_for(path, kind)
-    if WORKFLOWS[kind].solve:
-        return study.title, kind, study.resolved(), {}, ()
-
-    plan = expansion(kind)(study)
-    return study.title, kind, study.resolved(), {use.name: use.source for use in plan.motions}, {plan.method}
+    study = load_study(path)
+    plan = expand(study)
+    return study.title, "run", study.resolved(), {use.name: use.source for use in plan.motions}, {plan.method}
 
 
 def _results(path: Path) -> _Used:
     from pounding_cli.store import open_results
-    from pounding_cli.workflows import WORKFLOWS
 
     results = open_results(path)
-    if WORKFLOWS[results.workflow].solve:
-        return results.title, results.workflow, results.resolved, {}, ()
     records = results.records()
     sources = dict(zip(records["record"], records["source"], strict=True))
     return results.title, results.workflow, results.resolved, sources, results.methods

@@ -45,7 +45,7 @@ def command(name: str, template: str) -> None:
     ]
     if how == "run":
         steps.append((f"pound show {results} storey", "shows shears and ductilities, storey by storey"))
-    steps.append((f"pound report {results}", f"draws {results.with_suffix('') / 'report.html'}, figures, tables"))
+        steps.append((f"pound report {results}", f"draws {results.with_suffix('') / 'report.html'}, figures, tables"))
     wide = max(len(line) for line, _ in steps)
     click.echo(f"wrote {', '.join(map(str, written))}\nNext, change it as you like, and:")
     for line, what in steps:

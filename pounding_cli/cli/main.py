@@ -21,9 +21,8 @@ if TYPE_CHECKING:
 
 
 def _asking(*names: str) -> dict[str, tuple[str, str]]:
-    """The commands of workflows; without names all over the histories of buildings."""
-    chosen = names or [each.name for each in WORKFLOWS.values() if not each.solve]
-    return {name: (f"pounding_cli.cli.{name}", WORKFLOWS[name].title) for name in chosen}
+    """The commands of workflows; without names all."""
+    return {name: (f"pounding_cli.cli.{name}", WORKFLOWS[name].title) for name in names or WORKFLOWS}
 
 
 COMMANDS = {
@@ -39,9 +38,12 @@ COMMANDS = {
     "cite": ("pounding_cli.cli.cite", "List the references of what a study used."),
     "schema": ("pounding_cli.cli.schema", "Print the JSON Schema of study files, for editors."),
     "records": ("pounding_cli.cli.records", "List, show and import ground motions."),
-    **_asking("connector"),
+    "connector": (
+        "pounding_cli.cli.points:connector",
+        "Solve two connected oscillators in closed form (Figs 4 and 5).",
+    ),
     "accuracy": ("pounding_cli.cli.accuracy", "Measure error and time of every method on a study."),
-    **_asking("wall"),
+    "wall": ("pounding_cli.cli.points:wall", "Solve an impact on a bumper wall (Fig. 8)."),
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
 
@@ -79,8 +81,8 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        module = importlib.import_module(COMMANDS[cmd_name][0])
-        return module.command
+        module, _, name = COMMANDS[cmd_name][0].partition(":")
+        return getattr(importlib.import_module(module), name or "command")
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

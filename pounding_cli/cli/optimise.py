@@ -79,12 +79,12 @@ def _tell(path: Path, outcome: Outcome) -> None:
 
 def _check(study: Path, write: Path, replace: bool) -> None:
     """Make sure, before anything is solved, that the best study can be written.  Raises `InputError`."""
-    from pounding_cli.study.kinds import load_for
+    from pounding_cli.study import load_study
     from pounding_cli.study.optimise import check_written
 
     if write.suffix not in (".yaml", ".yml"):
         raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
-    loaded = load_for(study, "optimise")
+    loaded = load_study(study)
     check_output(write, [study], lambda *_: True, "--write")
     if os.path.exists(write) and not replace:
         raise InputError(Problem("is there already", "choose another name, or add --replace to replace it", str(write)))
@@ -95,11 +95,11 @@ def _write(ctx: click.Context, study: Path, path: Path, write: Path, says: bool)
     """Write the study with the best values that a results file has."""
     from pounding_cli.store import open_results
     from pounding_cli.store.optimise import NOTHING, OPTIMUM
-    from pounding_cli.study.kinds import load_for
+    from pounding_cli.study import load_study
     from pounding_cli.study.optimise import question_of, text_at
 
     results = open_results(path)
-    table, loaded = results.answer(OPTIMUM).frame, load_for(study, "optimise")
+    table, loaded = results.answer(OPTIMUM).frame, load_study(study)
     if loaded.text != results.study_text:
         hint = "run the command again"
         raise InputError(Problem("has changed while it was optimised: the best study is not written", hint, str(study)))

@@ -44,21 +44,10 @@ def command(study: Path, all_effects: bool) -> None:
     """
     import dataclasses
 
-    from pounding_cli.study import expand
-    from pounding_cli.study.kinds import kind_of_file, load_for
+    from pounding_cli.study import expand, load_study
     from pounding_cli.study.thinned import thinned
-    from pounding_cli.workflows import WORKFLOWS, expansion
 
-    kind = kind_of_file(study)
-    read = load_for(study, kind)
-    if WORKFLOWS[kind].solve:
-        for warning in read.warnings:
-            streams.echo_warning(warning)
-        points = expansion(kind)(read)
-        count = counted(len(points.scenes), "point")
-        for line in (read.title, *_sweep(points.axes), f"points     {len(points.rows)}: pound {kind} solves {count}"):
-            click.echo(line)
-        return
+    read = load_study(study)
     some = read if math.prod(len(axis.values) for axis in read.axes) <= MOST_POINTS else thinned(read, FEW_POINTS)
     for warning in read.warnings:
         streams.echo_warning(warning)

@@ -91,7 +91,6 @@ def command(
     from pounding_cli.report.style import for_paper
     from pounding_cli.report.sweep import Asked
     from pounding_cli.store import open_results
-    from pounding_cli.workflows import WORKFLOWS
 
     if figures_for_paper and no_figures:
         hint = "leave one of them out"
@@ -103,20 +102,19 @@ def command(
     choice = Choice("", case, analysis, building, storey, floor, link, record)
     asked = {path: Asked(quantities, choice, points_at(results, at)) for path, results in opened.items()}
     folders = _folders(files, output)
-    judged = {path: results for path, results in opened.items() if not WORKFLOWS[results.workflow].solve}
     for path, results in opened.items():
         with for_paper() if figures_for_paper else nullcontext():
             written = write_report(results, folders[path], chosen, with_page, asked[path])
         if quiet:
             continue
         click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
-        evidences = points(results) if path in judged else []
+        evidences = points(results)
         if len(evidences) == 1:
             for judgement in judge(evidences[0]):
                 click.echo(f"  {judgement.claim.key:22} {judgement.verdict}")
-    if len(judged) > 1:
+    if len(opened) > 1:
         folder = output or Path("comparison")
-        page, _ = write_comparison({folders[path].name: results for path, results in judged.items()}, folder)
+        page, _ = write_comparison({folders[path].name: results for path, results in opened.items()}, folder)
         if not quiet:
             click.echo(str(page))
 

@@ -101,10 +101,10 @@ def solve_study(
     ctx.call_on_close(gc.enable)
     from pounding_cli.api.studies import default_output, plan_of
     from pounding_cli.batch.progress import JsonLines, chosen
-    from pounding_cli.study.kinds import load_for
+    from pounding_cli.study import load_study
 
     log = JsonLines() if how.log_json else None
-    loaded = load_for(study, workflow)
+    loaded = load_study(study)
     for warning in loaded.warnings:
         if log:
             log.tell("warning", text=str(warning))

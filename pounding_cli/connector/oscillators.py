@@ -1,116 +1,234 @@
-"""Two damped oscillators joined by a spring and a dashpot: coupled frequencies and steady-state ratios."""
+"""Two damped oscillators joined by a spring and a dashpot: the study file, and what it comes to in closed form."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from pounding_cli.study.base import Model, Wrong, key
+from pounding_cli.study.quantity import LONGEST, MASS, NUMBER, STIFFNESS, TIME, Quantity, Text, Whole
+from pounding_cli.study.usual import RANGES, Plausible
+
+FINEST = 4001
+"""Grid on which peaks are searched at least."""
+
+_TIMES_K1 = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*k1\s*\Z")
+_STIFFNESS = STIFFNESS.but(example="0.2 k1", open_low=False)
 
 
 @dataclass(frozen=True)
-class Oscillators:
-    """Two one-storey systems connected by a spring K and a dashpot c (paper, Fig. 4).
+class TimesK1:
+    """A connector's stiffness as a multiple of k1 [-]."""
 
-    Parameters
-    ----------
-    m1, m2 : masses [kg], > 0
-    k1, k2 : stiffnesses [N/m], > 0
-    zeta1, zeta2 : damping ratios of the two systems alone [-], >= 0
-    stiffness : K of the connector [N/m], >= 0
-    dashpot : c of the connector [N s/m], >= 0 (eq. 10)
-    """
+    factor: float
 
-    m1: float
-    m2: float
-    k1: float
-    k2: float
-    zeta1: float
-    zeta2: float
-    stiffness: float
-    dashpot: float = 0.0
+    def __str__(self) -> str:
+        return f"{self.factor:g} k1"
 
-    def __post_init__(self) -> None:
-        for name in ("m1", "m2", "k1", "k2"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} has to be positive and finite, not {getattr(self, name)!r}")
-        for name in ("zeta1", "zeta2", "stiffness", "dashpot"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} has to be finite and not negative, not {getattr(self, name)!r}")
 
-    @classmethod
-    def from_ratios(
-        cls,
-        p: float,
-        connector: float,
-        damping: float,
-        mass_ratio: float = 1.0,
-        connector_damping: float = 0.0,
-    ) -> Oscillators:
-        """The pair in the paper's ratios, with m1 = 1 kg and omega10 = 1 rad/s.
+def _read_stiffness(value: Any) -> float | TimesK1:
+    found = _TIMES_K1.match(value) if isinstance(value, str) and len(value) <= LONGEST else None
+    if found is None:
+        return value if isinstance(value, TimesK1) else _STIFFNESS.read(value)
+    bottom = float(found["bottom"] or 1)
+    return TimesK1(_STIFFNESS.read(float(found["top"]) / bottom if bottom else math.nan))
 
-        p : omega20 / omega10 [-]; connector : K / k1 [-]; damping : of both systems [-];
-        mass_ratio : m2 / m1 [-]; connector_damping : xi of the connector's dashpot [-] (eq. 7).
-        """
-        dashpot = eq7_dashpot(connector, connector_damping, 1.0, mass_ratio)
-        return cls(1.0, mass_ratio, 1.0, mass_ratio * p**2, damping, damping, connector, dashpot)
+
+Mass = Annotated[float, MASS]
+Stiffness = Annotated[float, STIFFNESS]
+Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0)]
+Joint = Annotated[float | TimesK1, Text(_read_stiffness, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
+Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
+Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
+Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
+
+
+class First(Model):
+    """System 1."""
+
+    mass: Mass = key(200e3, "mass m1", "200 t")
+    period: Period | None = key(None, "period alone; 0.5 s unless stiffness is given", "0.5 s")
+    stiffness: Stiffness | None = key(None, "stiffness k1, in place of the period")
+    damping: Damping | None = key(None, "damping ratio; the study's unless given", "5 %")
+
+
+class Second(First):
+    """System 2."""
+
+    mass: Mass = key(200e3, "mass m2", "200 t")
+    frequency_ratio: Ratio | None = key(None, "p = omega20 / omega10, in place of the period", 0.6)
+
+
+class Connector(Model):
+    """What joins the two."""
+
+    stiffness: Joint = key("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
+    damping_ratio: Damping | None = key(None, "xi of its dashpot (eq. 7)", 0.1)
+    dashpot: Dashpot | None = key(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
+
+
+class Frequencies(Model):
+    """Where the ratios are computed, in Omega / omega10."""
+
+    low: Ratio = key(0.2, "lowest Omega / omega10", 0.2)
+    high: Ratio = key(1.6, "highest Omega / omega10", 1.6)
+    points: Annotated[int, Whole(11, 1_000_000)] = key(1401, "number of frequencies", 1401)
+
+
+class ConnectorStudy(Model):
+    """A study of two connected oscillators (paper, Figs 4 and 5)."""
+
+    fixed: ClassVar[tuple[str, ...]] = ("frequencies",)
+
+    title: str = key(..., "one line that says what is studied", "Two connected oscillators")
+    first: First = First()
+    second: Second = Second(frequency_ratio=0.6)
+    connector: Connector = Connector()
+    damping: Damping = key(0.05, "damping ratio of both systems", "5 %")
+    frequencies: Frequencies = Frequencies()
+    sweep: Any = key(None, "keys and the values they take", {"damping": ["5 %", "10 %"]})
+
+    def wrong(self) -> Iterator[Wrong]:
+        """Keys that say one thing in two ways, or not at all, and a range without extent."""
+        for name, keys in (
+            ("first", ("period", "stiffness")),
+            ("second", ("period", "stiffness", "frequency_ratio")),
+            ("connector", ("damping_ratio", "dashpot")),
+        ):
+            given = [each for each in keys if getattr(getattr(self, name), each) is not None]
+            if len(given) > 1:
+                yield (name, given[1]), f"'{given[0]}' and '{given[1]}' cannot both be given", "remove one", True
+            if name == "second" and not given:
+                yield (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period"
+        if self.frequencies.low >= self.frequencies.high:
+            yield ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}"
 
     @property
-    def omega10(self) -> float:
-        """Circular frequency of system 1 alone [rad/s]."""
-        return math.sqrt(self.k1 / self.m1)
+    def k1(self) -> float:
+        """Stiffness of system 1 [N/m]."""
+        return self.first.stiffness or self.first.mass * (2 * math.pi / (self.first.period or 0.5)) ** 2
 
     @property
-    def omega20(self) -> float:
-        """Circular frequency of system 2 alone [rad/s]."""
-        return math.sqrt(self.k2 / self.m2)
+    def k2(self) -> float:
+        """Stiffness of system 2 [N/m]."""
+        second = self.second
+        if second.frequency_ratio is not None:
+            return second.mass * second.frequency_ratio**2 * self.k1 / self.first.mass
+        return second.stiffness or second.mass * (2 * math.pi / (second.period or math.nan)) ** 2
 
     @property
-    def p(self) -> float:
-        """omega20 / omega10 [-]."""
-        return self.omega20 / self.omega10
+    def k(self) -> float:
+        """Stiffness of the connector [N/m]."""
+        given = self.connector.stiffness
+        return given.factor * self.k1 if isinstance(given, TimesK1) else given
+
+    @property
+    def c(self) -> float:
+        """Dashpot of the connector [N s/m]: as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
+        if self.connector.dashpot is not None:
+            return self.connector.dashpot
+        m1, m2 = self.first.mass, self.second.mass
+        return 2 * (self.connector.damping_ratio or 0.0) * math.sqrt(self.k * m1 * m2 / (m1 + m2))
+
+    @property
+    def omegas(self) -> tuple[float, float]:
+        """Circular frequencies of the two alone [rad/s]."""
+        return math.sqrt(self.k1 / self.first.mass), math.sqrt(self.k2 / self.second.mass)
 
 
-def eq7_dashpot(stiffness: float, xi: float, m1: float, m2: float) -> float:
-    """Dashpot of a connector, c = 2 xi sqrt(K m1 m2 / (m1 + m2)) [N s/m] (eq. 7, units corrected)."""
-    return 2 * xi * math.sqrt(stiffness * m1 * m2 / (m1 + m2))
+def doubts(study: ConnectorStudy) -> Iterator[tuple[tuple[str, str], str, str]]:
+    """Where mass and stiffness give an unlikely period: key, what is doubtful, what to do."""
+    fits = RANGES["period"]
+    for name, omega in zip(("first", "second"), study.omegas, strict=True):
+        period = 2 * math.pi / omega
+        if getattr(study, name).stiffness is not None and not fits.holds(period):
+            message = f"mass and stiffness give the {name} system a period of {period:.3g} s: {fits.reason}"
+            yield (name, "stiffness"), message, "check the units of both; otherwise leave it, the study runs as it is"
 
 
-def coupled_frequencies(pair: Oscillators) -> tuple[float, float]:
+_PERIOD = Plausible(RANGES["period"].low, RANGES["period"].high, RANGES["period"].reason, {"s": 1.0})
+USUAL = {
+    **dict.fromkeys(("first.mass", "second.mass"), RANGES["floor mass"]),
+    **dict.fromkeys(("first.period", "second.period"), _PERIOD),
+    "second.frequency_ratio": Plausible(0.05, 20.0, "neighbours differ in frequency by a factor of a few", {"": 1.0}),
+    **dict.fromkeys(("damping", "first.damping", "second.damping"), RANGES["damping ratio"]),
+}
+"""Keys of which a value outside is more likely a slip than meant."""
+
+
+def coupled_frequencies(study: ConnectorStudy) -> tuple[float, float]:
     """The two undamped circular frequencies of the connected systems [rad/s], lower first.
 
     With a = (k1 + K) / m1, b = (k2 + K) / m2, the characteristic equation is
     (a - w^2) (b - w^2) = K^2 / (m1 m2). The lower root comes from the product of the roots,
     (k1 k2 + K (k1 + k2)) / (m1 m2), a sum of positive terms: nothing cancels for a stiff connector.
     """
-    k = pair.stiffness
-    a, b = (pair.k1 + k) / pair.m1, (pair.k2 + k) / pair.m2
-    high = 0.5 * (a + b) + math.hypot(0.5 * (a - b), k / math.sqrt(pair.m1 * pair.m2))
-    product = (pair.k1 / pair.m1) * (pair.k2 / pair.m2) + k * (pair.k1 + pair.k2) / (pair.m1 * pair.m2)
+    m1, m2, k1, k2, k = study.first.mass, study.second.mass, study.k1, study.k2, study.k
+    a, b = (k1 + k) / m1, (k2 + k) / m2
+    high = 0.5 * (a + b) + math.hypot(0.5 * (a - b), k / math.sqrt(m1 * m2))
+    product = (k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)
     return math.sqrt(product / high), math.sqrt(high)
 
 
-def response_ratios(pair: Oscillators, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Steady-state displacement, connected over alone, of both systems under a_g = exp(i Omega t).
+def response_ratios(study: ConnectorStudy, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Steady-state displacement, connected over alone, of both systems under a_g = exp(i Omega t), complex, shape (n,).
 
     With D_j = k_j - m_j Omega^2 + i Omega c_j and Z = K + i Omega c, Cramer's rule gives
 
         R1 = D1 (D2 + Z (m1 + m2) / m1) / (D1 D2 + Z (D1 + D2)),
 
-    and R2 by exchanging the indices, so that m1 R1 + m2 R2 = m1 + m2 whatever K, c, p and Omega are.
-
-    Parameters
-    ----------
-    omega : circular frequencies of the ground motion [rad/s], shape (n,), > 0
-
-    Returns
-    -------
-    R1, R2 : complex ratios [-], shape (n,); their absolute values are the paper's Fig. 5
+    and R2 by exchanging the indices, so that m1 R1 + m2 R2 = m1 + m2 whatever K, c, p and Omega are. Their absolute
+    values are the paper's Fig. 5. omega : circular frequencies of the ground motion [rad/s], shape (n,), > 0
     """
-    omega = np.asarray(omega, dtype=float)
-    d1 = pair.k1 - pair.m1 * omega**2 + 2j * pair.zeta1 * pair.omega10 * pair.m1 * omega
-    d2 = pair.k2 - pair.m2 * omega**2 + 2j * pair.zeta2 * pair.omega20 * pair.m2 * omega
-    z = pair.stiffness + 1j * omega * pair.dashpot
-    total = pair.m1 + pair.m2
+    m1, m2, w1, w2 = study.first.mass, study.second.mass, *study.omegas
+    zeta1, zeta2 = (study.damping if one.damping is None else one.damping for one in (study.first, study.second))
+    d1 = study.k1 - m1 * omega**2 + 2j * zeta1 * w1 * m1 * omega
+    d2 = study.k2 - m2 * omega**2 + 2j * zeta2 * w2 * m2 * omega
+    z = study.k + 1j * omega * study.c
     determinant = d1 * d2 + z * (d1 + d2)
-    return d1 * (d2 + z * total / pair.m1) / determinant, d2 * (d1 + z * total / pair.m2) / determinant
+    return d1 * (d2 + z * (m1 + m2) / m1) / determinant, d2 * (d1 + z * (m1 + m2) / m2) / determinant
+
+
+def answer(study: ConnectorStudy) -> dict[str, Any]:
+    """Both ratios over frequency, their peaks, and the bands in which both exceed one, found to rounding.
+
+    Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
+    """
+    low, high, alone = study.frequencies.low, study.frequencies.high, study.omegas[0]
+    ratio = np.linspace(low, high, study.frequencies.points)
+    r1, r2 = response_ratios(study, ratio * alone)
+    grid = np.linspace(low, high, max(ratio.size, FINEST))
+
+    def sizes(x: Any) -> np.ndarray:
+        return np.abs(response_ratios(study, np.asarray(x) * alone))
+
+    def peak(which: int) -> tuple[float, float]:
+        best = int(np.argmax(sizes(grid)[which]))
+        ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
+        top = minimize_scalar(lambda x: -float(sizes(x)[which]), bounds=ends, options={"xatol": 1e-10})
+        return max((float(sizes(x)[which]), float(x)) for x in (top.x, grid[best]))
+
+    smaller = sizes(grid).min(axis=0) - 1.0
+    # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
+    above = smaller > 1e-12
+    edges = [low] if above[0] else []
+    for i in np.flatnonzero(above[1:] != above[:-1]):
+        crosses = smaller[i] * smaller[i + 1] < 0
+        x = brentq(lambda x: sizes(x).min() - 1.0, grid[i], grid[i + 1], xtol=1e-14) if crosses else grid[i]
+        edges.append(float(x))
+    edges += [high] if above[-1] else []
+    (peak1, at1), (peak2, at2) = peak(0), peak(1)
+    lower, upper = coupled_frequencies(study)
+    return {
+        "peak1": peak1, "at1": at1, "peak2": peak2, "at2": at2, "frequency_low": lower / alone,
+        "frequency_high": upper / alone, "p": study.omegas[1] / alone, "frequency": ratio,
+        "R1": np.abs(r1), "R1_real": r1.real, "R1_imag": r1.imag,
+        "R2": np.abs(r2), "R2_real": r2.real, "R2_imag": r2.imag,
+        "both_above": np.array(edges).reshape(-1, 2), "flags": [],
+    }  # fmt: skip

@@ -369,13 +369,13 @@ class WrittenLaw(LinkLaw):
         return _read(self.formula, self.constants, mass, self.gap, self.closings)
 
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
-        """As the parameters above; where its operations stand the scene says."""
+        """As the parameters above."""
         force = self.force(left_mass * right_mass / (left_mass + right_mass))
         k = c = f0 = 0.0
         if force.is_straight:
             f0 = float(force.at(0.0, 0.0))
             k, c = float(force.at(1.0, 0.0)) - f0, float(force.at(0.0, 1.0)) - f0
-        return k, c, f0, float(not force.is_straight), float(self.joins), float(self.tension_cut), 0.0, 0.0
+        return k, c, f0, float(not force.is_straight), float(self.joins), float(self.tension_cut)
 
     @property
     def damped(self) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pounding_cli.outputs import check_folder
 from pounding_cli.report import claim_tables
-from pounding_cli.report.answer_page import AnswerPage, answer_page
+from pounding_cli.report.answer_page import answer_page
 from pounding_cli.report.claims import judge
 from pounding_cli.report.evidence import TABLES, Evidence, Tables, points
 from pounding_cli.report.figures import draw_all, drawn_part
@@ -15,7 +15,7 @@ from pounding_cli.report.spectra import draw_spectra
 from pounding_cli.report.style import FORMATS, save, unwritable
 from pounding_cli.report.sweep import Asked, sweep_figures
 from pounding_cli.report.tables import write_csv
-from pounding_cli.report.web import write_page, write_points_page
+from pounding_cli.report.web import write_page
 from pounding_cli.texts import cells, write_markdown
 from pounding_cli.workflows import WORKFLOWS
 
@@ -37,8 +37,6 @@ def write_report(
     ------
     InputError : the folder cannot be written to; something asked for is not there
     """
-    if WORKFLOWS[results.workflow].solve:
-        return _write_points(results, folder, formats, with_page)
     is_sampled = WORKFLOWS[results.workflow].sampled
     everything, results = results, results.first_sample() if is_sampled else results
     evidences = points(results)
@@ -69,22 +67,6 @@ def write_report(
             files.append(write_markdown(folder / "claims-sensitivity.md", claim_tables.page(title, columns)))
         if with_page:
             files.append(write_page(results, folder, figures, evidences, shown, columns, own, everything.scene()))
-    except OSError as error:
-        raise unwritable(folder, error) from error
-    return files
-
-
-def _write_points(results: Tables, folder: Path, formats: Sequence[str], with_page: bool) -> list[Path]:
-    """The report of points of a model of its own: what its workflow says, its tables, its page."""
-    page = WORKFLOWS[results.workflow].part("page")
-    own = page(results, None, bool(formats)) if page else AnswerPage("", [], {}, [])
-    check_folder(folder)
-    files = save({name: each.figure for name, each in own.figures.items()}, folder, formats)
-    try:
-        files += own.beside(folder) if own.beside else []
-        files += write_csv(results, folder / "tables", ())
-        if with_page:
-            files.append(write_points_page(results, folder, own))
     except OSError as error:
         raise unwritable(folder, error) from error
     return files

@@ -51,11 +51,9 @@ def citations(
         uses.setdefault(key, {})[what] = None
 
     used("pounding_cli", "the computations")
-    workflow = WORKFLOWS[kind]
-    if not workflow.solve:
-        _groups(resolved, sources, used)
-        _methods(methods, resolved["estimate"] != "none", used)
-    if (cite := workflow.part("cite")) is not None:
+    _groups(resolved, sources, used)
+    _methods(methods, resolved["estimate"] != "none", used)
+    if (cite := WORKFLOWS[kind].part("cite")) is not None:
         cite(resolved, used)
     return [Citation(reference, tuple(uses[key])) for key, reference in REFERENCES.items() if key in uses]
 

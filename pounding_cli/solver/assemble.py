@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.formula import MOST_OPERATIONS, WrittenLaw, operations
+from pounding_cli.laws.formula import WrittenLaw, operations
 from pounding_cli.laws.joined import JOINED
 from pounding_cli.laws.law import PARAMETERS
 from pounding_cli.laws.maxwell import Maxwell
@@ -23,9 +23,7 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.solver import smooth
-from pounding_cli.solver.dispatch import FIRST, LAST
-from pounding_cli.solver.records import COLUMN, DOF, ELEMENT, RUN, SERIES, TERM, Data, Room, Watch
+from pounding_cli.solver.records import COLUMN, DOF, ELEMENT, FORMULA, RUN, SERIES, STATE, TERM, Data, Room, Watch
 
 SAFETY = 0.5
 """What a series may leave out of an acceleration, over the accuracy asked of the peaks [-]."""
@@ -35,6 +33,9 @@ COARSEST, FINEST = 1e-4, 1e-16
 
 SMOOTHER, FINEST_SMOOTH = 0.01, 1e-13
 """Error that a step by DOP853 may have, over what a series may leave out, and its least [-]."""
+
+LEAST_STATE = 1e-6
+"""Size of a displacement [m], velocity [m/s] or history variable below which DOP853 resolves nothing."""
 
 LEAST_SCALE = 1e-3
 """Acceleration below which nothing is resolved, over the ground's peak [-]."""
@@ -87,7 +88,7 @@ class _Elements:
     storeys: list[dict[str, Any]] = field(default_factory=list)
     drags: list[tuple[dict[str, Any], Weights]] = field(default_factory=list)
     links: list[tuple[dict[str, Any], Weights]] = field(default_factory=list)
-    operations: list[tuple[float, float, float, float]] = field(default_factory=list)
+    formulas: list[list[tuple[float, float, float, float]]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +106,7 @@ class Layout:
     elements: np.ndarray
     terms: np.ndarray
     columns: np.ndarray
-    operations: np.ndarray
+    formulas: np.ndarray
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
     feet: tuple[int, ...]
@@ -186,16 +187,15 @@ def _end(b: Building, floors: slice, base: int, foot: int, floor: int, at: float
 def _add_link(made: _Elements, link: Link, ends: Sequence[Weights]) -> None:
     """A link between two ends; its law is told the masses that move with them."""
     masses = [1.0 / sum(w * w / made.dofs[i]["mass"] for i, w in end.items()) for end in ends]
-    numbers = list(link.law.numbers(*masses))
+    numbers = link.law.numbers(*masses)
     if isinstance(link.law, WrittenLaw):
         force = link.law.force(masses[0] * masses[1] / (masses[0] + masses[1]))
-        numbers[FIRST] = len(made.operations)
-        made.operations += [] if force.is_straight else operations(force)
-        numbers[LAST] = len(made.operations)
+        made.formulas.append([] if force.is_straight else operations(force))
     left, right = ends
     weights = left | {dof: -weight for dof, weight in right.items()}
     eased = link.law.behaviour.force is not None
-    element = _element(link.law.behaviour, numbers, offset=link.law.offset, eased=eased)
+    formula = max(len(made.formulas) - 1, 0)
+    element = _element(link.law.behaviour, numbers, offset=link.law.offset, eased=eased, formula=formula)
     if not link.law.can_close:  # its closing alone is asked for
         element = _element(JOINED, (0.0, 0.0))
     made.links.append((element, weights))
@@ -207,6 +207,15 @@ def _filled(dtype: np.dtype, rows: Sequence[Mapping[str, Any]], least: int = 0) 
     for name in {name for row in rows for name in row}:
         blank = (0.0,) * PARAMETERS if name == "p" else 0
         records[name][: len(rows)] = [row.get(name, blank) for row in rows]
+    return records
+
+
+def _formulas(lists: Sequence[Sequence[tuple[float, float, float, float]]]) -> np.ndarray:
+    """Records of formulas with these operations, one at least."""
+    records = np.zeros(max(len(lists), 1), FORMULA)
+    for record, rows in zip(records, lists, strict=False):
+        record["count"] = len(rows)
+        record["operations"][: len(rows)] = np.reshape(rows, (-1, 4))
     return records
 
 
@@ -281,7 +290,7 @@ def layout_of(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis
     elements["state"][changing] = 2 * n + np.arange(len(changing))
     return Layout(
         buildings, links, dofs, elements, table, columns,
-        np.array(made.operations, float).reshape(-1, 4), floors, tuple(place[1] for place in places),
+        _formulas(made.formulas), floors, tuple(place[1] for place in places),
         tuple(place[2] for place in places), len(made.drags), struck, effects.collapse,
         any(each.force is not None for each in behaviours),
     )  # fmt: skip
@@ -364,11 +373,8 @@ def records_of(
     r["always_smooth"] = always_smooth
     room = None
     if layout.has_smooth or always_smooth or has_room:
-        shape = smooth.ALL + 1, size
-        room = Room(
-            np.zeros((smooth.ROWS, size)), np.zeros(shape), np.full(size, 1e-6), layout.operations,
-            np.zeros(MOST_OPERATIONS + 2),
-        )  # fmt: skip
+        room = Room(np.zeros(size, STATE), layout.formulas.copy())
+        room.states["scale"] = LEAST_STATE
     rows = max(elements.size - layout.number + layout.number * layout.has_smooth, 1)
     watch = _watch_of_nothing(layout) if times is None else watch_of(layout, times)
     return Data(dofs, elements, layout.terms, run, np.zeros(rows, SERIES), layout.columns.copy(), room, watch)

@@ -16,9 +16,6 @@ from pounding_cli.solver.options import CALLED, PART
 WRITTEN = BEHAVIOURS.index(WRITTEN_BEHAVIOUR)
 """Kind of the elements whose force is a formula of the study."""
 
-FIRST, LAST = 6, 7
-"""Their parameters that say where the operations stand."""
-
 PLUS, TIMES, POWER = int(Operation.PLUS), int(Operation.TIMES), int(Operation.POWER)
 
 
@@ -31,7 +28,7 @@ def compiled(function: Callable) -> Any:
         if isinstance(called, types.FunctionType) and called.__module__.startswith("pounding_cli.laws"):
             known[name] = compiled(called)
     copy = types.FunctionType(function.__code__, known, function.__name__)
-    return njit(**CALLED)(copy)
+    return njit(**PART)(copy)
 
 
 def _by_kind(functions: Sequence[tuple[int, Callable]]) -> Any:
@@ -76,26 +73,28 @@ def next_branch(e, guard):
     e.stiffness = e.k - e.load
 
 
-@njit(**CALLED)
+@njit(**PART)
 def history_rate(e, r, h):
     """Rate of the history variable h of a smooth storey [1/s] at the rate r [m/s] of its drift."""
     return _rates(e, r, h)
 
 
-@njit(**CALLED)
-def smooth_force(e, v, r, room):
-    """Force [N] of a law without a Taylor series, beside that of its line, at v [m] and v' [m/s]."""
+@njit(**PART)
+def smooth_force(e, v, r, formula):
+    """Force [N] of a law without a Taylor series, beside that of its line, at v [m] and v' [m/s]. It is called inside
+    loops and takes records alone: the references to an array would be counted at every call."""
     if e.kind == WRITTEN:
-        return _written_force(e, v, r, room.operations, room.registers)
+        return _written_force(formula, v, r)
     return _forces(e, v, r)
 
 
-@njit(**CALLED)
-def _written_force(e, v, r, operations, registers):
+@njit(**PART)
+def _written_force(formula, v, r):
     """The force [N] of a formula, operation by operation (`laws.formula.Operation`)."""
+    operations, registers = formula.operations, formula.registers
     registers[0], registers[1] = v, r
     to = 2
-    for i in range(int(e.p[FIRST]), int(e.p[LAST])):
+    for i in range(formula.count):
         code, x, y, a = operations[i, 0], operations[i, 1], operations[i, 2], operations[i, 3]
         if code == PLUS:
             registers[to] = registers[int(x)] + registers[int(y)]

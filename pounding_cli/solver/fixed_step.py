@@ -43,7 +43,7 @@ def steps_a_sample(dt: float, time_step: float) -> int:
 
 
 @njit(**CALLED)
-def _settle(el, room):
+def _settle(el, formula):
     """Let an element pass the guards that lie between its branch and its state at the end of the step."""
     for _ in range(BRANCHES):
         guard = -1
@@ -56,7 +56,7 @@ def _settle(el, room):
         elif el.r1 > el.fast:
             guard = FASTER
         elif el.cuts:
-            f = _force(el, el.v1, el.r1, room)
+            f = _force(el, el.v1, el.r1, formula)
             if (f < 0.0 and el.acts) or (f > 0.0 and not el.acts):
                 guard = FORCE
         if guard < 0:
@@ -68,10 +68,10 @@ def _settle(el, room):
 
 
 @njit(**PART)
-def _force(el, v, r, room):
+def _force(el, v, r, formula):
     """Force of a branch [N], as if it acted."""
     f = line_force(el, v, r)
-    return f + smooth_force(el, v, r, room) if el.smooth else f
+    return f + smooth_force(el, v, r, formula) if el.smooth else f
 
 
 @njit(**CALLED)
@@ -83,7 +83,7 @@ def _pushes(dofs, elements, terms, r, room, ground):
     for e in range(r.n, r.m):
         el = elements[e]
         if el.closed and el.acts:
-            push(dofs, terms, el, _force(el, el.v1, el.r1, room))
+            push(dofs, terms, el, _force(el, el.v1, el.r1, room.formulas[el.formula]))
     for i in range(r.n):
         el, d = elements[i], dofs[i]
         f = line_force(el, el.v1, el.r1)
@@ -116,7 +116,7 @@ def _end(dofs, elements, terms, r, room, h):
             if r.collapses and abs(el.v1) > el.collapse:
                 r.status = COLLAPSED
         elif el.closed and el.acts:
-            f = _force(el, el.v1, el.r1, room)
+            f = _force(el, el.v1, el.r1, room.formulas[el.formula])
             el.peak_f = max(el.peak_f, abs(f))
             el.impulse += f * h
             el.time += h
@@ -133,7 +133,7 @@ def _raise_columns(elements, terms, r, columns, room):
         for x in range(column.first, column.last):
             link = elements[terms[x].dof]
             if link.closed and link.acts:
-                f += terms[x].weight * _force(link, link.v1, link.r1, room)
+                f += terms[x].weight * _force(link, link.v1, link.r1, room.formulas[link.formula])
         column.peak = max(column.peak, abs(f))
 
 
@@ -150,7 +150,7 @@ def _central_difference(dofs, elements, terms, r, room, half, h, ground, first):
         d.v1 = 1.5 * half[i] - 0.5 * before
     ends_of_elements(dofs, elements, terms, r)
     for e in range(r.m):
-        _settle(elements[e], room)
+        _settle(elements[e], room.formulas[elements[e].formula])
     _pushes(dofs, elements, terms, r, room, ground)
     for i in range(r.n):
         d = dofs[i]
@@ -159,7 +159,7 @@ def _central_difference(dofs, elements, terms, r, room, half, h, ground, first):
 
 
 @njit(**PART)
-def _slopes(el, room):
+def _slopes(el, formula):
     """dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
     k, c = el.k, el.c
     if el.cubic != 0.0:
@@ -167,10 +167,10 @@ def _slopes(el, room):
         k += 3.0 * el.cubic * el.v1 * el.v1 + el.root * 3.0 * el.cubic * el.v1 * el.r1 / root
         c += el.root * root
     if el.smooth:
-        f = smooth_force(el, el.v1, el.r1, room)
+        f = smooth_force(el, el.v1, el.r1, formula)
         dv, dr = NEAR * max(abs(el.v1), NEAR), NEAR * max(abs(el.r1), NEAR)
-        k += (smooth_force(el, el.v1 + dv, el.r1, room) - f) / dv
-        c += (smooth_force(el, el.v1, el.r1 + dr, room) - f) / dr
+        k += (smooth_force(el, el.v1 + dv, el.r1, formula) - f) / dv
+        c += (smooth_force(el, el.v1, el.r1 + dr, formula) - f) / dr
     return k, c
 
 
@@ -185,7 +185,7 @@ def _matrix(dofs, elements, terms, r, room, h, rows, weights):
         el = elements[e]
         if not (el.closed and el.acts):
             continue
-        k, c = _slopes(el, room)
+        k, c = _slopes(el, room.formulas[el.formula])
         size = 0.25 * h * h * k + 0.5 * h * c
         weights[:] = 0.0
         weights[el.left] += 1.0
@@ -246,7 +246,7 @@ def _newmark(dofs, elements, terms, r, room, kept, rows, weights, x, h, ground):
         elements[:] = kept
         ends_of_elements(dofs, elements, terms, r)
         for e in range(r.m):
-            _settle(elements[e], room)
+            _settle(elements[e], room.formulas[elements[e].formula])
         _pushes(dofs, elements, terms, r, room, ground)
         left = most = 0.0
         for i in range(n):
@@ -273,7 +273,7 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, par
     kept, rows = elements.copy(), np.zeros((n, n))
     weights, x, half = np.zeros(n), np.zeros(n), np.zeros(n)
     for e in range(r.m):
-        _settle(elements[e], room)
+        _settle(elements[e], room.formulas[elements[e].formula])
     r.g0 = ground[0]
     _pushes(dofs, elements, terms, r, room, r.g0)
     for i in range(n):

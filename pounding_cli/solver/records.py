@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pounding_cli.laws.formula import MOST_OPERATIONS
 from pounding_cli.laws.law import HISTORY, PARAMETERS
 
 ORDERS = 32
@@ -54,17 +55,18 @@ ELEMENT = _dtype(
     # v0, r0 deformation and rate at the step's start, v1, r1 at its end, dv, dr chord deviations
     # exact: deformation at the guard just met; at: where in the step the branch ends
     # load: P / h of P-Delta [N/m]; collapse: drift at which the storey counts as collapsed [m]
-    # peak_v: largest |v| of a storey, v of a link; peak_f likewise
+    # f1: force at a stage of DOP853; peak_v: largest |v| of a storey, v of a link; peak_f likewise
     # impulse, time: of a link's force; work: done on it
     f8="k c stiffness previous f0 low high slow fast cubic relaxation v0 v1 r0 r1 dv dr offset hold root exact"
-    " load collapse peak_v peak_f impulse time work at",
+    " load collapse f1 peak_v peak_f impulse time work at",
     f8_history=f"p:{PARAMETERS} h:{HISTORY}",
     # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
     # yields: 1 for a storey whose work is kept; eased: 1 for a contact that DOP853 steps (`events.FROM_REST`)
     i8="kind branch levels cuts crosses smooth closed acts guard pinned stuck hits row state yields eased",
     # v = u_left - hold u_right - offset + further terms, first to last; hold: 0 where the right end is the ground
-    u8="left right first last",
+    # formula: place of its formula among those of the scene
+    u8="left right first last formula",
 )
 TERM = _dtype(f8="weight", u8="dof")
 """Further term of an element; of a struck column the weight of a link's force in its shear."""
@@ -85,19 +87,28 @@ RUN = _dtype(
     f8_=f"p:{ORDERS + 8} powers:{MOST_POINTS}x{ORDERS}",
 )
 
+STATES, DERIVATIVES = 10, 17
+"""Of what DOP853 integrates: at the step's start, its end, a stage, and seven coefficients of the dense output; at the
+twelve stages, the step's end, three more for the dense output, and one that is looked at once."""
+
+STATE = _dtype(
+    # y: the states; k: the derivatives; scale: what errors are measured by
+    f8=f"y:{STATES} k:{DERIVATIVES} scale",
+)
+
+FORMULA = _dtype(f8=f"operations:{MOST_OPERATIONS}x4 registers:{MOST_OPERATIONS + 2}", i8="count")
+"""Operations of a formula of the study (`laws.formula.Operation`), and the registers they fill."""
+
 DONE, COLLAPSED, STEP_BOUND, EVENT_BOUND, STALLED, NOT_FINITE, NO_ROOT, UNSTABLE = range(8)
 """How a run ends: run.status."""
 
 
 class Room(NamedTuple):
-    """Room for steps by DOP853: states, derivatives at the stages, sizes of states; the operations of all formulas and
-    the registers they fill."""
+    """Room for steps by DOP853: displacements, then velocities, then history variables; and the formulas of the scene,
+    one at least."""
 
-    Y: np.ndarray
-    K: np.ndarray
-    scale: np.ndarray
-    operations: np.ndarray
-    registers: np.ndarray
+    states: np.ndarray
+    formulas: np.ndarray
 
 
 class Watch(NamedTuple):

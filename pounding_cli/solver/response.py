@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -135,21 +135,6 @@ class Response:
         if self.links.impacts.size and self.has_result:
             impacts = f"; {counted(int(self.links.impacts.sum()), 'impact')}"
         return f"Response({self.status}; {self.method}; largest storey shears {shears} N{impacts})"
-
-
-@dataclass(frozen=True, eq=False)
-class PointResponse:
-    """The response of a point of a model of its own, as the `variables` of its workflow say.
-
-    values : by variable, of any shape; none of a point that failed
-    status, advice, flags, seconds : as of `Response`
-    """
-
-    values: Mapping[str, np.ndarray]
-    status: str = DONE
-    advice: str = ""
-    flags: tuple[str, ...] = ()
-    seconds: float = 0.0
 
 
 def nothing(

@@ -18,7 +18,7 @@ from pounding_cli.solver.events import (
     summarise,
     unpin,
 )
-from pounding_cli.solver.options import CALLED, KERNEL, PART
+from pounding_cli.solver.options import CALLED, KERNEL, PART, bare
 from pounding_cli.solver.peaks import raise_peaks
 from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, STALLED, STEP_BOUND
 from pounding_cli.solver.series import expand, shorten, shrink, start
@@ -115,6 +115,8 @@ def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, 
     Without `room` for steps by DOP853 (None) a kernel is compiled that has series alone.
     """
     r = run[0]
+    dofs, elements, terms = bare(dofs), bare(elements), bare(terms)
+    series, columns = bare(series), bare(columns)
     begin(dofs, elements, terms, r, series)
     if watch.times.size > 0:
         keep(dofs, elements, r, room, watch)

@@ -14,8 +14,9 @@ from numba import njit
 from scipy.integrate import DOP853
 
 from pounding_cli.solver.dispatch import history_rate, smooth_force
-from pounding_cli.solver.options import CALLED, INVERSE, PART
-from pounding_cli.solver.records import NOT_FINITE
+from pounding_cli.solver.events import ends_of_elements
+from pounding_cli.solver.options import CALLED, INVERSE, PART, bare
+from pounding_cli.solver.records import NOT_FINITE, Room
 from pounding_cli.solver.series import line_force, push
 
 STAGES = DOP853.n_stages
@@ -33,11 +34,9 @@ PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(ORDER) / (ORDER - 1))
 FIT = np.ascontiguousarray(np.linalg.inv(np.vander(PLACES, increasing=True)))
 """Coefficients of a polynomial of degree 7 from its values at PLACES."""
 
-ROWS = 10
-"""Rows of states: the step's start, its end, a stage, seven coefficients of the dense output."""
-
 STAGE, SPARE = np.int64(2), np.int64(ALL)
-"""Row of a stage, and of derivatives that are looked at once. Numba compiles a call with a literal number anew."""
+"""Places of a stage, and of derivatives that are looked at once (`records.STATE`). Numba compiles a call with a literal
+number anew."""
 
 SAFETY, LEAST, MOST = 0.9, 0.2, 6.0
 """Of the next step over this one: margin, least and most."""
@@ -47,99 +46,84 @@ SHORTEST = 1e-15
 
 
 @njit(**PART)
-def _element_force(el, v, rate, Y, row, room):
-    """Force of an element whose history variable, if it changes all the time, stands in Y [N]."""
-    held = el.h[0]
-    if el.state > 0:
-        el.h[0] = Y[row, el.state]
-    f = line_force(el, v, rate)
+def _set_state(dofs, elements, terms, r, states, at):
+    """A state as displacements, velocities, deformations, rates and history variables of the records."""
+    for i in range(r.n):
+        dofs[i].u1, dofs[i].v1 = states[i].y[at], states[r.n + i].y[at]
+    ends_of_elements(dofs, elements, terms, r)
+    for e in range(r.m):
+        el = elements[e]
+        if el.state > 0:
+            el.h[0] = states[el.state].y[at]
+
+
+@njit(**PART)
+def _element_force(el, formula):
+    """Force of an element at its deformation and rate of now [N], kept in f1."""
+    f = line_force(el, el.v1, el.r1)
     if el.smooth:
-        f += smooth_force(el, v, rate, room)
-    el.h[0] = held
+        f += smooth_force(el, el.v1, el.r1, formula)
+    el.f1 = f
     return f
 
 
-@njit(**PART)
-def _link_at(terms, el, Y, row, n):
-    """Deformation and rate of a link in a state."""
-    v, rate = Y[row, el.left] - Y[row, el.right] - el.offset, Y[row, n + el.left] - Y[row, n + el.right]
-    for x in range(el.first, el.last):
-        v += terms[x].weight * Y[row, terms[x].dof]
-        rate += terms[x].weight * Y[row, n + terms[x].dof]
-    return v, rate
-
-
-@njit(**PART)
-def _storey_at(d, i, Y, row, n, has_lean):
-    """Drift and its rate of storey i in a state."""
-    v, rate = Y[row, i], Y[row, n + i]
-    if d.below != 0.0:
-        v, rate = v - Y[row, i - 1], rate - Y[row, n + i - 1]
-    if has_lean:
-        v, rate = v + d.lean * Y[row, d.foot], rate + d.lean * Y[row, n + d.foot]
-    return v, rate
-
-
 @njit(**CALLED)
-def _derivative(dofs, elements, terms, r, series, room, row, s, to):
-    """Rates of displacements, velocities and history variables Y[row] at the part s of the step, into K[to]."""
-    Y, K, n = room.Y, room.K, r.n
+def _derivative(dofs, elements, terms, r, series, room, at, s, to):
+    """Derivatives of the states y[at], at the part s of the step, into k[to]."""
+    states, formulas, n = room.states, room.formulas, r.n
+    _set_state(dofs, elements, terms, r, states, at)
     ground = r.g0 + r.g1 * s
     for i in range(n):
-        K[to, i] = Y[row, n + i]
+        states[i].k[to] = dofs[i].v1
         dofs[i].push = dofs[i].mass * dofs[i].loaded * ground
     for a in range(r.active):
         el = elements[series[a].element]
-        v, rate = _link_at(terms, el, Y, row, n)
-        f = _element_force(el, v, rate, Y, row, room)
+        f = _element_force(el, formulas[el.formula])
         if el.state > 0:
-            K[to, el.state] = el.k * rate - el.relaxation * Y[row, el.state]
+            states[el.state].k[to] = el.k * el.r1 - el.relaxation * el.h[0]
         if el.acts:
             push(dofs, terms, el, f)
     for i in range(n):
         el, d = elements[i], dofs[i]
-        v, rate = _storey_at(d, i, Y, row, n, r.has_lean)
-        f = _element_force(el, v, rate, Y, row, room)
+        f = _element_force(el, formulas[el.formula])
         if el.state > 0:
-            K[to, el.state] = history_rate(el, rate, Y[row, el.state])
+            states[el.state].k[to] = history_rate(el, el.r1, el.h[0])
         if r.has_lean:
             dofs[d.foot].push += d.lean * f
         if el.load != 0.0:
-            f -= el.load * (Y[row, i] - (Y[row, i - 1] if d.below != 0.0 else 0.0))
+            f -= el.load * (d.u1 - d.below * dofs[i - 1].u1)
         d.push += f
         if d.below != 0.0:
             dofs[i - 1].push -= f
     for i in range(n):
         d = dofs[i]
-        K[to, n + i] = -d.inv_mass * d.push - d.drag * Y[row, n + i]
+        states[n + i].k[to] = -d.inv_mass * d.push - d.drag * d.v1
 
 
 @njit(**PART)
-def _stage(Y, K, h, weights, count, size, to):
-    """Y[to] = Y[0] + h (weights K)."""
-    for i in range(size):
-        Y[to, i] = 0.0
-    for j in range(count):
-        w = weights[j] * h
-        if w != 0.0:
-            for i in range(size):
-                Y[to, i] += w * K[j, i]
-    for i in range(size):
-        Y[to, i] += Y[0, i]
+def _stage(states, h, weights, count, to):
+    """y[to] = y[0] + h (weights k)."""
+    for i in range(states.size):
+        state = states[i]
+        total = 0.0
+        for j in range(count):
+            total += weights[j] * state.k[j]
+        state.y[to] = state.y[0] + h * total
 
 
 @njit(**PART)
-def _error(r, Y, K, scale, size, h):
+def _error(r, states, h):
     """Error of the step over what it may be [-], the largest of all states: in a long row a mean would hide it.
 
     Infinite where a state is not finite, which a comparison passes over."""
     worst5 = worst3 = total = 0.0
-    for i in range(size):
+    for i in range(states.size):
+        state = states[i]
         e5 = e3 = 0.0
         for j in range(STAGES):
-            e5 += E5[j] * K[j, i]
-            e3 += E3[j] * K[j, i]
-        per = 1.0 / (r.smooth_tolerance * max(scale[i], abs(Y[0, i]), abs(Y[1, i])))
+            e5 += E5[j] * state.k[j]
+            e3 += E3[j] * state.k[j]
+        per = 1.0 / (r.smooth_tolerance * max(state.scale, abs(state.y[0]), abs(state.y[1])))
         worst5, worst3 = max(worst5, abs(e5 * per)), max(worst3, abs(e3 * per))
         total += abs(e5 * per)
     if not total < math.inf:
@@ -152,13 +136,13 @@ def _error(r, Y, K, scale, size, h):
 @njit(**CALLED)
 def take_smooth(dofs, elements, terms, r, series, room):
     """A step that DOP853 accepts: the velocities' polynomials in `dofs`, the forces' in `series`."""
-    Y, K = room.Y, room.K
-    n, size = r.n, r.size
+    room = Room(bare(room.states), bare(room.formulas))
+    states, n = room.states, r.n
     for i in range(n):
-        Y[0, i], Y[0, n + i] = dofs[i].u0, dofs[i].w[0]
+        states[i].y[0], states[n + i].y[0] = dofs[i].u0, dofs[i].w[0]
     for e in range(r.m):
         if elements[e].state > 0:
-            Y[0, elements[e].state] = elements[e].h[0]
+            states[elements[e].state].y[0] = elements[e].h[0]
     if r.h > r.next > 0.0:
         part = 1.0 / math.ceil(r.h / r.next - 1e-9)
         r.h *= part
@@ -168,11 +152,13 @@ def take_smooth(dofs, elements, terms, r, series, room):
         h = r.h
         for stage in range(first, STAGES):
             if stage > 0:
-                _stage(Y, K, h, A[stage], stage, size, 1)
+                _stage(states, h, A[stage], stage, 1)
             _derivative(dofs, elements, terms, r, series, room, min(stage, 1), C[stage], stage)
+            if stage == 0:
+                _at_place(dofs, elements, r, series, room, 0, 0)
         first = 1
-        _stage(Y, K, h, B, STAGES, size, 1)
-        error = _error(r, Y, K, room.scale, size, h)
+        _stage(states, h, B, STAGES, 1)
+        error = _error(r, states, h)
         factor = min(MOST, SAFETY * error ** (-0.125)) if error > 0.0 else MOST
         if error < 1.0:
             break
@@ -188,61 +174,61 @@ def take_smooth(dofs, elements, terms, r, series, room):
     r.next = h * max(factor, LEAST)
     for stage in range(STAGES, ALL):
         if stage > STAGES:
-            _stage(Y, K, h, A[stage], stage, size, STAGE)
+            _stage(states, h, A[stage], stage, STAGE)
         _derivative(dofs, elements, terms, r, series, room, 1 if stage == STAGES else STAGE, C[stage], stage)
-    _dense(r, Y, K)
-    _at_places(dofs, elements, terms, r, series, room)
+        if stage == STAGES:
+            _at_place(dofs, elements, r, series, room, ORDER - 1, STAGES)
+    _dense(r, states)
+    for place in range(1, ORDER - 1):
+        _dense_state(states, PLACES[place])
+        _derivative(dofs, elements, terms, r, series, room, STAGE, PLACES[place], SPARE)
+        _at_place(dofs, elements, r, series, room, place, SPARE)
     _fit(dofs, elements, r, series)
 
 
 @njit(**PART)
-def _dense(r, Y, K):
-    """Coefficients of the dense output, rows 3 to 9 of the states."""
+def _dense(r, states):
+    """Coefficients of the dense output, y[3] to y[9]."""
     h = r.h
-    for i in range(r.size):
-        d = Y[1, i] - Y[0, i]
-        Y[3, i] = d
-        Y[4, i] = h * K[0, i] - d
-        Y[5, i] = 2.0 * d - h * (K[STAGES, i] + K[0, i])
+    for i in range(states.size):
+        y, k = states[i].y, states[i].k
+        d = y[1] - y[0]
+        y[3] = d
+        y[4] = h * k[0] - d
+        y[5] = 2.0 * d - h * (k[STAGES] + k[0])
         for q in range(4):
             total = 0.0
             for j in range(ALL):
-                total += D[q, j] * K[j, i]
-            Y[6 + q, i] = h * total
+                total += D[q, j] * k[j]
+            y[6 + q] = h * total
 
 
 @njit(**PART)
-def _dense_value(Y, i, s):
-    """State i at the part s of the step."""
-    y = Y[9, i]
-    for q in range(5, -1, -1):
-        y = y * (s if q % 2 else 1.0 - s) + Y[3 + q, i]
-    return Y[0, i] + s * y
+def _dense_state(states, s):
+    """The states at the part s of the step, into those of a stage."""
+    for i in range(states.size):
+        y = states[i].y
+        value = y[9]
+        for q in range(5, -1, -1):
+            value = value * (s if q % 2 else 1.0 - s) + y[3 + q]
+        y[STAGE] = y[0] + s * value
 
 
 @njit(**PART)
-def _at_places(dofs, elements, terms, r, series, room):
-    """Accelerations, and rates and forces of links that act and of smooth storeys, at PLACES."""
-    Y, K, n = room.Y, room.K, r.n
-    for place in range(ORDER):
-        s = PLACES[place]
-        for i in range(r.size):
-            Y[STAGE, i] = _dense_value(Y, i, s) if place < ORDER - 1 else Y[1, i]
-        _derivative(dofs, elements, terms, r, series, room, STAGE, s, SPARE)
-        for i in range(n):
-            dofs[i].inside[place] = K[SPARE, n + i]
-        for a in range(r.active):
-            el = elements[series[a].element]
-            v, rate = _link_at(terms, el, Y, STAGE, n)
-            if place == 0 and el.pinned:
-                v, rate = el.v0, el.r0
-            series[a].rate[place], series[a].f[place] = rate, _element_force(el, v, rate, Y, STAGE, room)
-        for i in range(n):
-            el = elements[i]
-            if el.smooth:
-                v, rate = _storey_at(dofs[i], i, Y, STAGE, n, r.has_lean)
-                f = _element_force(el, v, rate, Y, STAGE, room) - el.c * rate
-                series[el.row].rate[place], series[el.row].f[place] = rate, f
+def _at_place(dofs, elements, r, series, room, place, at):
+    """Keep accelerations, and rates and forces of links that act and of smooth storeys, at one of PLACES: those of the
+    derivatives k[at], which were evaluated last."""
+    for i in range(r.n):
+        dofs[i].inside[place] = room.states[r.n + i].k[at]
+        el = elements[i]
+        if el.smooth:
+            series[el.row].rate[place], series[el.row].f[place] = el.r1, el.f1 - el.c * el.r1
+    for a in range(r.active):
+        el = elements[series[a].element]
+        if place == 0 and el.pinned:
+            el.v1, el.r1 = el.v0, el.r0
+            _element_force(el, room.formulas[el.formula])
+        series[a].rate[place], series[a].f[place] = el.r1, el.f1
 
 
 @njit(**CALLED)
@@ -279,14 +265,16 @@ def _fit(dofs, elements, r, series):
 @njit(**PART)
 def end_of_smooth(dofs, elements, r, room):
     """History variables at the end of the step, and what errors are measured by."""
-    Y, scale = room.Y, room.scale
-    n, s, whole = r.n, r.end, r.end == 1.0
+    states, n, whole = room.states, r.n, r.end == 1.0
+    if not whole:
+        _dense_state(states, r.end)
+    at = 1 if whole else STAGE
     for e in range(r.m):
         el = elements[e]
         if el.state > 0:
-            el.h[0] = Y[1, el.state] if whole else _dense_value(Y, el.state, s)
+            el.h[0] = states[el.state].y[at]
     if whole:
         for i in range(n):
-            dofs[i].u1, dofs[i].v1 = Y[1, i], Y[1, n + i]
-    for i in range(r.size):
-        scale[i] = max(scale[i], 0.01 * abs(Y[1, i]))
+            dofs[i].u1, dofs[i].v1 = states[i].y[1], states[n + i].y[1]
+    for i in range(states.size):
+        states[i].scale = max(states[i].scale, 0.01 * abs(states[i].y[1]))

@@ -24,7 +24,7 @@ def keep(dofs, elements, r, room, watch):
         f = line_force(el, el.v1, el.r1) if el.acts else 0.0
         if room is not None:
             if el.smooth and el.acts:
-                f += smooth_force(el, el.v1, el.r1, room)
+                f += smooth_force(el, el.v1, el.r1, room.formulas[el.formula])
         if e < r.n:
             f -= el.c * el.r1
         elif e < r.n + r.drags:

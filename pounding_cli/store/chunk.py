@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pounding_cli.solver.response import PointResponse, Response
+from pounding_cli.solver.response import Response
 from pounding_cli.store.codec import Header, encode, parse
 
 _MAGIC = b"pound part 2\n"
@@ -41,7 +41,7 @@ class Chunk:
     numbers: np.ndarray
 
     @classmethod
-    def of(cls, responses: Mapping[str, Response | PointResponse]) -> Chunk:
+    def of(cls, responses: Mapping[str, Response]) -> Chunk:
         """The chunk of responses by scene digest."""
         texts: dict[str, int] = {}
         words, rows = [], []

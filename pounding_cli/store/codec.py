@@ -5,9 +5,8 @@ The header (status, sentences, which numbers follow) is the same for most scenes
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from operator import attrgetter
 from typing import Any
@@ -20,7 +19,6 @@ from pounding_cli.solver.response import (
     BuildingResponse,
     ColumnResponse,
     LinkResponse,
-    PointResponse,
     Response,
     nothing,
 )
@@ -45,7 +43,6 @@ class Header:
     buildings : for every building, the span of each of its arrays and of sway and rocking (spans of one)
     links, columns_struck : the span of each array
     size : numbers in all
-    shapes : of a point of a model of its own, the shape of each of its arrays, which stand one behind the other
     """
 
     facts: dict[str, Any]
@@ -54,7 +51,6 @@ class Header:
     links: dict[str, slice]
     columns_struck: dict[str, slice]
     size: int
-    shapes: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
     @property
     def is_done(self) -> bool:
@@ -67,10 +63,8 @@ class Header:
         return self.facts["status"] == DONE
 
 
-def encode(response: Response | PointResponse) -> tuple[str, np.ndarray]:
+def encode(response: Response) -> tuple[str, np.ndarray]:
     """The header line (JSON) and the numbers, shape (k,); the end state and the samples are not kept."""
-    if isinstance(response, PointResponse):
-        return _encode_point(response)
     line = _line(
         _texts_of(response),
         _sentences_of(response),
@@ -114,8 +108,6 @@ def parse(text: str) -> Header:
     ValueError, KeyError, TypeError : it is not one
     """
     facts: dict[str, Any] = json.loads(text)
-    if "shapes" in facts:
-        return _parse_point(facts)
     names = [*_SCALARS, *(f"energy_{_text(name)}" for name in facts.pop("energy"))]
     storeys, n_links = map(_count, facts.pop("storeys")), _count(facts.pop("links"))
     n_struck = _count(facts.pop("columns", 0))
@@ -163,8 +155,6 @@ def decode(text: str, numbers: np.ndarray) -> Any:
     header = parse(text)
     if numbers.shape != (header.size,):
         raise ValueError(f"expected {header.size} numbers, found {numbers.size}")
-    if not header.buildings:
-        return _decode_point(header, numbers)
     scalars: dict[str, Any] = {name: float(numbers[place]) for name, place in header.columns.items()}
     energy = {name[len("energy_") :]: scalars.pop(name) for name in header.columns if name.startswith("energy_")}
     scalars |= {name: int(scalars[name]) for name in _COUNTS}
@@ -180,29 +170,6 @@ def decode(text: str, numbers: np.ndarray) -> Any:
     struck = {name: numbers[header.columns_struck[name]].copy() for name in _COLUMN_ARRAYS}
     columns = ColumnResponse(**struck | {"link": struck["link"].astype(np.int64)})
     return Response(buildings=buildings, links=links, energy=energy, columns=columns, **scalars, **header.facts)
-
-
-def _encode_point(response: PointResponse) -> tuple[str, np.ndarray]:
-    """As `encode`; the time in the solver stands before the arrays."""
-    said = {
-        "status": response.status, "advice": response.advice, "flags": list(response.flags),
-        "shapes": {name: array.shape for name, array in response.values.items()},
-    }  # fmt: skip
-    parts = [np.array([response.seconds]), *(np.ravel(array) for array in response.values.values())]
-    return json.dumps(said), np.concatenate(parts, dtype=float)
-
-
-def _parse_point(facts: dict[str, Any]) -> Header:
-    shapes = {_text(name): tuple(map(_count, shape)) for name, shape in facts["shapes"].items()}
-    said = {name: _text(facts[name]) for name in ("status", "advice")} | {"flags": tuple(map(_text, facts["flags"]))}
-    return Header(said, {"seconds": 0}, (), {}, {}, 1 + sum(map(math.prod, shapes.values())), shapes)
-
-
-def _decode_point(header: Header, numbers: np.ndarray) -> PointResponse:
-    ends = np.cumsum([1, *map(math.prod, header.shapes.values())])[:-1]
-    arrays = np.split(numbers, ends)[1:]
-    values = {name: array.reshape(shape) for (name, shape), array in zip(header.shapes.items(), arrays, strict=True)}
-    return PointResponse(values, **header.facts, seconds=float(numbers[0]))
 
 
 def failed(

@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
 from pounding_cli.store.results import Results
 from pounding_cli.variables import COUNTED, ITSELF, RESPONSES
-from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -82,16 +80,9 @@ def compare(first: Results, second: Results) -> Comparison:
     so are the peaks of buildings alone.  Where there is no estimate the accuracy asked stands in; a fixed-step method
     has none, and is compared to rounding; so are the points of a model of its own.  Counts are compared exactly.
 
-    Raises
-    ------
-    InputError : only one of them has points of a model of its own, or they are of two models
     """
     import pandas as pd
 
-    of_points = {each.workflow if WORKFLOWS[each.workflow].solve else "" for each in (first, second)}
-    if len(of_points) > 1:
-        what = f"holds results of `pound {second.workflow}`, the other one of `pound {first.workflow}`"
-        raise InputError(Problem(what, "give two files of one command", str(second.path)))
     before, after = _scenes(first), _scenes(second)
     removed, added = before.index.difference(after.index, sort=False), after.index.difference(before.index, sort=False)
     both = before.index.intersection(after.index, sort=False)
@@ -121,9 +112,6 @@ def compare(first: Results, second: Results) -> Comparison:
 
 def _scenes(results: Results) -> pd.DataFrame:
     """Status and errors [-] by place: `estimated` of its peaks, `asked` where the estimate does not speak."""
-    if WORKFLOWS[results.workflow].solve:
-        frame = _points(results)
-        return frame[["status"]].assign(error_estimate=np.nan, estimated=ROUNDING / 2, asked=ROUNDING / 2)
     frame = results.accuracy()
     accuracy = frame["accuracy"].fillna(0.0)  # none is asked of fixed steps
     frame["estimated"] = frame["error_estimate"].fillna(accuracy).clip(lower=ROUNDING / 2)
@@ -131,21 +119,8 @@ def _scenes(results: Results) -> pd.DataFrame:
     return frame.set_index(_named(results, _SCENE))
 
 
-def _points(results: Results) -> pd.DataFrame:
-    """The table of points of a model of its own, by place."""
-    frame = results.table(results.workflow)
-    return frame.set_index(list(results.axes)) if results.axes else frame.set_axis(["the study"])
-
-
 def _numbers(first: Results, second: Results, carried: pd.DataFrame) -> Iterator[tuple[pd.DataFrame, int]]:
     """Changes and the number of numbers compared, column by column."""
-    if WORKFLOWS[first.workflow].solve:
-        one, other = (_points(results).loc[carried.index] for results in (first, second))
-        for column in one.select_dtypes("number").columns.intersection(other.columns).drop("seconds"):
-            a, b = one[column].to_numpy(float), other[column].to_numpy(float)
-            size = np.fmax(np.abs(a), np.abs(b))
-            yield _differing(first.workflow, column, one.index, a, b, size, np.full(len(a), ROUNDING)), len(a)
-        return
     scene = _named(first, _SCENE)
     for table, places in _TABLES.items():
         keys = [*scene, *places]

@@ -5,11 +5,8 @@ from __future__ import annotations
 import hashlib
 from functools import cache
 from importlib import metadata
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -30,10 +27,8 @@ def package_version() -> str:
 
 
 @cache
-def solver_version(solve: str = "") -> str:
+def solver_version() -> str:
     """Package version and a digest of the solver's own source.
-
-    solve : "module:name" of what solves the points of a model of its own; "" for the solver of rows of buildings
 
     Between two releases the version stands still while the solver changes; results of the old one must not be
     taken for the new one's.
@@ -41,25 +36,13 @@ def solver_version(solve: str = "") -> str:
     root = Path(__file__).parents[1]
     sha = hashlib.sha256()
     own = (path for package in _SOLVER_PACKAGES for path in sorted((root / package).glob("*.py")))
-    for path in _sources_of(solve) if solve else own:
+    for path in own:
         sha.update(path.name.encode() + b"\0" + path.read_bytes())
     return f"{package_version()}+{sha.hexdigest()[:12]}"
 
 
-def _sources_of(solve: str) -> list[Path]:
-    """The files beside the one that "module:name" stands in; of a module in no package that file."""
-    module = solve.partition(":")[0]
-    found = find_spec(module)
-    assert found is not None
-    assert found.origin is not None
-    path = Path(found.origin)
-    return sorted(path.parent.glob("*.py")) if "." in module else [path]
-
-
 def key_of(plan: Plan) -> str:
     """The `solution_key` of the scenes of a plan."""
-    if solve := WORKFLOWS[plan.workflow].solve:
-        return f"format {FORMAT_VERSION} | solver {solver_version(solve)}"
     return solution_key(plan.accuracy, plan.method, plan.estimate, plan.all_effects, plan.time_step)
 
 

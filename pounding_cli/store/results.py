@@ -130,8 +130,6 @@ class Results(RowTables):
     @cached_property
     def methods(self) -> tuple[str, ...]:
         """The methods that solved the scenes, buildings alone included: keys of `solve.METHODS`."""
-        if WORKFLOWS[self.workflow].solve:
-            return ()
         with opened(self.path) as file:
             return stored_methods(file)
 
@@ -171,8 +169,8 @@ class Results(RowTables):
 
     @property
     def tables(self) -> tuple[str, ...]:
-        """Names of the tables that the file has; of points of a model of its own those of its workflow alone."""
-        return self.answers if WORKFLOWS[self.workflow].solve else (*TABLES, *self.answers)
+        """Names of the tables that the file has."""
+        return (*TABLES, *self.answers)
 
     def table(self, name: str) -> pd.DataFrame:
         """A table by its name: storey, floor, link, struck, scene, flagged, accuracy, summary, records, buildings, or

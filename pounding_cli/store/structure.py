@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import h5py
@@ -15,7 +15,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.texts import plain, plain_all
-from pounding_cli.variables import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS, Variable
+from pounding_cli.variables import BUILDINGS, FORMERLY, LINKS, PLACE, RECORDS, RESPONSES, SCENES, STATISTICS
 
 _UNPACKED = 1100
 """Deflate makes at most 1032 bytes of one."""
@@ -99,26 +99,6 @@ def check_structure(file: h5py.File) -> list[list[str]]:
     number(file.attrs, "accuracy")
     _check_facts(file, forms)
     return swept
-
-
-def check_points(file: h5py.File, variables: Iterable[Variable]) -> None:
-    """Refuse a file of points of a model of its own whose parts have not the shapes and types that fit together.
-
-    variables : of its points
-
-    Raises
-    ------
-    InputError : what does not, and where
-    """
-    forms = check_links(file)
-    _, sizes = _swept(file, forms)
-    swept = tuple(sizes)
-    for variable in variables:
-        if variable.name in forms or not variable.dims:  # none where nothing stands along its dimensions
-            sizes |= {dim: _size(forms, dim) for dim in variable.dims}
-            over = () if variable.dims == (variable.name,) else swept
-            expect(forms, variable.name, tuple(sizes[dim] for dim in (*over, *variable.dims)), variable.kind)
-    _check_facts(file, forms)
 
 
 def _swept(file: h5py.File, forms: dict[str, Form]) -> tuple[list[list[str]], dict[str, int]]:

@@ -13,9 +13,7 @@ import h5py
 import numpy as np
 
 from pounding_cli.model.links import APART
-from pounding_cli.store.structure import check_points, check_structure, refused
-from pounding_cli.variables import POINTS
-from pounding_cli.workflows import WORKFLOWS
+from pounding_cli.store.structure import check_structure, refused
 
 ANALYSES = ("elastic", "inelastic")
 
@@ -30,9 +28,6 @@ def check_study(file: h5py.File) -> None:
     ------
     InputError : what does not fit, and where
     """
-    if (workflow := WORKFLOWS.get(str(file.attrs.get("workflow", "run")))) and workflow.solve:
-        check_points(file, (*workflow.part("variables"), *POINTS))
-        return
     swept = check_structure(file)
     for dim in ("storey", "floor"):
         if not np.array_equal(file[dim][()], np.arange(1, file[dim].size + 1)):

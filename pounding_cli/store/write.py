@@ -29,7 +29,6 @@ from pounding_cli.store.former import written_place
 from pounding_cli.store.histories import Kept, write_histories
 from pounding_cli.store.keys import FORMAT, FORMAT_VERSION, key_of, package_version, solver_version
 from pounding_cli.store.parts import PartStore
-from pounding_cli.store.points import coordinates, point_blocks, shape_of_points, variables_of
 from pounding_cli.store.sink import writing
 from pounding_cli.store.solutions import write_solutions
 from pounding_cli.store.swept import describe_unit
@@ -129,32 +128,25 @@ def content_digest(plan: Plan) -> str:
 def _write(file: h5py.File, plan: Plan, responses: PartStore, run: Run, check: Callable[[], None], path: Path) -> None:
     datasets = Datasets(file)
     _write_axes(file, datasets, plan)
-    if WORKFLOWS[plan.workflow].solve:
-        shape = shape_of_points(plan, responses)
-        for scale in coordinates(plan, responses, shape):
-            datasets.scale(*scale)
-        _write_blocks(datasets, point_blocks(plan, responses, shape), variables_of(plan.workflow), shape, check)
-    else:
-        shape = shape_of(plan, responses)
-        _write_coordinates(file, datasets, plan, shape)
-        found = facts(plan, shape)
-        for name, (dims, array) in found.items():
-            if array.size:  # no case has a link
-                datasets.write(name, dims, array, VARIABLES[name].unit, VARIABLES[name].text)
-        check()
-        _write_blocks(datasets, blocks(plan, responses, shape, found["height"]), VARIABLES, shape, check)
+    shape = shape_of(plan, responses)
+    _write_coordinates(file, datasets, plan, shape)
+    found = facts(plan, shape)
+    for name, (dims, array) in found.items():
+        if array.size:  # no case has a link
+            datasets.write(name, dims, array, VARIABLES[name].unit, VARIABLES[name].text)
+    check()
+    _write_blocks(datasets, blocks(plan, responses, shape, found["height"]), VARIABLES, shape, check)
     datasets.tie()
     tables = WORKFLOWS[plan.workflow].part("tables")
     if tables is not None:
         answers.write_tables(file, tables(plan, lambda name: file[name][()], responses))
         check()
     for name, quantity in WRITTEN.items():
-        if name in file:  # where no case has a link, no gap is; points of a model of its own have none of them
+        if name in file:  # where no case has a link, no gap is
             describe_unit(file[name], plan.study.unit(quantity))
     study = file.create_group("study")
     study.attrs["title"] = plan.study.title
-    if not WORKFLOWS[plan.workflow].solve:
-        study.attrs["assumed_heights"] = json.dumps(plan.study.assumed_heights())
+    study.attrs["assumed_heights"] = json.dumps(plan.study.assumed_heights())
     study["text"] = plan.study.text
     study["resolved"] = _json(plan.study.resolved())
     study["warnings"] = json.dumps([vars(warning) for warning in plan.study.warnings])
@@ -278,7 +270,7 @@ def _write_attributes(file: h5py.File, plan: Plan, responses: PartStore, run: Ru
     software.attrs.update(
         {
             "pounding_cli": package_version(),
-            "solver": solver_version(WORKFLOWS[plan.workflow].solve),
+            "solver": solver_version(),
             "python": platform.python_version(),
             "platform": platform.platform(),
             "machine": platform.machine(),

@@ -9,11 +9,18 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.file import read_study
 from pounding_cli.workflows import WORKFLOWS
 
+_OTHERS = {
+    "connector": ("first", "second", "connector", "frequencies"),
+    "wall": ("wall", "frame", "striker", "concrete", "mesh"),
+}
+"""Top-level keys that only the studies of these commands have."""
+
 
 def kind_of(root: Any, unclear: str = "run") -> str:
     """The command that takes a study, such as "run" or "wall"; `unclear` where the keys do not tell."""
     keys = set(root)
-    return next((name for name, workflow in WORKFLOWS.items() if not keys.isdisjoint(workflow.marks)), unclear)
+    marks = {"run": WORKFLOWS["run"].marks, **_OTHERS}
+    return next((name for name, own in marks.items() if not keys.isdisjoint(own)), unclear)
 
 
 def kind_of_file(path: Path) -> str:
@@ -25,14 +32,3 @@ def refuse_other_kinds(root: Any, file: str, own: str = "run") -> None:
     """Raise `InputError` with the right command where a study is not one of `pound {own}`."""
     if (command := kind_of(root, own)) != own:
         raise InputError(Problem(f"is a study of `pound {command}`", f"write `pound {command} {file}`", file))
-
-
-def load_for(path: Path, kind: str) -> Any:
-    """The study of a file as the workflow `kind` takes it.  Raises `InputError` with every problem and its place."""
-    if WORKFLOWS[kind].solve:
-        from pounding_cli.study.system_study import load_system
-
-        return load_system(path, kind)
-    from pounding_cli.study.study import load_study
-
-    return load_study(path)

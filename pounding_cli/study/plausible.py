@@ -176,7 +176,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Any, pat
     stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
     gaps = dict.fromkeys(link.gap for link in links if link.gap > 0)
     for gap in (gap for gap in gaps if not RANGES["gap"].holds(gap)):
-        _doubt(RANGES["gap"], gap, root, _leaf(root, path, "gap"), notes)
+        doubt("gap", RANGES["gap"], gap, root, _leaf(root, path, "gap"), notes)
     facing = (link.law for link in links if not link.columns)  # slabs strike columns in series with these
     springs = (law for law in facing if "stiffness" in law.parameters())  # others are not in N/m
     kinds = dict.fromkeys((not law.stiffness_default, law.initial_stiffness) for law in springs)
@@ -268,8 +268,8 @@ def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
         swept, mark = swept_keys(root()).get("records.scale.pga", (None, (0, 0)))
         told = any(_accelerations(at, swept or asked, mark))  # without unit
         fits = RANGES["peak ground acceleration asked for"]
-        if pga is not None and not told and not _in_plausible_range(swept) and not fits.holds(pga):
-            _doubt(fits, pga, root, at, notes)
+        if pga is not None and not told and not _in_plausible_range(swept):
+            doubt(fits.name, fits, pga, root, at, notes)
         return
     read, fits = RANGES["peak of a motion as read and as used"], RANGES["peak of a motion as used"]
     peaks = {name: each.use.pga for name, each in used.items() if each.use.pga}
@@ -342,7 +342,7 @@ def doubt_values(spec: BaseModel, root: Any, path: Steps, notes: Problems) -> No
             numbers = [each for each in (value if several else [value]) if isinstance(each, float)]
             wrong = next((n for n, each in enumerate(numbers) if not fits.holds(each)), None)
             if wrong is not None:
-                _doubt(fits, numbers[wrong], root, (*path, key, wrong) if several else (*path, key), notes)
+                doubt(fits.name, fits, numbers[wrong], root, (*path, key, wrong) if several else (*path, key), notes)
 
 
 @functools.cache
@@ -359,9 +359,10 @@ def _usuals(model: type[BaseModel]) -> dict[str, tuple[str, Plausible | None]]:
     return found
 
 
-def _doubt(fits: Plausible, value: float, root: Any, path: Steps, notes: Problems) -> None:
+def doubt(what: str, fits: Plausible, value: float, root: Any, path: Steps, notes: Problems) -> None:
     """Note a value that its range does not hold, with what may have been meant."""
-    what = fits.name or re.sub(r"[._]", " ", " ".join(map(str, path)))
+    if fits.holds(value):
+        return
     meant = _meant(_text(root, path), value, fits, lambda read: read)
     notes.at(root, path, f"{what} is {shown(value, fits.units)}: {fits.reason}", _hint(meant))
 

@@ -46,11 +46,9 @@ def said(value: Any) -> str:
     """A value as messages quote it."""
     if isinstance(value, list | tuple | dict):
         return "a mapping" if isinstance(value, dict) else "a list"
-    return (
-        {True: "true", False: "false", None: "nothing"}.get(value, f"'{str(value)[:60]}'")
-        if not isinstance(value, float | int) or isinstance(value, bool)
-        else f"'{value}'"
-    )
+    if value is None or isinstance(value, bool):
+        return {True: "true", False: "false", None: "nothing"}[value]
+    return f"'{str(value)[:60]}'"
 
 
 def said_place(mark: tuple[Any, int]) -> str:
@@ -65,9 +63,11 @@ class Read:
     examples: tuple[Any, ...] = ()
 
     def read(self, value: Any) -> Any:
+        """The value as the program takes it.  Raises PydanticCustomError saying what to write."""
         raise NotImplementedError
 
     def schema(self) -> dict[str, Any]:
+        """Its JSON Schema."""
         return {"anyOf": [{"type": "number"}, {"type": "string"}], "title": self.form, "examples": list(self.examples)}
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:

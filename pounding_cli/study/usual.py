@@ -23,7 +23,7 @@ class Plausible:
     low, high : the range, in SI
     reason : where it comes from
     units : units a person writes the value in with their factor to SI, the likeliest first
-    name : of the quantity; "" where its key says it
+    name : of the quantity
     """
 
     low: float
@@ -74,13 +74,3 @@ _RANGES = {
 
 RANGES = {name: replace(fits, name=name) for name, fits in _RANGES.items()}
 """What is plausible, one row a quantity."""
-
-SECTION = Plausible(0.05, 3.0, "beams and columns of buildings are 5 cm to 3 m wide and deep", LENGTHS)
-WALL_LENGTH = Plausible(0.1, 30.0, "bumper walls are decimetres to metres long", LENGTHS)
-WALL_THICKNESS = Plausible(0.05, 2.0, "concrete walls are 5 cm to 2 m thick", LENGTHS)
-PATCH = Plausible(0.01, 3.0, "slabs are 10 to 50 cm thick", LENGTHS)
-MODULUS = Plausible(1e9, 3e11, "concrete has 20 to 50 GPa, steel 210 GPa", {"GPa": 1e9, "MPa": 1e6, "N/m2": 1.0})
-DENSITY = Plausible(500.0, 10e3, "concrete weighs 2400 kg a cubic metre, steel 7850", {"kg/m3": 1.0})
-SPEED = Plausible(0.01, 10.0, "floors meet at decimetres to a few metres a second", {"m/s": 1.0, "cm/s": 0.01})
-END = Plausible(1e-3, 10.0, "an impact lasts milliseconds to tenths of a second", TIMES)
-FREQUENCY_RATIO = Plausible(0.05, 20.0, "neighbours differ in frequency by a factor of a few", {"": 1.0})

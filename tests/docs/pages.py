@@ -137,7 +137,7 @@ def provide(name: str, folder: Path) -> None:
         return
     for study in (folder / "configs" / f"{name}.yaml", folder / "configs" / "sensitivity" / f"{name}.yaml"):
         if study.exists():
-            _pound(["pound", {"fig5": "connector", "fig8": "wall"}.get(name, "run"), "-q", "-o", str(path), str(study)])
+            _pound(["pound", "run", "-q", "-o", str(path), str(study)])
 
 
 def stand_in(folder: Path) -> None:

@@ -83,7 +83,7 @@ class Row:
 
 def beside(link: str, **keys: Any) -> dict[str, Any]:
     """A case of pounding with another link on the same floors."""
-    return {"link": ["pounding", {"link": link, **keys}]}
+    return {"links": ["pounding", {"link": link, **keys}]}
 
 
 def formula(force: str, acts: str, more: Mapping[str, Any] = {}, **parameters: Any) -> dict[str, Any]:

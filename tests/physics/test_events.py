@@ -119,7 +119,7 @@ def test_elastic_buildings_in_touch_are_linear_in_the_motion(case: Mapping[str, 
 
 def test_links_side_by_side_add_up() -> None:
     """Two springs are as stiff as their sum. Fails if a floor keeps one of its links."""
-    halves = {"gap": 0.05, "link": [{"link": "connector", "stiffness": k, "damping_ratio": 0.0} for k in (3e7, 5e7)]}
+    halves = {"gap": 0.05, "links": [{"link": "connector", "stiffness": k, "damping_ratio": 0.0} for k in (3e7, 5e7)]}
     whole = {"gap": 0.05, "link": "connector", "stiffness": 8e7, "damping_ratio": 0.0}
     one, two = (solve(pair(case, analysis="inelastic"), 1e-12) for case in (halves, whole))
     assert difference(one, two, ("shear", "drift", "acceleration", "residual_drift")) < 1e-9
@@ -188,7 +188,7 @@ EXTREMES: dict[str, tuple[Mapping[str, Any], Mapping[str, Any]]] = {
     )
     for d, k, s in ((1e-5, 1.5e8, 2e10), (0.02, 1e8, 1.0001e8), (1e-3, 1e4, 1e13))
 } | {
-    f"{link} {sorted(keys.values())}": ({"link": ["pounding", {"link": link, **keys}], "gap": 0.0}, {})
+    f"{link} {sorted(keys.values())}": ({"links": ["pounding", {"link": link, **keys}], "gap": 0.0}, {})
     for link, keys in (
         ("connector", {"stiffness": 1e13}), ("damper", {"damping_coefficient": 1e9}),
         ("maxwell", {"stiffness": 1e4, "damping_coefficient": 1e9}),
@@ -336,7 +336,7 @@ class TestFixedSteps:
         [
             (POUNDING, {}), ({"link": "infill", "gap": 0.01}, {}), (POUNDING, {"foundation": SWAY}),
             ({"link": "none"}, {"storey_law": "peak-oriented"}), ({"link": "none"}, {"p_delta": True}),
-            ({"link": ["pounding", "damper"], "damping_coefficient": 1e6, "gap": 0.004}, {}),
+            ({"links": ["pounding", {"link": "damper", "damping_coefficient": 1e6}], "gap": 0.004}, {}),
         ],
         ids=str,
     )  # fmt: skip

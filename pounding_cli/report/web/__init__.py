@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from pounding_cli.report.web.page import PAGE, write_page, write_points_page
+from pounding_cli.report.web.page import PAGE, write_page
 
-__all__ = ["PAGE", "write_page", "write_points_page"]
+__all__ = ["PAGE", "write_page"]

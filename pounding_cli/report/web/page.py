@@ -25,7 +25,7 @@ from pounding_cli.report.verdicts import Judgement
 from pounding_cli.report.web import story
 from pounding_cli.report.web.answer import answer, largest
 from pounding_cli.report.web.beside import accuracy_beside
-from pounding_cli.report.web.data import answer_table, as_json, charted, chosen_points, point_of, tables
+from pounding_cli.report.web.data import as_json, charted, chosen_points, point_of, tables
 from pounding_cli.report.web.limits import limits
 from pounding_cli.report.web.motion import players
 from pounding_cli.report.web.pictures import MOST_FIGURES, SPECTRUM, pictures
@@ -133,17 +133,6 @@ def write_page(
         "command": f"pound {results.workflow} STUDY.yaml",
     }
     return render(folder / PAGE, "study.html.j2", content)
-
-
-def write_points_page(results: Tables, folder: Path, own: AnswerPage) -> Path:
-    """Write `report.html` of points of a model of its own into an existing folder."""
-    packed = {name: answer_table(results, name) for name in results.answers}
-    images = pictures({name: each.figure for name, each in own.figures.items()}, None, own.words)
-    content = {
-        "title": results.title, "data": as_json({"tables": packed}), "own": own, "main": images[:1],
-        "pictures": images[1:], "tables": packed.values(), "study": results.study_text,
-    }  # fmt: skip
-    return render(folder / PAGE, "points.html.j2", content)
 
 
 def _points(scene: pd.DataFrame) -> int:

@@ -66,5 +66,5 @@ copying();
 if (document.getElementById('explore')) profileView();
 if (data.sweep && document.getElementById('sweep')) sweepView();
 if (document.getElementById('player')) playerView();
-tableView();
+if (document.getElementById('table-view')) tableView();
 document.documentElement.classList.add('ready');

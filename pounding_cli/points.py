@@ -1,0 +1,247 @@
+"""Questions with a model of their own, the wall and the connector: the points of a study's sweep are solved one after
+the other and written with a table, figures and a page."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import Unit
+from pounding_cli.outputs import check_folder, check_output
+from pounding_cli.study.axes import SweepAxis, read_axes
+from pounding_cli.study.file import Map, Problems, get, put, read_study
+from pounding_cli.study.kinds import refuse_other_kinds
+from pounding_cli.study.plausible import doubt, few
+from pounding_cli.study.usual import Plausible
+from pounding_cli.study.words import value_at
+from pounding_cli.variables import Variable
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+_SHOWN = {
+    "N": Unit("kN", 1e3, "N"), "N s": Unit("kN s", 1e3, "N s"), "N m": Unit("kN m", 1e3, "N m"),
+    "N/m2": Unit("N/mm²", 1e6, "N/m2"), "s": Unit("ms", 1e-3, "s"),
+}  # fmt: skip
+"""SI unit -> the unit that the page shows."""
+
+QUESTIONS = {"connector": "pounding_cli.connector", "wall": "pounding_cli.wall"}
+"""Where the QUESTION of each command is."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point of the sweep: its place on every axis, in words, the study there, what each swept key is.
+
+    found : what came of it, by variable; `status` says why there is nothing else
+    """
+
+    place: tuple[int, ...]
+    label: str
+    study: Any
+    swept: Mapping[str, float | str]
+    found: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a command asks of a model of its own.
+
+    name : of the command; model : of its study file, with the sections in `fixed` that no axis may touch
+    usual : plausible ranges of keys; solve : (study) -> values of `variables`, and `flags`, a list of sentences
+    lines : (values) -> what is printed of a point
+    statements : sentences of the paper, and (values) -> whether one holds, and what was found
+    figures : (title, points, axes) -> heading and figure by file name; cites : (study) -> {reference: what for}
+    beside : (points, folder) -> None; writes files for other programs
+    doubts : (study) -> key, what is doubtful, what to do
+    """
+
+    name: str
+    model: Any
+    usual: Mapping[str, Plausible]
+    solve: Callable[[Any], dict[str, Any]]
+    variables: Sequence[Variable]
+    lines: Callable[[Mapping[str, Any]], Sequence[str]]
+    statements: Sequence[tuple[str, Callable[[Mapping[str, Any]], tuple[bool, str]]]]
+    figures: Callable[[str, Sequence[Point], Sequence[SweepAxis]], dict[str, tuple[str, Any]]]
+    cites: Callable[[Any], Mapping[str, str]]
+    beside: Callable[[Sequence[Point], Path], None] | None = None
+    doubts: Callable[[Any], Iterable[tuple[tuple[str, ...], str, str]]] = lambda study: ()
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A validated study: its points are not solved yet."""
+
+    question: Question
+    title: str
+    text: str
+    axes: tuple[SweepAxis, ...]
+    points: tuple[Point, ...]
+    warnings: tuple[Problem, ...]
+
+
+def question(name: str) -> Question:
+    """The question of a command."""
+    return importlib.import_module(QUESTIONS[name]).QUESTION
+
+
+def load(path: Path, name: str) -> Sweep:
+    """Read and validate a study of a command.  Raises `InputError` with every problem and its place."""
+    asked = question(name)
+    text, root = read_study(path)
+    refuse_other_kinds(root, str(path), name)
+    problems, notes = Problems(str(path)), Problems(str(path))
+    axes = read_axes(root, problems, asked.model)
+    for each in (each for axis in axes for each in axis.names if each.split(".")[0] in asked.model.fixed):
+        hint = "give one range for the study"
+        problems.at(root, ("sweep", each), f"'{each}' cannot be an axis", hint, key=True)
+    problems.check()
+    points = []
+    for place in product(*(range(len(axis)) for axis in axes)):
+        tree, swept, words = root, {}, []
+        for axis, at in zip(axes, place, strict=True):
+            for path_, value, mark, unit in zip(axis.paths, axis.given[at], axis.marks[at], axis.units, strict=True):
+                tree = put(tree, path_, value, mark)
+                swept[".".join(path_)] = value_at(asked.model, tuple(path_), value)
+                words.append(f"{'.'.join(path_)} = {unit.text(swept['.'.join(path_)])}")
+        try:
+            study = asked.model.model_validate(tree)
+        except ValidationError as error:
+            problems.validation(tree, error, (), asked.model)
+            continue
+        points.append(Point(place, ", ".join(words), study, swept, {}))
+        _doubt(study, asked, tree, notes)
+    problems.check()
+    return Sweep(asked, points[0].study.title, text, axes, tuple(points), tuple(few(notes.found)))
+
+
+def _doubt(study: Any, asked: Question, tree: Map, notes: Problems) -> None:
+    """Note what is unlikely at a point of the sweep, of the keys that the study says."""
+    for key, fits in asked.usual.items():
+        path, value = tuple(key.split(".")), study
+        for step in path:
+            value = getattr(value, step)
+        if value is not None and get(tree, *path) is not None:
+            doubt(key.replace(".", " ").replace("_", " "), fits, float(value), tree, path, notes)
+    for path, message, hint in asked.doubts(study):
+        notes.at(tree, path, message, hint)
+
+
+def solved(sweep: Sweep, point: Point) -> Point:
+    """A point with its values; an error in it becomes its status."""
+    begin = time.thread_time()
+    try:
+        values = sweep.question.solve(point.study) | {"status": "done"}
+    except InputError as refused:
+        problem = refused.problems[0]
+        values = {"status": f"refused: {problem.message}", "flags": [problem.hint]}
+    return Point(point.place, point.label, point.study, point.swept, values | {"seconds": time.thread_time() - begin})
+
+
+def table(sweep: Sweep, points: Sequence[Point]) -> pd.DataFrame:
+    """One row a point: the swept keys, every variable that is one number (SI), `status`, processor time [s]."""
+    import pandas as pd
+
+    names = [*(v.name for v in sweep.question.variables if not v.dims), "status", "seconds"]
+    return pd.DataFrame([{**point.swept, **{name: point.found.get(name) for name in names}} for point in points])
+
+
+def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
+    """Every variable over the swept keys; arrays of points with fewer instants, cells or rows end in NaN."""
+    import xarray as xr
+
+    shape, axes = tuple(map(len, sweep.axes)), [axis.names[0] for axis in sweep.axes]
+    done = [point for point in points if point.found["status"] == "done"]
+    found: dict[str, Any] = {"status": (axes, np.full(shape, "", object), {"long_name": "done, or what went wrong"})}
+    for point in points:
+        found["status"][1][point.place] = point.found["status"]
+    for variable in sweep.question.variables if done else ():
+        arrays = [(point.place, np.asarray(point.found[variable.name], float)) for point in done]
+        sizes = np.max([array.shape for _, array in arrays], axis=0).astype(int)
+        whole = np.full((*shape, *sizes), np.nan)
+        for place, array in arrays:
+            at: Any = (*place, *(slice(size) for size in array.shape))
+            whole[at] = array
+        about = {"units": variable.unit, "long_name": variable.text}
+        alone = variable.dims == (variable.name,)  # a coordinate, the same at all points
+        found[variable.name] = (
+            (variable.dims, arrays[0][1], about) if alone else ((*axes, *variable.dims), whole, about)
+        )
+    for number, axis in enumerate(sweep.axes):
+        for name in axis.names:
+            along = {point.place[number]: point.swept[name] for point in points}
+            found[name] = (axes[number], [along[place] for place in sorted(along)])
+    about = {"title": sweep.title, "study": sweep.text}
+    data = xr.Dataset(found, attrs=about)
+    return data.set_coords([name for axis in sweep.axes for name in axis.names])
+
+
+def places(output: Path) -> tuple[Path, Path]:
+    """Where the dataset is written, and the folder of its name for all else; raises `InputError` where neither can."""
+    file = output if output.suffix else output.with_suffix(".h5")
+    check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
+    check_folder(file.with_suffix(""))
+    return file, file.with_suffix("")
+
+
+def write(sweep: Sweep, points: Sequence[Point], file: Path, folder: Path) -> list[Path]:
+    """Write the dataset as netCDF, and into the folder the table, the figures and the page; the files."""
+    from pounding_cli.report.references import REFERENCES
+    from pounding_cli.report.style import save
+    from pounding_cli.report.web.page import render
+    from pounding_cli.report.web.pictures import pictures
+    from pounding_cli.report.web.story import Grid, digits
+
+    asked = sweep.question
+    draft = file.with_name(f".{file.name}.draft")
+    try:  # made in memory, and renamed when it is whole: the disk may be full
+        draft.write_bytes(dataset(sweep, points).to_netcdf(engine="h5netcdf"))
+        draft.replace(file)
+    finally:
+        draft.unlink(missing_ok=True)
+    table(sweep, points).to_csv(folder / f"{asked.name}.csv", index=False)
+    done = [point for point in points if point.found["status"] == "done"]
+    drawn = asked.figures(sweep.title, done, sweep.axes) if done else {}
+    words = {name: (heading, heading) for name, (heading, _) in drawn.items()}
+    files = save({name: figure for name, (_, figure) in drawn.items()}, folder, ("png", "svg"))
+    if asked.beside is not None:
+        asked.beside(done, folder)
+    judged = [["point", *(sentence for sentence, _ in asked.statements)]]
+    for point in done:
+        verdicts = [judge(point.found) for _, judge in asked.statements]
+        found = [f"{'holds' if holds else 'does not hold'}: {what}" for holds, what in verdicts]
+        judged.append([point.label or "as given", *found])
+    numbers = [v for v in asked.variables if not v.dims]
+    shown = [_SHOWN.get(v.unit, Unit("" if v.unit == "1" else v.unit)) for v in numbers]
+    heads = ["point", *(unit.label(v.text) for v, unit in zip(numbers, shown, strict=True))]
+    rows = [
+        [
+            point.label or "as given",
+            *(digits(point.found[v.name] / u.factor) for v, u in zip(numbers, shown, strict=True)),
+        ]
+        for point in done
+    ]
+    cited = [[REFERENCES[key].text, what] for key, what in asked.cites(points[0].study).items()]
+    images = pictures({name: figure for name, (_, figure) in drawn.items()}, None, words)
+    content = {
+        "title": sweep.title,
+        "study": sweep.text,
+        "data": '{"tables": {}}',
+        "main": images[:1],
+        "pictures": images[1:],
+        "statements": Grid(judged[0], judged[1:]),
+        "table": Grid(heads, rows, tuple(range(1, len(heads)))),
+        "cited": Grid(["reference", "for"], cited),
+    }
+    return [file, folder / f"{asked.name}.csv", *files, render(folder / "report.html", "points.html.j2", content)]

@@ -1,0 +1,269 @@
+"""The wall in plane stress and the frame behind it: mesh, stiffness, masses, contact, and operators for stresses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import (
+    Basis,
+    BilinearForm,
+    ElementQuad0,
+    ElementQuad1,
+    ElementQuad2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
+    MeshQuad,
+)
+from skfem.models.elasticity import linear_elasticity
+
+from pounding_cli.wall.study import Section, WallStudy
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Equations of motion K u + M u'' = p F over the n free displacements and rotations, and what is read from u.
+
+    K : stiffness [N/m], sparse (n, n); M : lumped masses [kg], shape (n,), zero where there is none
+    p : shares of the contact force [-], shape (n,): p.u is the displacement that works with the force
+    members : edge stresses of beams, then of columns [N/m3], sparse (4 members, n); beams : how many are of beams
+    elements : mean (s_x, s_y, t_xy) of each of the e elements [N/m3], sparse (3 e, n), rows grouped by three
+    cells : the same of square cells at the struck face, of side `averaging_length`; cell_height : of their centres [m]
+    resultants : normal force, shear and moment of each row of elements, mean over its height, sparse (3 r, n)
+    row_height : of the middle of each row [m], shape (r,); area : of each element [m2], shape (e,)
+    corners : displacements (x, y) of the corners of the mesh [-], sparse (2 c, n)
+    """
+
+    mesh: MeshQuad
+    K: sp.csc_matrix
+    M: np.ndarray
+    p: np.ndarray
+    members: sp.csr_matrix
+    beams: int
+    elements: sp.csr_matrix
+    cells: sp.csr_matrix
+    cell_height: np.ndarray
+    resultants: sp.csr_matrix
+    row_height: np.ndarray
+    area: np.ndarray
+    corners: sp.csr_matrix
+
+
+def build(study: WallStudy) -> System:
+    """Couple the plane-stress wall and the frame at the floors; the base is fixed."""
+    (low, high), floors = study.patch, study.frame.floors
+    breaks = sorted({0.0, *floors, low, high})
+    breaks = [y for place, y in enumerate(breaks) if place == 0 or y - breaks[place - 1] > 1e-9]
+    x = _grid_lines([0.0, study.wall.length], study, (0.0, 0.0))
+    y = _grid_lines(breaks, study, (low, high))
+    mesh = MeshQuad.init_tensor(x, y)
+    linear = study.mesh.element == "linear"
+    basis = Basis(mesh, ElementVector(ElementQuad1() if linear else ElementQuad2()), intorder=2 if linear else 4)
+    wall = basis.N
+    young, nu, thickness = study.concrete.young, study.concrete.poisson, study.wall.thickness
+    # Plane stress has the Lame parameters E nu / (1 - nu^2) and E / (2 (1 + nu)).
+    elasticity = linear_elasticity(young * nu / (1 - nu**2), young / (2 * (1 + nu)))
+    frame, members, floor_masses = _frame(study, basis)
+    total = frame.shape[0]
+    stiffness = frame + sp.block_diag([thickness * elasticity.assemble(basis), sp.csr_matrix((total - wall,) * 2)])
+    mass = floor_masses
+    mass[:wall] += study.concrete.density * thickness * LinearForm(lambda v, _: v[0] + v[1]).assemble(basis)
+    push = np.zeros(total)
+    push[:wall] = _contact(study, basis)
+    _hand_mass_on(mass[:wall], basis, push[:wall])
+    free = np.setdiff1d(np.arange(total), basis.get_dofs(lambda at: np.abs(at[1]) < 1e-9).all())
+    pick = sp.eye_array(total, format="csr")[:, free]
+    elements, resultants, area = _stresses(study, basis, y)
+    height, share = _cells(study, mesh)
+    return System(
+        mesh,
+        (pick.T @ stiffness @ pick).tocsc(),
+        mass[free],
+        push[free],
+        (members @ pick).tocsr(),
+        4 * len(study.frame.bays) * study.frame.storeys,
+        (elements @ pick[:wall]).tocsr(),
+        (sp.kron(share, sp.eye_array(3)) @ elements @ pick[:wall]).tocsr(),
+        height,
+        (resultants @ pick[:wall]).tocsr(),
+        0.5 * (y[1:] + y[:-1]),
+        area,
+        pick[basis.nodal_dofs.T.ravel()],
+    )
+
+
+def _grid_lines(breaks: list[float], study: WallStudy, centre: tuple[float, float]) -> np.ndarray:
+    """Positions of mesh lines [m]: every break is one; between two, intervals of at most the wished size.
+
+    The wished size at a distance r from the interval `centre` is size + growth * r [m].
+    """
+    lines = [breaks[0]]
+    for low, high in pairwise(breaks):
+        fine = np.linspace(low, high, 400)
+        distance = np.maximum(np.maximum(centre[0] - fine, fine - centre[1]), 0.0)
+        density = 1.0 / (study.mesh.size + study.mesh.growth * distance)
+        count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
+        pieces = max(1, int(np.ceil(count[-1] - 1e-9)))
+        lines.extend(np.interp(np.linspace(0, count[-1], pieces + 1)[1:-1], count, fine))
+        lines.append(high)
+    return np.array(lines)
+
+
+def _on_line(basis: Basis, y: float) -> np.ndarray:
+    """Shares of the mesh line at `y` [m] that the horizontal displacements of its nodes stand for [-], sum 1."""
+    middle = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
+    facets = np.flatnonzero(np.abs(middle[1] - y) < 1e-9)
+    shares = LinearForm(lambda v, _: v[0]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
+    return shares / shares.sum()
+
+
+def _contact(study: WallStudy, basis: Basis) -> np.ndarray:
+    """Shares of the contact force over the wall's displacements [-]: one node, or a uniform pressure; sum 1."""
+    low, high = study.patch
+    if study.contact.over == "node":
+        nodes = basis.get_dofs(lambda at: at[0] < 1e-9).all(["u^1"])
+        shares = np.zeros(basis.N)
+        shares[nodes[np.argmin(np.abs(basis.doflocs[1, nodes] - study.height))]] = 1.0
+        return shares
+    middle = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
+    struck = np.flatnonzero((np.abs(middle[0]) < 1e-9) & (middle[1] > low) & (middle[1] < high))
+    shares = LinearForm(lambda v, _: v[0]).assemble(FacetBasis(basis.mesh, basis.elem, facets=struck))
+    return shares / (high - low)
+
+
+def _hand_mass_on(mass: np.ndarray, basis: Basis, push: np.ndarray) -> None:
+    """Hand the horizontal mass of the struck nodes to their neighbours, in place.
+
+    A struck node with mass would have to change its speed at once: the contact force would ring at every step
+    and the energy would not close (Khenous, Laborde and Renard 2008). What is moved vanishes with the mesh.
+    """
+    struck = np.flatnonzero(push)
+    beside = basis.element_dofs[:, np.isin(basis.element_dofs, struck).any(axis=0)]
+    horizontal = basis.get_dofs(elements=np.arange(basis.mesh.nelements)).all(["u^1"])
+    around = np.setdiff1d(np.intersect1d(beside, horizontal), struck)
+    mass[around] += mass[struck].sum() / around.size
+    mass[struck] = 0.0
+
+
+def _frame(study: WallStudy, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
+    """Stiffness of the frame, edge stresses of its members, and the masses of the floors, over all displacements.
+
+    The wall's come first, then (u, v, theta) of every column at every floor. A beam's end at the wall follows the
+    weighted mean of the floor line (a distributing coupling): it carries force and moment into the whole line without
+    stiffening it, so it has a limit as the mesh is refined.
+    """
+    frame, young, lines, length = study.frame, study.concrete.young, len(study.frame.bays), study.wall.length
+    total = basis.N + 3 * lines * frame.storeys
+    x = length + np.concatenate([[0.0], np.cumsum(frame.bays)])
+    # Every point of a floor belongs to the nearer end of its beam; the wall's own length to the wall.
+    tributary = np.convolve(np.diff(x), [0.5, 0.5])
+    tributary[0] += length
+    share, mass = tributary / x[-1], np.zeros(total)
+    vertical = np.zeros(basis.N, int)
+    corner = np.lexsort((basis.doflocs[0], basis.doflocs[1]))
+    vertical[corner[::2]], vertical[corner[1::2]] = corner[1::2], corner[::2]
+    stiffness, stresses = sp.csr_matrix((total, total)), []
+
+    def column(line: int, floor: int) -> sp.csr_matrix:
+        start = basis.N + 3 * (line + lines * (floor - 1))
+        return sp.csr_matrix((np.ones(3), (np.arange(3), start + np.arange(3))), shape=(3, total))
+
+    def at_wall(y: float) -> sp.csr_matrix:
+        weights = _on_line(basis, y)
+        nodes = np.flatnonzero(weights)
+        weight, at = weights[nodes], basis.doflocs[0, nodes]
+        mean = weight @ at
+        tilt = weight * (at - mean) / (weight @ (at - mean) ** 2)
+        rows = np.zeros((3, total))
+        rows[0, nodes] = weight
+        rows[1, vertical[nodes]] = weight + tilt * (length - mean)
+        rows[2, vertical[nodes]] = tilt
+        mass[nodes] += frame.floor_mass * share[0] * weight
+        mass[vertical[nodes]] += frame.floor_mass * share[0] * weight
+        return sp.csr_matrix(rows)
+
+    def member(motions: list[sp.csr_matrix], section: Section, along: np.ndarray) -> None:
+        nonlocal stiffness
+        turn, local = _beam(young, section, along)
+        motion = sp.vstack(motions, format="csr")
+        stiffness = stiffness + motion.T @ sp.csr_matrix(turn.T @ local @ turn) @ motion
+        # Edge stresses N/A +- M/W at both ends: the moment of a member loaded at its ends alone is linear.
+        axial, moments = local[3] / section.area, local[[2, 5]] / section.modulus
+        stresses.append(sp.csr_matrix(np.array([axial + s * m for m in moments for s in (1, -1)]) @ turn) @ motion)
+
+    for floor, y in enumerate(frame.floors, 1):
+        ends = [at_wall(y), *(column(line, floor) for line in range(lines))]
+        for line in range(lines):
+            member(ends[line : line + 2], frame.beam, np.array([x[line + 1] - x[line], 0.0]))
+            start = basis.N + 3 * (line + lines * (floor - 1))
+            mass[start : start + 2] += frame.floor_mass * share[line + 1]
+    for floor in range(1, frame.storeys + 1):
+        for line in range(lines):
+            below = column(line, floor - 1) if floor > 1 else sp.csr_matrix((3, total))
+            member([below, column(line, floor)], frame.column, np.array([0.0, frame.storey_height]))
+    return stiffness, sp.vstack(stresses, format="csr"), mass
+
+
+def _beam(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotation of the end displacements (u, v, theta) into member axes and the stiffness there [N/m, N, N m], shapes
+    (6, 6), of an Euler-Bernoulli member that reaches `along` [m]."""
+    length = float(np.hypot(*along))
+    c, s = along / length
+    turn = np.kron(np.eye(2), np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
+    axial = young * section.area / length * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    a, b, d = 12 / length**2, 6 / length, 2.0
+    bending = np.array([[a, b, -a, b], [b, 2 * d, -b, d], [-a, -b, a, -b], [b, d, -b, 2 * d]])
+    local = np.zeros((6, 6))
+    local[np.ix_([0, 3], [0, 3])] = axial
+    local[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = young * section.inertia / length * bending
+    return turn, local
+
+
+def _stresses(study: WallStudy, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
+    """Mean stresses of elements, resultants of the rows of elements, areas of elements: as in `System`.
+
+    The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is the stress
+    at the centre, which NASTRAN's CQUAD4 prints.
+    """
+    young, nu = study.concrete.young, study.concrete.poisson
+    factor, shear = young / (1 - nu**2), young / (2 * (1 + nu))
+    each = basis.with_element(ElementQuad0())
+
+    def mean(stress) -> sp.csr_matrix:  # its integral over each element
+        return BilinearForm(lambda u, v, w: stress(u.grad, w.x) * v).assemble(basis, each)
+
+    sx = mean(lambda g, x: factor * (g[0, 0] + nu * g[1, 1]))
+    sy = mean(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]))
+    txy = mean(lambda g, x: shear * (g[0, 1] + g[1, 0]))
+    bending = mean(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]) * (study.wall.length / 2 - x[0]))
+    area = LinearForm(lambda v, _: v).assemble(each)
+
+    def grouped(parts: list[sp.csr_matrix]) -> sp.csr_matrix:
+        rows = np.arange(3 * parts[0].shape[0]).reshape(3, -1).T.ravel()
+        return sp.vstack(parts, format="csr")[rows]
+
+    elements = sp.kron(sp.diags_array(1 / area), sp.eye_array(3)) @ grouped([sx, sy, txy])
+    middle = basis.mesh.p[1, basis.mesh.t].mean(axis=0)
+    row, count = np.searchsorted(y_lines, middle) - 1, middle.size
+    depth = study.wall.thickness / np.diff(y_lines)[row]
+    gather = sp.csr_matrix((depth, (row, np.arange(count))), shape=(y_lines.size - 1, count))
+    # Tension, shear that pushes the part above away from the striker, moment that compresses the inner edge.
+    return elements, grouped([gather @ sy, gather @ txy, gather @ bending]), area
+
+
+def _cells(study: WallStudy, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
+    """Square cells every quarter side up the face, one of them centred on the contact where there is room: heights of
+    their centres [m], and the share of each cell's area that lies in each element [-], sparse (cells, elements)."""
+    side, top = study.averaging_length, study.frame.height
+    centre = np.clip(0.5 * sum(study.patch), side / 2, top - side / 2)
+    below = np.arange(centre, side / 2 - 1e-9, -side / 4)[::-1]
+    height = np.concatenate([below, np.arange(centre, top - side / 2 + 1e-9, side / 4)[1:]])
+    corners = mesh.p[:, mesh.t]
+    (x0, y0), (x1, y1) = corners.min(axis=1), corners.max(axis=1)
+    wide = np.clip(np.minimum(x1, side) - x0, 0, None)
+    tall = np.minimum(y1, (height + side / 2)[:, None]) - np.maximum(y0, (height - side / 2)[:, None])
+    share = wide * np.clip(tall, 0, None)
+    return height, sp.csr_matrix(share / share.sum(axis=1, keepdims=True))

@@ -1,0 +1,218 @@
+"""The study file of `pound wall`: keys, units and defaults of the wall, the frame behind it, the striker; what cannot
+be."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+
+from pounding_cli.numbers import counted
+from pounding_cli.study.base import Model, Wrong, key
+from pounding_cli.study.quantity import LENGTH, MASS, TIME, Quantity, Text, Whole, refuse
+from pounding_cli.study.usual import RANGES, Plausible
+
+_PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
+_HEIGHT = LENGTH.but(name="height", example="13.5 m", open_low=False)
+MOST_ELEMENTS, MOST_STEPS = 250_000, 200_000
+
+
+def _read_height(value: Any) -> float | str:
+    if isinstance(value, str) and (found := _PLACE.match(value)):
+        return f"{found[1]} {int(found[2])}"
+    if isinstance(value, str) and value.strip()[:3] in ("mid", "flo"):
+        raise refuse(f"'{value}' is not a height", "write a height, e.g. 13.5 m, or `mid-storey 5`, or `floor 4`")
+    return _HEIGHT.read(value)
+
+
+Height = Annotated[float | str, Text(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
+Length = Annotated[float, LENGTH]
+Mass = Annotated[float, MASS]
+Time = Annotated[float, TIME]
+Step = Annotated[float | str, TIME.but(name="time step", example="0.1 ms", words=("auto",))]
+Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True)]
+Poisson = Annotated[float, Quantity("Poisson's ratio", "", "0.2", 0.0, 0.5, open_high=True)]
+Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0)]
+Speed = Annotated[float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True)]
+Share = Annotated[float, Quantity("number", "", "0.2", 0.0, 1.0)]
+
+
+class Wall(Model):
+    """The bumper wall."""
+
+    length: Length = key(2.0, "length of the wall, at right angles to the gap", "2 m")
+    thickness: Length = key(0.25, "thickness of the wall", "25 cm")
+
+
+class Section(Model):
+    """A rectangular cross-section."""
+
+    width: Length = key(..., "width, out of the frame's plane", "25 cm")
+    depth: Length = key(..., "depth, in the frame's plane", "60 cm")
+
+    @property
+    def area(self) -> float:
+        """[m2]"""
+        return self.width * self.depth
+
+    @property
+    def inertia(self) -> float:
+        """Second moment of area about the axis across the frame's plane [m4]."""
+        return self.width * self.depth**3 / 12
+
+    @property
+    def modulus(self) -> float:
+        """Elastic section modulus [m3]."""
+        return self.width * self.depth**2 / 6
+
+
+class Frame(Model):
+    """The building behind the wall; the mass of a floor is shared over its length, the wall's part over its width."""
+
+    storeys: Annotated[int, Whole(1, 100)] = key(5, "number of storeys", 5)
+    storey_height: Length = key(3.0, "storey height", "3 m")
+    bays: tuple[Length, ...] = key(
+        (5.0, 5.0, 5.0), "spans from the wall's inner edge", ["5 m"], min_length=1, max_length=50
+    )
+    beam: Section = key(Section(width=0.25, depth=0.60), "section of the beams")
+    column: Section = key(Section(width=0.60, depth=0.60), "section of the columns")
+    floor_mass: Mass = key(200e3, "mass of every floor", "200 t")
+
+    @property
+    def height(self) -> float:
+        """Height of the building [m]."""
+        return self.storeys * self.storey_height
+
+    @property
+    def floors(self) -> np.ndarray:
+        """Floor elevations [m], shape (storeys,)."""
+        return self.storey_height * np.arange(1, self.storeys + 1)
+
+
+class Concrete(Model):
+    """Linear elastic concrete."""
+
+    young: Modulus = key(30e9, "Young's modulus", "30 GPa")
+    poisson: Poisson = key(0.2, "Poisson's ratio", 0.2)
+    density: Density = key(0.0, "density of the wall beyond the floor masses", "2500 kg/m3")
+
+
+class Striker(Model):
+    """The floor that strikes, a rigid mass."""
+
+    mass: Mass = key(200e3, "mass of the striker", "200 t")
+    speed: Speed = key(0.5, "speed of the striker", "0.5 m/s")
+    height: Height = key("mid-storey 5", "where it strikes", "mid-storey 5")
+
+
+class Contact(Model):
+    """What touches, and how. Under one node stress grows without bound as the mesh is refined."""
+
+    over: Literal["patch", "node"] = key("patch", "patch of uniform pressure, or node", "patch")
+    bond: Literal["unilateral", "glued"] = key("unilateral", "unilateral or glued", "unilateral")
+    patch: Length = key(0.20, "height of the patch: the striking slab's thickness", "20 cm")
+
+
+class Mesh(Model):
+    """The mesh of the wall: four-node (linear) or nine-node (quadratic) quadrilaterals."""
+
+    size: Length = key(0.05, "element size at the contact", "0.05 m")
+    growth: Share = key(0.2, "growth of the size per metre from the contact", 0.2)
+    element: Literal["linear", "quadratic"] = key("quadratic", "linear or quadratic", "quadratic")
+
+    def lines(self, distance: float) -> float:
+        """About how many elements it takes from the contact to a distance [m] from it [-]."""
+        growth = self.growth
+        return math.log1p(growth * distance / self.size) / growth if growth > 0 else distance / self.size
+
+
+class Integration(Model):
+    """The integration in time."""
+
+    end: Time = key(0.060, "end of the analysis", "60 ms")
+    step: Step = key("auto", "time step, or auto", "0.1 ms")
+    rho: Share = key(0.9, "spectral radius at infinite frequency; 1: no damping", 0.9)
+
+
+class WallStudy(Model):
+    """A study of the bumper wall (paper, Fig. 8); everything not said is the paper's."""
+
+    fixed: ClassVar[tuple[str, ...]] = ()
+
+    title: str = key(..., "one line that says what is studied", "The bumper wall of Fig. 8")
+    wall: Wall = Wall()
+    frame: Frame = Frame()
+    concrete: Concrete = Concrete()
+    striker: Striker = Striker()
+    contact: Contact = Contact()
+    mesh: Mesh = Mesh()
+    time: Integration = Integration()
+    averaging_length: Length = key(0.5, "side of the cell over which stress is averaged", "0.5 m")
+    sweep: Any = key(None, "keys and the values they take", {"wall.length": ["1 m", "2 m"]})
+
+    @property
+    def height(self) -> float:
+        """Where the striker hits, above the base [m]."""
+        if not isinstance(self.striker.height, str):
+            return self.striker.height
+        word, number = self.striker.height.split()
+        return (int(number) - (0.5 if word == "mid-storey" else 0.0)) * self.frame.storey_height
+
+    @property
+    def patch(self) -> tuple[float, float]:
+        """Lower and upper edge of the contact on the face [m]; cut where the wall ends; equal for a node."""
+        half = self.contact.patch / 2 if self.contact.over == "patch" else 0.0
+        return max(self.height - half, 0.0), min(self.height + half, self.frame.height)
+
+    def wrong(self) -> Iterator[Wrong]:
+        """Where in the study, what cannot be, what to write."""
+        frame, contact, mesh, time, top = self.frame, self.contact, self.mesh, self.time, self.frame.height
+        place, height = self.striker.height, self.height
+        if not 0 <= height <= top:
+            message = f"the striker hits at {height:g} m, beside the wall (0 to {top:g} m)"
+            if isinstance(place, str):
+                message = f"the striker hits at {place}, but the frame has {counted(frame.storeys, 'storey')}"
+            yield ("striker",), message, "give a height on the wall's face"
+            return
+        if contact.over == "node" and height == 0:
+            message = "the striker hits the fixed node at the base, which cannot move: the force is unbounded"
+            yield ("striker",), message, "use `over: patch`, or a height above the base"
+        if contact.over == "patch" and contact.patch > top:
+            message = f"the patch ({contact.patch:g} m) is longer than the wall is high ({top:g} m)"
+            yield ("contact",), message, "give the thickness of the striking slab, e.g. 20 cm"
+        if self.averaging_length > min(self.wall.length, top):
+            message = f"the averaging length ({self.averaging_length:g} m) exceeds the wall"
+            yield ("averaging_length",), message, f"write at most {min(self.wall.length, top):g} m"
+        elements = mesh.lines(self.wall.length) * (mesh.lines(height) + mesh.lines(top - height))
+        if elements > MOST_ELEMENTS:
+            message = f"a mesh of {mesh.size:g} m with growth {mesh.growth:g} has {elements:.0f} elements"
+            yield ("mesh",), message, "write a larger mesh size, or `growth: 0.2` to let elements grow"
+        step = 1e-4 if isinstance(time.step, str) else time.step
+        if step > time.end / 10 and time.step != "auto":
+            message = f"the time step {step:g} s leaves fewer than 10 steps until {time.end:g} s"
+            yield ("time",), message, "write a smaller step, or a later end"
+        if time.end / step > MOST_STEPS:
+            yield ("time",), f"{time.end / step:.0f} time steps are too many", "write a larger step, or an earlier end"
+
+
+_LENGTHS = {"cm": 1e-2, "m": 1.0, "mm": 1e-3}
+_SECTION = Plausible(0.05, 3.0, "beams and columns of buildings are 5 cm to 3 m wide and deep", _LENGTHS)
+USUAL = {
+    "wall.length": Plausible(0.1, 30.0, "bumper walls are decimetres to metres long", _LENGTHS),
+    "wall.thickness": Plausible(0.05, 2.0, "concrete walls are 5 cm to 2 m thick", _LENGTHS),
+    "frame.storey_height": RANGES["storey height"],
+    **{f"frame.{member}.{side}": _SECTION for member in ("beam", "column") for side in ("width", "depth")},
+    "frame.floor_mass": RANGES["floor mass"],
+    "concrete.young": Plausible(1e9, 3e11, "concrete has 20 to 50 GPa, steel 210 GPa", {"GPa": 1e9, "MPa": 1e6}),
+    "concrete.density": Plausible(500.0, 10e3, "concrete weighs 2400 kg a cubic metre, steel 7850", {"kg/m3": 1.0}),
+    "striker.mass": RANGES["floor mass"],
+    "striker.speed": Plausible(
+        0.01, 10.0, "floors meet at decimetres to a few metres a second", {"m/s": 1.0, "cm/s": 0.01}
+    ),
+    "contact.patch": Plausible(0.01, 3.0, "slabs are 10 to 50 cm thick", _LENGTHS),
+    "time.end": Plausible(1e-3, 10.0, "an impact lasts milliseconds to tenths of a second", {"s": 1.0, "ms": 1e-3}),
+}
+"""Keys of which a value outside is more likely a slip than meant."""
