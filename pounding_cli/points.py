@@ -20,7 +20,8 @@ from pounding_cli.outputs import check_folder, check_output
 from pounding_cli.study.axes import SweepAxis, read_axes
 from pounding_cli.study.file import Map, Problems, get, put, read_study
 from pounding_cli.study.kinds import refuse_other_kinds
-from pounding_cli.study.plausible import Plausible, doubt, few
+from pounding_cli.study.plausible import doubt, few
+from pounding_cli.study.usual import Plausible
 from pounding_cli.study.words import value_at
 from pounding_cli.variables import Variable
 
