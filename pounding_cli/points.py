@@ -4,7 +4,7 @@ a table, figures and a page.
 A question is a package (`connector`, `wall`), its command is its name. It offers
 
 Study : pydantic model of its file; `fixed` are sections that no axis may touch
-USUAL : plausible ranges by key; doubts(study) : further (key, what is doubtful, what to do)
+doubts(study) : (key, what is doubtful, what to do), beyond the plausible ranges of single keys
 solve(study) : the values of VARIABLES by name, and `flags`, a list of sentences
 lines(found) : what is printed of such values
 STATEMENTS : sentences of the paper, each with (found) -> whether it holds, and what was found in words
@@ -29,9 +29,9 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.outputs import check_folder, check_output
 from pounding_cli.study.axes import SweepAxis, read_axes
-from pounding_cli.study.file import Map, Problems, get, put, read_study
+from pounding_cli.study.file import Problems, put, read_study
 from pounding_cli.study.kinds import refuse_other_kinds
-from pounding_cli.study.plausible import doubt, few
+from pounding_cli.study.plausible import doubt_values, few
 from pounding_cli.study.words import value_at
 
 if TYPE_CHECKING:
@@ -100,21 +100,11 @@ def load(path: Path, name: str) -> Sweep:
             problems.validation(tree, error, (), asked.Study)
             continue
         points.append(Point(place, ", ".join(words), study, swept, {}))
-        _doubt(study, asked, tree, notes)
+        doubt_values(study, tree, (), notes)
+        for path_, message, hint in asked.doubts(study):
+            notes.at(tree, path_, message, hint)
     problems.check()
     return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(few(notes.found)))
-
-
-def _doubt(study: Any, asked: Any, tree: Map, notes: Problems) -> None:
-    """Note what is unlikely at a point of the sweep, of the keys that the study says."""
-    for key, fits in asked.USUAL.items():
-        path, value = tuple(key.split(".")), study
-        for step in path:
-            value = getattr(value, step)
-        if value is not None and get(tree, *path) is not None:
-            doubt(key.replace(".", " ").replace("_", " "), fits, float(value), tree, path, notes)
-    for path, message, hint in asked.doubts(study):
-        notes.at(tree, path, message, hint)
 
 
 def solved(sweep: Sweep, point: Point) -> Point:

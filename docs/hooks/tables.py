@@ -12,7 +12,8 @@ from pathlib import Path
 from pounding_cli import methods
 from pounding_cli.study import laws, models, questions, schema
 from pounding_cli.study.keys import table
-from pounding_cli.study.plausible import RANGES, shown
+from pounding_cli.study.plausible import shown
+from pounding_cli.study.usual import RANGES
 
 DOCS = Path(__file__).parents[1]
 MODELS = {

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from pydantic_core import PydanticCustomError
-
-from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.scene import Scene
+from pounding_cli.study import schema
 from pounding_cli.study.axes import SweepAxis
-from pounding_cli.study.file import Problems, get, locate, nearest
+from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.plan import Row
-from pounding_cli.study.quantity import Quantity
 from pounding_cli.study.schema import Histories, Keep
+from pounding_cli.study.words import value_at
 
 if TYPE_CHECKING:
     from pounding_cli.study.study import Study
@@ -23,8 +22,6 @@ MOST_BYTES = 2_000_000_000
 
 COARSEST = 0.02
 """An output step above this [s] is not suggested: it would miss most contacts."""
-
-_UNITS = ("", "m", "kg", "s", "N", "N/m", "m/s2")
 
 
 def wanted(model: Any) -> Histories | None:
@@ -77,53 +74,44 @@ def kept_rows(study: Study, rows: Sequence[Row], scenes: Mapping[str, Scene]) ->
     spec = wanted(study.model)
     if spec is None:
         return (), Histories().every
-    chosen = []
     allowed: dict[int, set[int]] = {}
     for number, axis in enumerate(study.swept):
         for column, key in enumerate(axis.names):
             if key in spec.where:
                 found = {place for _, value in _values(study.root, key) for place in _places(axis, column, value)}
                 allowed[number] = allowed.get(number, found) & found
-    for row in rows:
-        there = all(row.point[number] in places for number, places in allowed.items())
-        if (
-            there
-            and (spec.cases is None or row.case in spec.cases)
-            and (spec.analyses is None or row.analysis in spec.analyses)
-            and (spec.records is None or row.record in spec.records)
-        ):
-            chosen.append(row)
+    chosen = tuple(
+        row
+        for row in rows
+        if all(row.point[number] in places for number, places in allowed.items())
+        and (spec.cases is None or row.case in spec.cases)
+        and (spec.analyses is None or row.analysis in spec.analyses)
+        and (spec.records is None or row.record in spec.records)
+    )
     size = 0.0
     for seen, row in enumerate(chosen, start=1):
-        size += _bytes_a_second(scenes[row.scene]) * _seconds(scenes[row.scene]) / spec.every
+        size += _bytes_of(scenes[row.scene], spec.every)
         if size > MOST_BYTES:  # the rest will be like those seen: a study may have millions
-            total = size / seen * len(chosen)
-            mark = locate(study.root, ("keep",), key=True)
-            raise InputError(_too_much(len(chosen), spec.every, total, study.file, mark))
-    return tuple(chosen), spec.every
+            _refuse(study, len(chosen), size / seen * len(chosen), spec.every)
+    return chosen, spec.every
 
 
-def _too_much(count: int, every: float, size: float, file: str, mark: tuple[int, int]) -> Problem:
-    fits = every * size / MOST_BYTES
+def _refuse(study: Study, count: int, size: float, every: float) -> None:
+    """Raise `InputError`: the histories would take `size` bytes."""
+    fits, problems = every * size / MOST_BYTES, Problems(study.file)
     coarser = f", or coarser: `every: {1000 * fits * 1.05:.2g} ms`" if fits < COARSEST else ""
-    return Problem(
-        f"histories of {count} scenes every {1000 * every:g} ms take about {size / 1e9:.3g} GB; "
-        f"the most is {MOST_BYTES / 1e9:g} GB",
-        f"keep fewer, e.g. `keep: {{histories: {{cases: [..], records: [..], where: {{..}}}}}}`{coarser}",
-        file,
-        *mark,
-    )
+    taken = f"about {size / 1e9:.3g} GB; the most is {MOST_BYTES / 1e9:g} GB"
+    message = f"histories of {count} scenes every {1000 * every:g} ms take {taken}"
+    hint = f"keep fewer, e.g. `keep: {{histories: {{cases: [..], records: [..], where: {{..}}}}}}`{coarser}"
+    problems.at(study.root, ("keep",), message, hint, key=True)
+    problems.check()
 
 
-def _seconds(scene: Scene) -> float:
-    return scene.motion.duration + scene.tail
-
-
-def _bytes_a_second(scene: Scene) -> float:
-    """Bytes of one output time: four a value, eight for the time itself."""
+def _bytes_of(scene: Scene, every: float) -> float:
+    """Bytes of the histories of a scene: at every output time four a value, eight for the time itself."""
     storeys = max(building.storeys for building in scene.buildings)
     series = 8 + len(scene.buildings) * (4 * storeys + 2) + len(scene.links)
-    return 4.0 * series + 8.0
+    return (4.0 * series + 8.0) * (scene.motion.duration + scene.tail) / every
 
 
 def _values(root: Any, key: str) -> list[tuple[tuple[int, ...], Any]]:
@@ -135,22 +123,13 @@ def _values(root: Any, key: str) -> list[tuple[tuple[int, ...], Any]]:
 
 
 def _places(axis: SweepAxis, column: int, wanted: Any) -> list[int]:
-    """Where on an axis a value stands: as the same text, or as the same amount in other units."""
-    return [place for place, values in enumerate(axis.given) if _same(values[column], wanted)]
+    """Where on an axis a value stands: as the same word, or as the same amount in other units."""
+    path = tuple(axis.paths[column])
+    value = value_at(schema.Study, path, wanted)
 
+    def fits(other: float | str) -> bool:
+        if isinstance(value, str) or isinstance(other, str):
+            return value == other
+        return math.isclose(value, other, rel_tol=1e-9)
 
-def _same(one: Any, other: Any) -> bool:
-    if one == other:
-        return True
-    left, right = amount(one), amount(other)
-    return left is not None and right is not None and abs(left - right) <= 1e-9 * max(abs(left), abs(right))
-
-
-def amount(value: Any) -> float | None:
-    """A quantity in SI, whatever its unit; None for what is none."""
-    for unit in _UNITS:
-        try:
-            return float(Quantity("value", unit, "").read(value))
-        except (PydanticCustomError, TypeError, ValueError):
-            continue
-    return None
+    return [place for place, values in enumerate(axis.given) if fits(value_at(schema.Study, path, values[column]))]

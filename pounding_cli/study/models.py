@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
@@ -29,6 +30,7 @@ from pounding_cli.study.quantity import (
     refuse,
     written_unit,
 )
+from pounding_cli.study.usual import RANGES, WEIGHTS
 from pounding_cli.units import factor as unit_factor
 
 # Records
@@ -225,7 +227,8 @@ class Code(Model):
             yield (), "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4"
 
 
-_COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0)
+_SHEAR = replace(RANGES["base yield shear over weight"], name="base shear", units=WEIGHTS)
+_COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0, usual=_SHEAR)
 
 
 def _base_shear(value: Any) -> float:
@@ -370,7 +373,7 @@ class _Building(Model):
     storeys: Annotated[int, Whole(1, 100)] | None = key(None, "number of storeys; default: the length of a list", 5)
     period: PERIOD_OF_BUILDING | None = key(None, "fundamental period of the fixed-base building [s]", "0.36 s")
     mass: Masses = key("200 t", "floor mass [kg], one or a list")  # type: ignore[valid-type]
-    height: _each(LENGTH) = key("3 m", "storey height [m], one or a list")  # type: ignore[valid-type]
+    height: _each(LENGTH.but(usual=RANGES["storey height"])) = key("3 m", "storey height [m], one or a list")  # type: ignore[valid-type]
     taper: Annotated[float, Quantity("taper", "", "1/3", 0.0, 10.0, open_low=True)] = key(
         "1/3", "top over bottom storey stiffness [-], linear in between"
     )
@@ -386,7 +389,9 @@ class _Building(Model):
         "storey stiffnesses [N/m], instead of period and taper; or {period: 0.42 s, mass: 300 t}: those of a building "
         "with this period and these masses, which stay when the mass is varied",
     )
-    damping: Annotated[float, RATIO] = key("5 %", "damping ratio of the first two modes [-]")
+    damping: Annotated[float, RATIO.but(usual=RANGES["damping ratio"])] = key(
+        "5 %", "damping ratio of the first two modes [-]"
+    )
     rayleigh: Rayleigh | None = key(None, "Rayleigh factors, instead of damping")
     hardening: _each(Quantity("hardening ratio", "", "0.05", 0.0, 1.0, open_high=True)) = key(  # type: ignore[valid-type]
         0.05, "post-yield over initial stiffness [-], one or a list"

@@ -1,15 +1,17 @@
-"""What a study may say but hardly means: one table of plausible ranges and the warnings made of it."""
+"""What a study may say but hardly means: warnings of values that are not plausible (`usual.py` has the ranges)."""
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 import numpy as np
+from pydantic import BaseModel
 
 from pounding_cli.errors import Problem
 from pounding_cli.laws import link_laws
@@ -20,79 +22,16 @@ from pounding_cli.study import facing, schema
 from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.file import Items, Map, Mark, Problems, Steps, get, locate
 from pounding_cli.study.held import tell_held
-from pounding_cli.study.models import BaseShear, StiffnessAt
 from pounding_cli.study.models import Building as BuildingSpec
+from pounding_cli.study.models import StiffnessAt
 from pounding_cli.study.motions import Used
-from pounding_cli.study.quantity import ACCELERATION, NUMBER, lacks_unit
-from pounding_cli.study.words import quantity_at
+from pounding_cli.study.quantity import ACCELERATION, NUMBER, Quantity, Text, lacks_unit
+from pounding_cli.study.usual import ACCELERATIONS, FORCES, LENGTHS, RANGES, STIFFNESSES, Plausible
+from pounding_cli.study.words import fields_of, leaves, quantity_at
 from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
     from pounding_cli.study.study import Point, Study
-
-_LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
-_MASSES = {"t": 1e3, "kg": 1.0}
-_TIMES = {"s": 1.0, "ms": 1e-3}
-_FORCES = {"kN": 1e3, "MN": 1e6, "N": 1.0}
-_WEIGHTS = {"W": 1.0, "%": 0.01}
-_STIFFNESSES = {"kN/mm": 1e6, "kN/m": 1e3, "MN/mm": 1e9, "N/m": 1.0}
-_ACCELERATIONS = {"g": GRAVITY, "m/s2": 1.0}
-
-
-@dataclass(frozen=True)
-class Plausible:
-    """A range outside of which a value is more likely a slip than meant.
-
-    low, high : the range, in SI
-    reason : where it comes from
-    units : units a person writes the value in with their factor to SI, the likeliest first
-    """
-
-    low: float
-    high: float
-    reason: str
-    units: Mapping[str, float]
-
-    def holds(self, value: float) -> bool:
-        """Whether a value is plausible; nothing at all (no gap, no damping) is."""
-        return value == 0 or self.low <= value <= self.high
-
-
-RANGES = {
-    "gap": Plausible(
-        1e-4, 1.0, "gaps between neighbours are millimetres to decimetres; the largest a code asks for is near 1 m",
-        _LENGTHS,
-    ),
-    "floor mass": Plausible(
-        5e3, 1e7, "a floor weighs about 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block", _MASSES
-    ),
-    "storey height": Plausible(2.0, 12.0, "people stand in a storey; halls and lobbies reach 12 m", _LENGTHS),
-    "period": Plausible(0.02, 10.0, "the tallest buildings there are have about 10 s", _TIMES),
-    "period of a storey": Plausible(
-        0.02, 0.5, "frames and walls have 0.05 to 0.2 s a storey", _TIMES
-    ),
-    "damping ratio": Plausible(0.006, 0.3, "structures have 1 to 10 % of critical; dampers reach 30 %", {"%": 0.01}),
-    "base yield shear over weight": Plausible(
-        0.005, 3.0, "codes design for 2 to 30 % of the weight; overstrength brings that to 100 % at most", _FORCES
-    ),
-    "impact stiffness over the stiffest storey's": Plausible(
-        0.5, 1e4, "floors that meet are stiffer than the columns below; studies take 5 to 1000 times", _STIFFNESSES
-    ),
-    "link stiffness over the stiffest storey's": Plausible(
-        1e-5, 1e3, "below that the link does nothing, above it is an impact", _STIFFNESSES
-    ),
-    "peak ground acceleration asked for": Plausible(
-        0.04 * GRAVITY, 3 * GRAVITY, "damage begins near 0.05 g, recorded peaks reach 3 g", _ACCELERATIONS
-    ),
-    "peak of a motion as read and as used": Plausible(
-        0.0, 2 * GRAVITY, "few motions were ever recorded with more than 2 g; above, the unit is often wrong",
-        _ACCELERATIONS,
-    ),
-    "peak of a motion as used": Plausible(
-        0.001 * GRAVITY, 5 * GRAVITY, "below 0.001 g a motion is not felt; above 5 g the unit is wrong", _ACCELERATIONS
-    ),
-}  # fmt: skip
-"""What is plausible, one row a quantity."""
 
 MOST_CORNERS = 256
 """Combinations of swept values that are looked at for what is implausible together."""
@@ -176,22 +115,8 @@ def _doubt_point(study: Study, point: Point, notes: Problems) -> None:
 
 def doubt_building(spec: BuildingSpec, building: Building, root: Any, path: Steps, notes: Problems) -> None:
     """Note what is unlikely about a building: masses, heights, period, damping, yield shears."""
-    given = spec.model_fields_set
-    for key, what, values in (
-        ("mass", "floor mass", building.mass),
-        ("height", "storey height", building.height),
-    ):
-        bad = np.flatnonzero((values < RANGES[what].low) | (values > RANGES[what].high))
-        if bad.size and key in given:
-            place = int(bad[0])
-            at = (*path, key, place) if isinstance(getattr(spec, key), tuple) else (*path, key)
-            _note(what, float(values[place]), root, at, notes)
-    if "damping" in given and spec.rayleigh is None:
-        _note("damping ratio", spec.damping, root, (*path, "damping"), notes)
+    doubt_values(spec, root, path, notes)
     _doubt_period(spec, building, root, path, notes)
-    if isinstance(spec.yield_, BaseShear) and spec.yield_shear is None:
-        fits = replace(RANGES["base yield shear over weight"], units=_WEIGHTS)
-        doubt("base shear", fits, spec.yield_.base_shear, root, (*path, "yield", "base_shear"), notes)
     if isinstance(spec.yield_shear, tuple):
         weight = GRAVITY * float(np.sum(building.mass))
         share = float(building.yield_shear[0]) / weight
@@ -201,7 +126,7 @@ def doubt_building(spec: BuildingSpec, building: Building, root: Any, path: Step
             notes.at(
                 root,
                 at,
-                f"the lowest storey yields at {shown(float(building.yield_shear[0]), _FORCES)}, {share:.2g} of the "
+                f"the lowest storey yields at {shown(float(building.yield_shear[0]), FORCES)}, {share:.2g} of the "
                 f"building's weight: {fits.reason}",
                 _hint(meant),
             )
@@ -214,7 +139,7 @@ def slip_of_height(building: Building, root: Any, path: Steps) -> str:
     if height is None:
         return ""
     meant = _meant(_text(root, (*path, "height")), height, fits, lambda read: read)
-    return f"a storey height of {building.name} is {shown(height, _LENGTHS)}" + (
+    return f"a storey height of {building.name} is {shown(height, LENGTHS)}" + (
         f": did you mean {meant}?" if meant else ""
     )
 
@@ -240,7 +165,7 @@ def _doubt_period(spec: BuildingSpec, building: Building, root: Any, path: Steps
             notes.at(root, at, f"this stiffness gives a {words}", _hint(meant))
             return
         at = (*path, "stiffness", 0)
-        stiffness = replace(fits, units=_STIFFNESSES)
+        stiffness = replace(fits, units=STIFFNESSES)
         first = float(building.stiffness[0])
         meant = _meant(_text(root, at), first, stiffness, lambda value: period * (first / value) ** 0.5 / storeys)
         notes.at(root, at, f"these stiffnesses give a {words}", _hint(meant))
@@ -251,7 +176,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Any, pat
     stiffest = max((float(building.stiffness.max()) for building in group), default=0.0)
     gaps = dict.fromkeys(link.gap for link in links if link.gap > 0)
     for gap in (gap for gap in gaps if not RANGES["gap"].holds(gap)):
-        _note("gap", gap, root, _leaf(root, path, "gap"), notes)
+        doubt("gap", RANGES["gap"], gap, root, _leaf(root, path, "gap"), notes)
     facing = (link.law for link in links if not link.columns)  # slabs strike columns in series with these
     springs = (law for law in facing if "stiffness" in law.parameters())  # others are not in N/m
     kinds = dict.fromkeys((not law.stiffness_default, law.initial_stiffness) for law in springs)
@@ -269,7 +194,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Any, pat
         notes.at(
             root,
             at,
-            f"the {what.split(' over')[0]} is {shown(stiffness, _STIFFNESSES)}, {stiffness / stiffest:.2g} times that "
+            f"the {what.split(' over')[0]} is {shown(stiffness, STIFFNESSES)}, {stiffness / stiffest:.2g} times that "
             f"of the stiffest storey: {fits.reason}",
             _hint(meant),
         )
@@ -342,8 +267,9 @@ def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
         pga = next((each.use.pga for each in used.values()), None)
         swept, mark = swept_keys(root()).get("records.scale.pga", (None, (0, 0)))
         told = any(_accelerations(at, swept or asked, mark))  # without unit
+        fits = RANGES["peak ground acceleration asked for"]
         if pga is not None and not told and not _in_plausible_range(swept):
-            _note("peak ground acceleration asked for", pga, root, at, notes)
+            doubt(fits.name, fits, pga, root, at, notes)
         return
     read, fits = RANGES["peak of a motion as read and as used"], RANGES["peak of a motion as used"]
     peaks = {name: each.use.pga for name, each in used.items() if each.use.pga}
@@ -374,7 +300,7 @@ def _in_plausible_range(swept: Any) -> bool:
     fits = RANGES["peak ground acceleration asked for"]
     ends = [str(swept[key]) for key in ("from", "to") if isinstance(swept, Map) and key in swept]
     read = [_PARTED.match(text) for text in ends]
-    return any(one and fits.holds(float(one[1]) * _ACCELERATIONS.get(one[2], np.nan)) for one in read)
+    return any(one and fits.holds(float(one[1]) * ACCELERATIONS.get(one[2], np.nan)) for one in read)
 
 
 def few(problems: Iterable[Problem]) -> list[Problem]:
@@ -403,6 +329,36 @@ def shown(value: float, units: Mapping[str, float]) -> str:
     return f"{_rounded(value / factor)} {unit}"
 
 
+def doubt_values(spec: BaseModel, root: Any, path: Steps, notes: Problems) -> None:
+    """Note values that a validated mapping, or one below it, gives and that are not plausible."""
+    for key, (name, fits) in _usuals(type(spec)).items():
+        value = getattr(spec, name)
+        if name not in spec.model_fields_set or get(root, *path, key) is None:
+            continue
+        if isinstance(value, BaseModel):
+            doubt_values(value, root, (*path, key), notes)
+        elif fits is not None:
+            several = isinstance(value, tuple)
+            numbers = [each for each in (value if several else [value]) if isinstance(each, float)]
+            wrong = next((n for n, each in enumerate(numbers) if not fits.holds(each)), None)
+            if wrong is not None:
+                doubt(fits.name, fits, numbers[wrong], root, (*path, key, wrong) if several else (*path, key), notes)
+
+
+@functools.cache
+def _usuals(model: type[BaseModel]) -> dict[str, tuple[str, Plausible | None]]:
+    """Of every key of a mapping its attribute, and the plausible range of the quantities that it takes."""
+    names = {info.alias or name: name for name, info in model.model_fields.items()}
+    found = {}
+    for key, (hint, _) in fields_of(model).items():
+        kinds = list(leaves(hint))
+        kinds += [one for kind in kinds if get_origin(kind) is tuple for one in leaves(get_args(kind)[0])]
+        quantities = [kind.quantity if isinstance(kind, Text) else kind for kind in kinds]
+        fits = (quantity.usual for quantity in quantities if isinstance(quantity, Quantity))
+        found[key] = names[key], next(filter(None, fits), None)
+    return found
+
+
 def doubt(what: str, fits: Plausible, value: float, root: Any, path: Steps, notes: Problems) -> None:
     """Note a value that its range does not hold, with what may have been meant."""
     if fits.holds(value):
@@ -429,10 +385,6 @@ def _meant(text: str, value: float, fits: Plausible, measured: Callable[[float],
         if fits.holds(measured(value * factor)):
             return shown(value * factor, fits.units)
     return ""
-
-
-def _note(what: str, value: float, root: Any, path: Steps, notes: Problems) -> None:
-    doubt(what, RANGES[what], value, root, path, notes)
 
 
 def _text(root: Any, path: Steps) -> str:

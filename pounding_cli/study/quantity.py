@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError, core_schema
 
+from pounding_cli.study.usual import RANGES, Plausible
 from pounding_cli.units import GRAVITY, Dimension, factor, measure
 
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
@@ -45,11 +46,9 @@ def said(value: Any) -> str:
     """A value as messages quote it."""
     if isinstance(value, list | tuple | dict):
         return "a mapping" if isinstance(value, dict) else "a list"
-    return (
-        {True: "true", False: "false", None: "nothing"}.get(value, f"'{str(value)[:60]}'")
-        if not isinstance(value, float | int) or isinstance(value, bool)
-        else f"'{value}'"
-    )
+    if value is None or isinstance(value, bool):
+        return {True: "true", False: "false", None: "nothing"}[value]
+    return f"'{str(value)[:60]}'"
 
 
 def said_place(mark: tuple[Any, int]) -> str:
@@ -64,9 +63,11 @@ class Read:
     examples: tuple[Any, ...] = ()
 
     def read(self, value: Any) -> Any:
+        """The value as the program takes it.  Raises PydanticCustomError saying what to write."""
         raise NotImplementedError
 
     def schema(self) -> dict[str, Any]:
+        """Its JSON Schema."""
         return {"anyOf": [{"type": "number"}, {"type": "string"}], "title": self.form, "examples": list(self.examples)}
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
@@ -83,6 +84,7 @@ class Quantity(Read):
     name, si, example : what it is, its SI unit ("" for a plain number), how to write one
     low, high, open_low, open_high : the range allowed, in SI; the end itself is excluded where open
     words : other texts, taken as they are;  percent : it is written with its %
+    usual : what is plausible; values beyond are warned of
     """
 
     name: str
@@ -94,6 +96,7 @@ class Quantity(Read):
     open_high: bool = False
     words: tuple[str, ...] = ()
     percent: bool = False
+    usual: Plausible | None = None
 
     def but(self, **changes: Any) -> Quantity:
         return replace(self, **changes)
@@ -300,8 +303,8 @@ def measured(value: Any) -> Measured:
 
 
 LENGTH = Quantity("length", "m", "3 m", 0.0, open_low=True)
-GAP = Quantity("gap", "m", "5 cm", 0.0, 10.0)
-MASS = Quantity("mass", "kg", "200 t", 0.0, open_low=True)
+GAP = Quantity("gap", "m", "5 cm", 0.0, 10.0, usual=RANGES["gap"])
+MASS = Quantity("mass", "kg", "200 t", 0.0, open_low=True, usual=RANGES["floor mass"])
 TIME = Quantity("time", "s", "0.36 s", 0.0, open_low=True)
 STIFFNESS = Quantity("stiffness", "N/m", "200 kN/mm", 0.0, open_low=True)
 LINK_STIFFNESS = Stiffness("stiffness", "N/m", "200 kN/mm", 0.0, open_low=True)

@@ -18,7 +18,6 @@ from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.questions import ALL, SensitivitySpec
 from pounding_cli.study.sampled import at_points, distinct
-from pounding_cli.study.samples import grid
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
 
@@ -84,10 +83,15 @@ class Question:
             "bounds": [[0.0, 1.0]] * len(self.factors),
         }
 
-    @property
+    @cached_property
     def grid(self) -> np.ndarray:
         """The samples as SALib draws them, shape (samples, factors)."""
-        return grid(self.spec.method, len(self.factors), self.samples, self.levels, self.spec.seed)
+        from SALib.sample import morris, sobol  # a second to import
+
+        seed = self.spec.seed
+        if self.spec.method == "morris":
+            return morris.sample(self.problem, self.samples, num_levels=self.levels, seed=seed)
+        return sobol.sample(self.problem, self.samples, calc_second_order=False, seed=seed)
 
     @cached_property
     def cube(self) -> np.ndarray:

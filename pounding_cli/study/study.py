@@ -23,6 +23,7 @@ from pounding_cli.study.axes import UNWRITTEN, SweepAxis, read_axes, with_middle
 from pounding_cli.study.file import Map, Problems, get, locate, nearest, put, read_study
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.kinds import refuse_other_kinds
+from pounding_cli.study.laws import link_models
 from pounding_cli.study.links import Links, OwnLaw, check_contact, own_laws
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
@@ -32,7 +33,7 @@ from pounding_cli.study.old_links import refuse_old
 from pounding_cli.study.plain import shown
 from pounding_cli.study.plan import Axis
 from pounding_cli.study.spell import inherited, like_of, links_of
-from pounding_cli.study.words import leaves, value_at
+from pounding_cli.study.words import fields_of, value_at
 
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
@@ -90,7 +91,7 @@ class Study:
         self.reader = reader or MotionReader(path.resolve().parent)
         self._links = Links()
         self._over((*read_axes(self.root, problems), *((sampled,) if sampled is not None else ())))
-        self._check(problems, is_sampled=sampled is not None)
+        self._check(problems)
         self.title = self.model.title or shortened(path.stem)
         self._say_axes()
         _refuse_twins(self.axes, self.swept[: len(self.swept) - (sampled is not None)], problems)
@@ -420,7 +421,7 @@ class Study:
 
     # Checks
 
-    def _check(self, problems: Problems, is_sampled: bool) -> None:
+    def _check(self, problems: Problems) -> None:
         """Look at the study as written and at every value of every axis.  Raises `InputError`."""
         root = self.tree(self.base)
         model = None
@@ -519,7 +520,7 @@ def _inherits(name: str, path: Sequence[str], buildings: Map) -> bool:
 def _refuse_unnamed(root: Map, problems: Problems) -> None:
     """Raise `InputError` where the keys of one case, or of one building, stand where names belong."""
     varied = [key.split(".") for key in plausible.swept_keys(root)]
-    links = {key for link in leaves(schema.Study.model_fields["cases"].annotation) for key in _keys_of_cases(link)}
+    links = {"links", *(key for link in link_models().values() for key in fields_of(link))}
     buildings = {info.alias or key for key, info in BuildingSpec.model_fields.items()}
     for section, known, needed, what, name in (
         ("cases", links, "link", "case", "pair"),
@@ -538,15 +539,6 @@ def _refuse_unnamed(root: Map, problems: Problems) -> None:
         hint = f"write e.g. `{section}: {{{name}: {whole}}}`; '{name}' names the {what}"
         problems.add(root.marks[section][1], f"the {what} under `{section}:` has no name", hint)
     problems.check()
-
-
-def _keys_of_cases(_: Any) -> Iterator[str]:
-    from pounding_cli.study.laws import link_models
-    from pounding_cli.study.words import fields_of
-
-    yield "links"
-    for link in link_models().values():
-        yield from fields_of(link)
 
 
 def _at_value(problems: Sequence[Problem], axis: SweepAxis, index: int, faulty: bool) -> list[Problem]:

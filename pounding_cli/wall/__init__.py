@@ -3,5 +3,5 @@
 from pounding_cli.wall.impact import strike as solve
 from pounding_cli.wall.report import STATEMENTS, VARIABLES, cites, figures, lines
 from pounding_cli.wall.report import write_fields as beside
-from pounding_cli.wall.study import USUAL, doubts
 from pounding_cli.wall.study import WallStudy as Study
+from pounding_cli.wall.study import doubts
