@@ -1,11 +1,22 @@
-"""Questions with a model of their own, the wall and the connector: the points of a study's sweep are solved one after
-the other and written with a table, figures and a page."""
+"""Questions with a model of their own: the points of a study's sweep are solved one after the other, and written with
+a table, figures and a page.
+
+A question is a package (`connector`, `wall`), its command is its name. It offers
+
+Study : pydantic model of its file; `fixed` are sections that no axis may touch
+doubts(study) : (key, what is doubtful, what to do), beyond the plausible ranges of single keys
+solve(study) : the values of VARIABLES by name, and `flags`, a list of sentences
+lines(found) : what is printed of such values
+STATEMENTS : sentences of the paper, each with (found) -> whether it holds, and what was found in words
+figures(title, points, axes) : (heading, figure) by file name; beside(points, folder) : writes files for other programs
+cites(study) : {reference: what for}
+"""
 
 from __future__ import annotations
 
 import importlib
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -18,12 +29,10 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.outputs import check_folder, check_output
 from pounding_cli.study.axes import SweepAxis, read_axes
-from pounding_cli.study.file import Map, Problems, get, put, read_study
+from pounding_cli.study.file import Problems, put, read_study
 from pounding_cli.study.kinds import refuse_other_kinds
-from pounding_cli.study.plausible import doubt, few
-from pounding_cli.study.usual import Plausible
+from pounding_cli.study.plausible import doubt_values, few
 from pounding_cli.study.words import value_at
-from pounding_cli.variables import Variable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,8 +44,8 @@ _SHOWN = {
 }  # fmt: skip
 """SI unit -> the unit that the page shows."""
 
-QUESTIONS = {"connector": "pounding_cli.connector", "wall": "pounding_cli.wall"}
-"""Where the QUESTION of each command is."""
+QUESTIONS = ("connector", "wall")
+"""The packages."""
 
 
 @dataclass(frozen=True)
@@ -54,36 +63,11 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Question:
-    """What a command asks of a model of its own.
-
-    name : of the command; model : of its study file, with the sections in `fixed` that no axis may touch
-    usual : plausible ranges of keys; solve : (study) -> values of `variables`, and `flags`, a list of sentences
-    lines : (values) -> what is printed of a point
-    statements : sentences of the paper, and (values) -> whether one holds, and what was found
-    figures : (title, points, axes) -> heading and figure by file name; cites : (study) -> {reference: what for}
-    beside : (points, folder) -> None; writes files for other programs
-    doubts : (study) -> key, what is doubtful, what to do
-    """
+class Sweep:
+    """A validated study of the command `name`, of the package `asked`: its points are not solved yet."""
 
     name: str
-    model: Any
-    usual: Mapping[str, Plausible]
-    solve: Callable[[Any], dict[str, Any]]
-    variables: Sequence[Variable]
-    lines: Callable[[Mapping[str, Any]], Sequence[str]]
-    statements: Sequence[tuple[str, Callable[[Mapping[str, Any]], tuple[bool, str]]]]
-    figures: Callable[[str, Sequence[Point], Sequence[SweepAxis]], dict[str, tuple[str, Any]]]
-    cites: Callable[[Any], Mapping[str, str]]
-    beside: Callable[[Sequence[Point], Path], None] | None = None
-    doubts: Callable[[Any], Iterable[tuple[tuple[str, ...], str, str]]] = lambda study: ()
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """A validated study: its points are not solved yet."""
-
-    question: Question
+    asked: Any
     title: str
     text: str
     axes: tuple[SweepAxis, ...]
@@ -91,19 +75,14 @@ class Sweep:
     warnings: tuple[Problem, ...]
 
 
-def question(name: str) -> Question:
-    """The question of a command."""
-    return importlib.import_module(QUESTIONS[name]).QUESTION
-
-
 def load(path: Path, name: str) -> Sweep:
     """Read and validate a study of a command.  Raises `InputError` with every problem and its place."""
-    asked = question(name)
+    asked: Any = importlib.import_module(f"pounding_cli.{name}")
     text, root = read_study(path)
     refuse_other_kinds(root, str(path), name)
     problems, notes = Problems(str(path)), Problems(str(path))
-    axes = read_axes(root, problems, asked.model)
-    for each in (each for axis in axes for each in axis.names if each.split(".")[0] in asked.model.fixed):
+    axes = read_axes(root, problems, asked.Study)
+    for each in (each for axis in axes for each in axis.names if each.split(".")[0] in asked.Study.fixed):
         hint = "give one range for the study"
         problems.at(root, ("sweep", each), f"'{each}' cannot be an axis", hint, key=True)
     problems.check()
@@ -113,36 +92,26 @@ def load(path: Path, name: str) -> Sweep:
         for axis, at in zip(axes, place, strict=True):
             for path_, value, mark, unit in zip(axis.paths, axis.given[at], axis.marks[at], axis.units, strict=True):
                 tree = put(tree, path_, value, mark)
-                swept[".".join(path_)] = value_at(asked.model, tuple(path_), value)
+                swept[".".join(path_)] = value_at(asked.Study, tuple(path_), value)
                 words.append(f"{'.'.join(path_)} = {unit.text(swept['.'.join(path_)])}")
         try:
-            study = asked.model.model_validate(tree)
+            study = asked.Study.model_validate(tree)
         except ValidationError as error:
-            problems.validation(tree, error, (), asked.model)
+            problems.validation(tree, error, (), asked.Study)
             continue
         points.append(Point(place, ", ".join(words), study, swept, {}))
-        _doubt(study, asked, tree, notes)
+        doubt_values(study, tree, (), notes)
+        for path_, message, hint in asked.doubts(study):
+            notes.at(tree, path_, message, hint)
     problems.check()
-    return Sweep(asked, points[0].study.title, text, axes, tuple(points), tuple(few(notes.found)))
-
-
-def _doubt(study: Any, asked: Question, tree: Map, notes: Problems) -> None:
-    """Note what is unlikely at a point of the sweep, of the keys that the study says."""
-    for key, fits in asked.usual.items():
-        path, value = tuple(key.split(".")), study
-        for step in path:
-            value = getattr(value, step)
-        if value is not None and get(tree, *path) is not None:
-            doubt(key.replace(".", " ").replace("_", " "), fits, float(value), tree, path, notes)
-    for path, message, hint in asked.doubts(study):
-        notes.at(tree, path, message, hint)
+    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(few(notes.found)))
 
 
 def solved(sweep: Sweep, point: Point) -> Point:
     """A point with its values; an error in it becomes its status."""
     begin = time.thread_time()
     try:
-        values = sweep.question.solve(point.study) | {"status": "done"}
+        values = sweep.asked.solve(point.study) | {"status": "done"}
     except InputError as refused:
         problem = refused.problems[0]
         values = {"status": f"refused: {problem.message}", "flags": [problem.hint]}
@@ -153,7 +122,7 @@ def table(sweep: Sweep, points: Sequence[Point]) -> pd.DataFrame:
     """One row a point: the swept keys, every variable that is one number (SI), `status`, processor time [s]."""
     import pandas as pd
 
-    names = [*(v.name for v in sweep.question.variables if not v.dims), "status", "seconds"]
+    names = [*(v.name for v in sweep.asked.VARIABLES if not v.dims), "status", "seconds"]
     return pd.DataFrame([{**point.swept, **{name: point.found.get(name) for name in names}} for point in points])
 
 
@@ -166,7 +135,7 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
     found: dict[str, Any] = {"status": (axes, np.full(shape, "", object), {"long_name": "done, or what went wrong"})}
     for point in points:
         found["status"][1][point.place] = point.found["status"]
-    for variable in sweep.question.variables if done else ():
+    for variable in sweep.asked.VARIABLES if done else ():
         arrays = [(point.place, np.asarray(point.found[variable.name], float)) for point in done]
         sizes = np.max([array.shape for _, array in arrays], axis=0).astype(int)
         whole = np.full((*shape, *sizes), np.nan)
@@ -182,7 +151,7 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
         for name in axis.names:
             along = {point.place[number]: point.swept[name] for point in points}
             found[name] = (axes[number], [along[place] for place in sorted(along)])
-    about = {"title": sweep.title, "study": sweep.text}
+    about = {"kind": sweep.name, "title": sweep.title, "study": sweep.text}
     data = xr.Dataset(found, attrs=about)
     return data.set_coords([name for axis in sweep.axes for name in axis.names])
 
@@ -203,26 +172,25 @@ def write(sweep: Sweep, points: Sequence[Point], file: Path, folder: Path) -> li
     from pounding_cli.report.web.pictures import pictures
     from pounding_cli.report.web.story import Grid, digits
 
-    asked = sweep.question
+    asked, name = sweep.asked, sweep.name
     draft = file.with_name(f".{file.name}.draft")
     try:  # made in memory, and renamed when it is whole: the disk may be full
         draft.write_bytes(dataset(sweep, points).to_netcdf(engine="h5netcdf"))
         draft.replace(file)
     finally:
         draft.unlink(missing_ok=True)
-    table(sweep, points).to_csv(folder / f"{asked.name}.csv", index=False)
+    table(sweep, points).to_csv(folder / f"{name}.csv", index=False)
     done = [point for point in points if point.found["status"] == "done"]
     drawn = asked.figures(sweep.title, done, sweep.axes) if done else {}
     words = {name: (heading, heading) for name, (heading, _) in drawn.items()}
     files = save({name: figure for name, (_, figure) in drawn.items()}, folder, ("png", "svg"))
-    if asked.beside is not None:
-        asked.beside(done, folder)
-    judged = [["point", *(sentence for sentence, _ in asked.statements)]]
+    asked.beside(done, folder)
+    judged = [["point", *(sentence for sentence, _ in asked.STATEMENTS)]]
     for point in done:
-        verdicts = [judge(point.found) for _, judge in asked.statements]
+        verdicts = [judge(point.found) for _, judge in asked.STATEMENTS]
         found = [f"{'holds' if holds else 'does not hold'}: {what}" for holds, what in verdicts]
         judged.append([point.label or "as given", *found])
-    numbers = [v for v in asked.variables if not v.dims]
+    numbers = [v for v in asked.VARIABLES if not v.dims]
     shown = [_SHOWN.get(v.unit, Unit("" if v.unit == "1" else v.unit)) for v in numbers]
     heads = ["point", *(unit.label(v.text) for v, unit in zip(numbers, shown, strict=True))]
     rows = [
@@ -244,4 +212,4 @@ def write(sweep: Sweep, points: Sequence[Point], file: Path, folder: Path) -> li
         "table": Grid(heads, rows, tuple(range(1, len(heads)))),
         "cited": Grid(["reference", "for"], cited),
     }
-    return [file, folder / f"{asked.name}.csv", *files, render(folder / "report.html", "points.html.j2", content)]
+    return [file, folder / f"{name}.csv", *files, render(folder / "report.html", "points.html.j2", content)]

@@ -40,7 +40,7 @@ def _command(name: str, short: str, text: str) -> click.Command:
                 failed += 1
                 click.echo(f"failed: {point.label or 'the study'}: {values['status']}: {values['flags'][0]}", err=True)
             elif number < MOST_POINTS:
-                lines = [*sweep.question.lines(values), *(f"note: {flag}" for flag in values["flags"])]
+                lines = [*sweep.asked.lines(values), *(f"note: {flag}" for flag in values["flags"])]
                 say("\n".join([*([point.label] if point.label else []), *(f"  {line}" for line in lines)]))
         files = write(sweep, points, file, folder)
         say(f"Points: {len(points) - failed} solved, {failed} failed\nResults: {files[0]}\nPage: {files[-1]}")

@@ -1,10 +1,6 @@
 """Two connected oscillators in closed form (Figs 4 and 5)."""
 
-from pounding_cli.connector import report
-from pounding_cli.connector.oscillators import USUAL, ConnectorStudy, answer, doubts
-from pounding_cli.points import Question
-
-QUESTION = Question(
-    "connector", ConnectorStudy, USUAL, answer, report.VARIABLES, report.lines, report.STATEMENTS, report.figures,
-    report.cites, doubts=doubts,
-)  # fmt: skip
+from pounding_cli.connector.oscillators import ConnectorStudy as Study
+from pounding_cli.connector.oscillators import answer as solve
+from pounding_cli.connector.oscillators import doubts
+from pounding_cli.connector.report import STATEMENTS, VARIABLES, beside, cites, figures, lines

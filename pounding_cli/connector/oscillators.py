@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -42,9 +42,12 @@ def _read_stiffness(value: Any) -> float | TimesK1:
 
 Mass = Annotated[float, MASS]
 Stiffness = Annotated[float, STIFFNESS]
-Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0)]
+_USUAL = replace(RANGES["period"], units={"s": 1.0})
+Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0, usual=_USUAL)]
 Joint = Annotated[float | TimesK1, Text(_read_stiffness, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
-Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
+Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, usual=RANGES["damping ratio"])]
+_NEAR = Plausible(0.05, 20.0, "neighbours differ in frequency by a factor of a few", {"": 1.0}, "frequency ratio")
+Neighbour = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True, usual=_NEAR)]
 Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
 
@@ -62,7 +65,7 @@ class Second(First):
     """System 2."""
 
     mass: Mass = key(200e3, "mass m2", "200 t")
-    frequency_ratio: Ratio | None = key(None, "p = omega20 / omega10, in place of the period", 0.6)
+    frequency_ratio: Neighbour | None = key(None, "p = omega20 / omega10, in place of the period", 0.6)
 
 
 class Connector(Model):
@@ -150,16 +153,6 @@ def doubts(study: ConnectorStudy) -> Iterator[tuple[tuple[str, str], str, str]]:
         if getattr(study, name).stiffness is not None and not fits.holds(period):
             message = f"mass and stiffness give the {name} system a period of {period:.3g} s: {fits.reason}"
             yield (name, "stiffness"), message, "check the units of both; otherwise leave it, the study runs as it is"
-
-
-_PERIOD = Plausible(RANGES["period"].low, RANGES["period"].high, RANGES["period"].reason, {"s": 1.0})
-USUAL = {
-    **dict.fromkeys(("first.mass", "second.mass"), RANGES["floor mass"]),
-    **dict.fromkeys(("first.period", "second.period"), _PERIOD),
-    "second.frequency_ratio": Plausible(0.05, 20.0, "neighbours differ in frequency by a factor of a few", {"": 1.0}),
-    **dict.fromkeys(("damping", "first.damping", "second.damping"), RANGES["damping ratio"]),
-}
-"""Keys of which a value outside is more likely a slip than meant."""
 
 
 def coupled_frequencies(study: ConnectorStudy) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -82,6 +83,10 @@ def figures(title: str, points: Sequence[Point], axes: Sequence[SweepAxis]) -> d
     """Both ratios against the frequency of the ground."""
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
     return {"ratios": (heading, draw_ratios(title, points))}
+
+
+def beside(points: Sequence[Point], folder: Path) -> None:
+    """No file for other programs."""
 
 
 @styled

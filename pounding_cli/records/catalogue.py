@@ -122,10 +122,10 @@ def entry(name: str) -> Entry:
         return known[name]
     near = difflib.get_close_matches(name.lower().replace(" ", ""), known, n=1, cutoff=0.5)
     hint = f"did you mean '{near[0]}'? " if near else ""
-    own = "for a file of your own write {file: path/to/motion.AT2}"
+    hint += f"known: {', '.join(known)}; for a file of your own write {{file: path/to/motion.AT2}}"
     if ":" in name:
-        own = "motions of other packages are exported to files first: docs/how-to/own-motions.md"
-    raise InputError(Problem(f"no motion '{name}' in the catalogue", f"{hint}known: {', '.join(known)}; {own}"))
+        hint = "motions of other packages are exported to files first: docs/how-to/own-motions.md"
+    raise InputError(Problem(f"no motion '{name}' in the catalogue", hint))
 
 
 def locate(name: str) -> tuple[Path, str, Mapping[str, Any]]:

@@ -106,7 +106,7 @@ class Text:
         if asked.channel is None and len(labels) > 1:
             message = f"the file holds {len(labels)} channels of acceleration: {listed}"
             raise self.refuse(message, "select one: channel: 1 beside the file in a study, or --channel 1", line)
-        channel = asked.channel or 1
+        channel = 1 if asked.channel is None else asked.channel
         if not 1 <= channel <= len(labels):
             raise self.refuse(f"there is no channel {channel} in the file", f"write one of {listed}", line)
         return channel - 1

@@ -17,6 +17,9 @@ from pounding_cli.solver.options import CALLED, INVERSE, PART
 MIN_ORDER = 4
 """No series is shorter."""
 
+DIVERGED = 1e100
+"""Size of a term over what may be left out [-] from which no more are added: they would exceed the range of doubles."""
+
 ORDER_FROM_REST = 30
 """Of the first series of a run from rest: floors n storeys up that touch begin to close by t^(2 n + 2)."""
 
@@ -188,7 +191,8 @@ def expand(dofs, elements, terms, r, series):
     least = ORDER_FROM_REST if r.still else MIN_ORDER
     most = max(r.max_order, least)
     small, k = 0, 1
-    while (small < 2 or k <= least) and k < most:
+    size = 0.0
+    while (small < 2 or k <= least) and k < most and size < DIVERGED:
         part, after = h * INVERSE[k], h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
         if has_lean:

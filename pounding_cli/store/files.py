@@ -50,8 +50,8 @@ def opened(path: Path, any_version: bool = False) -> Iterator[h5py.File]:
             )
         if not any_version:
             if kind := file.attrs.get("kind"):
-                hint = f"run the study again with this program: pound {kind} STUDY -o FILE.h5"
-                raise InputError(Problem(f"holds results of `pound {kind}` in its former format", hint, str(path)))
+                hint = "its table, figures and page are in the folder of its name; xarray.open_dataset opens the file"
+                raise InputError(Problem(f"holds results of `pound {kind}`", hint, str(path)))
             _check_version(path, number(file.attrs, "format_version"), str(file.attrs.get("workflow", "run")))
             if unsealed:
                 raise _damaged(path, unsealed)
@@ -108,7 +108,7 @@ def is_results(path: Path) -> bool:
 
 
 def _is_ours(file: h5py.File) -> bool:
-    """Whether a pound command wrote it; `kind` stands in what `pound connector` and `pound wall` once wrote."""
+    """Whether a pound command wrote it; `kind` stands in what `pound connector` and `pound wall` write."""
     return file.attrs.get("format") == FORMAT or file.attrs.get("kind") in ("connector", "wall")
 
 

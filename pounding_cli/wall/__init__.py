@@ -1,11 +1,7 @@
 """The bumper wall of Fig. 8: plane stress and frame elements, struck by a floor."""
 
-from pounding_cli.points import Question
-from pounding_cli.wall import report
-from pounding_cli.wall.impact import strike
-from pounding_cli.wall.study import USUAL, WallStudy
-
-QUESTION = Question(
-    "wall", WallStudy, USUAL, strike, report.VARIABLES, report.lines, report.STATEMENTS, report.figures, report.cites,
-    report.write_fields,
-)  # fmt: skip
+from pounding_cli.wall.impact import strike as solve
+from pounding_cli.wall.report import STATEMENTS, VARIABLES, cites, figures, lines
+from pounding_cli.wall.report import write_fields as beside
+from pounding_cli.wall.study import WallStudy as Study
+from pounding_cli.wall.study import doubts
