@@ -45,7 +45,7 @@ def command(study: Path, methods: str, cases: str, records: str, budget: str, ou
     \b
     Example:
       pound accuracy configs/fig6.yaml
-      pound accuracy configs/fig6.yaml --methods taylor,rk4-events,newmark --budget 90s
+      pound accuracy configs/fig6.yaml --methods taylor,dop853,newmark --budget 90s
     """
     from pounding_cli.api import load_study
     from pounding_cli.outputs import check_folder

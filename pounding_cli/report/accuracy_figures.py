@@ -23,17 +23,10 @@ LABELS = {
 
 LOOKS = {
     "taylor": Look("#000000", "-", "o"),
-    "rk4-events": Look("#0072B2", "-", "s"),
-    "rk4": Look("#56B4E9", (0, (5, 2)), "v"),
+    "dop853": Look("#0072B2", "-", "s"),
     "central-difference": Look("#AA2211", (0, (5, 1.5, 1, 1.5)), "D"),
     "newmark": Look("#E69F00", "-", "^"),
-    "hht-alpha": Look("#009E73", (0, (1, 1.2)), "P"),
-    "generalized-alpha": Look("#7B3294", (0, (3, 1)), "X"),
-    "exponential": Look("#666666", "-", "*"),
 }
-
-ANY_OTHER = Look("#999999", (0, (1, 1)), "h")
-"""Of a method that is not this program's own."""
 
 LOWEST = 1e-13
 """Errors below this are drawn at it: they are rounding."""
@@ -94,7 +87,7 @@ def _panel(ax: Axes, runs: list[Run], quantity: str, methods: list[str]) -> None
             worst = max(run.errors[quantity] for run in mine)
             points.append((1e3 * float(np.mean([run.seconds for run in mine])), worst))
         if any(error > 0 for _, error in points):  # a quantity that no run has, such as a force without contact
-            look = LOOKS.get(name, ANY_OTHER)
+            look = LOOKS[name]
             times, errors = np.array(points).T
             errors = np.maximum(errors, LOWEST)
             ax.plot(times, errors, color=look.color, linestyle=look.line, marker=look.marker, ms=3.5, lw=1.2)
@@ -102,6 +95,6 @@ def _panel(ax: Axes, runs: list[Run], quantity: str, methods: list[str]) -> None
 
 
 def _handle(name: str) -> Line2D:
-    look = LOOKS.get(name, ANY_OTHER)
+    look = LOOKS[name]
     title = METHODS[name].title
     return Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, ms=4.5, lw=1.4, label=title)

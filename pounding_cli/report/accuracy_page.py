@@ -134,7 +134,7 @@ def reference_in_words(found: WorkPrecision) -> str:
     differing = sum(reference.impacts > 0 for reference in found.references)
     differences = ", ".join(f"{q} {difference:.1e}" for q, difference in worst.items())
     return (
-        f"Reference: {REFERENCE[0]} at accuracy {REFERENCE[1]:g}; {SECOND[0]} at {SECOND[1]:g} s differs from it by at "
+        f"Reference: {REFERENCE[0]} at accuracy {REFERENCE[1]:g}; {SECOND[0]} at {SECOND[1]:g} differs from it by at "
         f"most {differences} over {counted(len(found.references), 'scene')}"
         + (f", and counts other impacts in {differing} of them." if differing else ", with the same impacts.")
     )

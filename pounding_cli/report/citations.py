@@ -96,7 +96,8 @@ def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> No
 
 def _links(case: Mapping[str, Any]) -> Iterable[str]:
     """Every kind of link of a case; of pounding by another law, pounding."""
-    return (str(link["link"]).partition(" of ")[0] for link in case["links"])
+    words = (str(link["link"]) for link in case["links"])
+    return ("pounding" if word.startswith("pounding of ") else word for word in words)
 
 
 def _scaling(scale: Any, used) -> None:

@@ -251,35 +251,8 @@ REFERENCES = {
             "Experimental Mathematics", "14(1)", "99--117", "10.1080/10586458.2005.10128904",
         ),
         _article(
-            "kutta1901", "Kutta, W.", 1901, "Beitrag zur näherungsweisen Integration totaler Differentialgleichungen",
-            "Zeitschrift für Mathematik und Physik", "46", "435--453",
-        ),
-        _article(
-            "shampine2000", "Shampine, L. F. & Thompson, S.", 2000,
-            "Event location for ordinary differential equations", "Computers & Mathematics with Applications",
-            "39(5-6)", "43--54", "10.1016/S0898-1221(00)00045-6",
-        ),
-        _article(
             "newmark1959", "Newmark, N. M.", 1959, "A method of computation for structural dynamics",
             "Journal of the Engineering Mechanics Division, ASCE", "85(3)", "67--94", "10.1061/JMCEA3.0000098",
-        ),
-        Reference(
-            "bathe1996", "book", "Bathe, K. J.", 1996, "Finite Element Procedures", (("publisher", "Prentice Hall"),)
-        ),
-        _article(
-            "hilber1977", "Hilber, H. M., Hughes, T. J. R. & Taylor, R. L.", 1977,
-            "Improved numerical dissipation for time integration algorithms in structural dynamics", _EESD, "5(3)",
-            "283--292", "10.1002/eqe.4290050306",
-        ),
-        _article(
-            "chung1993", "Chung, J. & Hulbert, G. M.", 1993,
-            "A time integration algorithm for structural dynamics with improved numerical dissipation: the "
-            "generalized-alpha method", "Journal of Applied Mechanics", "60(2)", "371--375", "10.1115/1.2900803",
-        ),
-        _article(
-            "moler2003", "Moler, C. & Van Loan, C.", 2003,
-            "Nineteen dubious ways to compute the exponential of a matrix, twenty-five years later", "SIAM Review",
-            "45(1)", "3--49", "10.1137/S00361445024180",
         ),
         _article(
             "wood1980", "Wood, W. L., Bossak, M. & Zienkiewicz, O. C.", 1980,

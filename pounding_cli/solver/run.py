@@ -31,7 +31,7 @@ FORGET = 0.9
 INSTANT = 1e-15
 """Part of a step [-] in which time does not go on."""
 
-SHORTEST = 1e-14
+SHORTEST = 1e-25
 """Part of a step to which series are never shortened: their numbers are not finite."""
 
 AT_INSTANT = 20, 4

@@ -410,10 +410,11 @@ class Problems:
         """
         from pounding_cli.study.words import in_words
 
-        for number, item in enumerate(error.errors(include_url=False)):
+        items = error.errors(include_url=False)
+        for number, item in enumerate(items):
             path = (*at, *item["loc"])
             if number >= MOST_TOLD:
-                self.at(root, path[:1], "and more problems like these", key=True)
+                self.at(root, path[:1], f"and {len(items) - number} more problems like these", key=True)
                 break
             if len(path) > 1 and path[0] in told and path[-1] != "[key]":
                 continue

@@ -112,7 +112,12 @@ class Link(Model):
     @property
     def kind(self) -> str:
         """Of `pounding of hertz` the law that `impact` names."""
-        return self.link.rpartition(" of ")[2]
+        return kind_of(self.link)
+
+
+def kind_of(word: str) -> str:
+    """The law that acts: of `pounding of hertz`, as pounding by another law of contact is called, `hertz`."""
+    return word.removeprefix(f"{POUNDING} of ")
 
 
 def _own(law: Any) -> dict[str, Any]:
@@ -236,7 +241,7 @@ def tag_of(value: Any) -> str:
     if isinstance(value, UnknownLink) or (isinstance(value, dict) and isinstance(value.get("link"), Unknown)):
         return UNKNOWN
     word = (value.get("link") if isinstance(value, dict) else getattr(value, "link", None)) or ""
-    word = str(word).rpartition(" of ")[2]
+    word = kind_of(str(word))
     return tag(word) if word in link_models() else FORMULA
 
 

@@ -210,7 +210,7 @@ class _Builder:
             return []
         n, link = spoken[0]
         leave_out = "an entry of `links:`, `{link: none, at: columns}`, leaves these blows out"
-        if " of " in link.link and len(spoken) == 1:
+        if link.kind != link.link and len(spoken) == 1:
             what = f"slabs strike columns here, and the law {link.kind} between a slab and columns is not modelled"
             self.note(("impact", "law"), what, f"write `law: kelvin-voigt`; {leave_out}")
         elif len(spoken) > 1 or link.link != Pounding.name:

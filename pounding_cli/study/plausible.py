@@ -22,6 +22,7 @@ from pounding_cli.study import facing, schema
 from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.file import Items, Map, Mark, Problems, Steps, get, locate
 from pounding_cli.study.held import tell_held
+from pounding_cli.study.laws import kind_of
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import StiffnessAt
 from pounding_cli.study.motions import Used
@@ -203,7 +204,7 @@ def doubt_links(links: Sequence[Link], group: Sequence[Building], root: Any, pat
 def _stiffness_of(root: Any, path: Steps, pounds: bool) -> Steps:
     """The place of the stiffness of the first link of a case that gives one, of those that strike or of the others."""
     for place, link in enumerate(get(root, *path, "links") or ()):
-        law = link_laws().get(str(get(link, "link")).rpartition(" of ")[2])
+        law = link_laws().get(kind_of(str(get(link, "link"))))
         if law is not None and (not law.stiffness_default) == pounds and "stiffness" in link:
             return (*path, "links", place, "stiffness")
     return ("impact", "stiffness") if pounds else path

@@ -7,7 +7,7 @@ from typing import Any
 
 from pounding_cli.laws import KELVIN_VOIGT, link_laws
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
-from pounding_cli.study.laws import LOSSES, POUNDING, SHARED, Unknown, keys_of
+from pounding_cli.study.laws import LOSSES, POUNDING, SHARED, Unknown, keys_of, kind_of
 from pounding_cli.study.models import BASE_SHEAR
 
 CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
@@ -190,7 +190,7 @@ def _whole(entry: Any, case: Map | None, impact: Any, own: Iterable[str]) -> tup
                 rule.take(key, impact)
     if word is not None:
         rule["link"] = full
-        if isinstance(full, str) and full.rpartition(" of ")[2] not in (*link_laws(), "none", *own):
+        if isinstance(full, str) and kind_of(full) not in (*link_laws(), "none", *own):
             rule["link"] = Unknown(full)
             rule["link"].known = (*link_laws(), *own)
     return rule, spoken

@@ -106,6 +106,7 @@ class Study:
         self._touched = [touched_by(axis.names, self.root) for axis in self.swept]
         self._masks: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
         self._kept: dict[Any, tuple[Any, tuple[Problem, ...]]] = {}
+        self._latest: tuple[Point, Map] | None = None  # the tree that was asked for last
         self._last: tuple[Point, build.Group] | None = None  # the group that was asked for last, if it is sound
 
     def _say_axes(self) -> None:
@@ -171,6 +172,8 @@ class Study:
 
     def tree(self, point: Point) -> Map:
         """The whole tree at a point, `like:` and links as the schema takes them; made to place problems."""
+        if self._latest is not None and self._latest[0] == point:
+            return self._latest[1]
         root = self._patched(point)
         found = Map(root, root.mark, root.marks)
         if "buildings" in found:
@@ -178,6 +181,7 @@ class Study:
         if isinstance(cases := root.get("cases"), Map):
             impact, laws = root.get("impact"), root.get("laws") or ()
             found["cases"] = Map({n: links_of(c, impact, laws) for n, c in cases.items()}, cases.mark, cases.marks)
+        self._latest = point, found
         return found
 
     def at(self, point: Point) -> Callable[[], Map]:
@@ -236,17 +240,15 @@ class Study:
             own = Problems(self.file)
             spec = self._valid(BuildingSpec, tree[name], ("buildings", name), at, own)
             like = like_of(get(self.root, "buildings", name))
-            if own.found and like is not None and self.building_spec(at, like) is None:
+            if own.found and like is not None and not _is_valid(BuildingSpec, tree.get(like)):
                 whole = locate(tree, (name,))  # what the whole lacks is told of the one it is like
                 own.found = {each: None for each in own.found if (each.line, each.column) != whole}
             problems.extend(own.found)
             return spec
 
-        return (
-            self.once(("spec", name), point, (("buildings", name),), work)
-            if isinstance(tree, Map) and name in tree
-            else None
-        )
+        if not isinstance(tree, Map) or name not in tree:
+            return None
+        return self.once(("spec", name), point, (("buildings", name),), work)
 
     def type(self, point: Point, name: str) -> Building | None:
         """A building type."""
@@ -488,6 +490,14 @@ def load_study(path: str | Path) -> Study:
     """
     path = Path(path)
     return Study(path, *read_study(path))
+
+
+def _is_valid(kind: Any, value: Any) -> bool:
+    try:
+        _adapter(kind).validate_python(value)
+    except ValidationError:
+        return False
+    return True
 
 
 def touched_by(names: Sequence[str], root: Map) -> frozenset[Subject]:

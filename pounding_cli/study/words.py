@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import instead, link_laws
 from pounding_cli.study.file import MISSING_BLANK, Steps, get, nearest
-from pounding_cli.study.laws import Link, keys_of, link_models, own, tag
+from pounding_cli.study.laws import Link, keys_of, kind_of, link_models, own, tag
 from pounding_cli.study.quantity import Quantity, Read, Text, said
 
 
@@ -182,7 +182,7 @@ def _unknown(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
 
 def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
     known, above = keys_at(model, path[:-1], root), get(root, *_real(root, path[:-1]))
-    law = link_laws().get(str(get(above, "link")).rpartition(" of ")[2])
+    law = link_laws().get(kind_of(str(get(above, "link"))))
     if name == "link":
         return "'link' is missing", f"write `link: pounding`, {', '.join([*link_laws()][1:])} or none", False
     if "link" in known and law is not None and name in own(law):
