@@ -16,7 +16,7 @@ from scipy.integrate import DOP853
 from pounding_cli.solver.dispatch import history_rate, smooth_force
 from pounding_cli.solver.events import ends_of_elements
 from pounding_cli.solver.options import CALLED, INVERSE, PART, bare
-from pounding_cli.solver.records import NOT_FINITE, Room
+from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
 from pounding_cli.solver.series import line_force, push
 
 STAGES = DOP853.n_stages
@@ -167,7 +167,7 @@ def take_smooth(dofs, elements, terms, r, series, room):
         r.g1 *= factor
         r.trials += 1
         if r.h < SHORTEST * r.dt:
-            r.status = NOT_FINITE
+            r.status = STEP_BOUND if error < math.inf else NOT_FINITE
             return
     if r.onset < 0.0:  # the first step of a contact: where its force has no derivatives steps have to grow anew
         r.onset = h
