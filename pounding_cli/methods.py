@@ -92,7 +92,10 @@ class Method:
 
 
 _STEPPED_OVER = "steps over it: order 1"
-_NO_MEMORY = "scenes without links or storeys whose force depends on what happened before, but for yielding storeys"
+_NO_MEMORY = (
+    "all but links `hertz-damp`, `jankowski`, `bilinear`, `maxwell`, `friction` and Bouc-Wen storeys, "
+    "whose force depends on what happened before"
+)
 
 _LIST = (
     Method(
