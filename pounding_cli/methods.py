@@ -66,7 +66,7 @@ class Method:
     setting : what it is told
     stability : largest time step, in words
     contacts : what it does at a contact or a yield, in words
-    source : full citation
+    citation : (key of `report/references.bib`, where in it or with what values), ...
     solves : which scenes it runs, in words
     remembers : whether it runs laws whose force depends on events before
     keeps_ledger : whether it fills the energy ledger
@@ -79,7 +79,7 @@ class Method:
     setting: Setting
     stability: str
     contacts: str
-    source: str
+    citation: tuple[tuple[str, str], ...]
     solves: str = "every scene"
     remembers: bool = False
     keeps_ledger: bool = False
@@ -100,25 +100,24 @@ _NO_MEMORY = (
 _LIST = (
     Method(
         "taylor", "Taylor with events", 0, ACCURACY, "chooses its steps itself", "locates it to rounding",
-        "Jorba, A. & Zou, M. (2005). A software package for the numerical integration of ODEs by means of high-order "
-        "Taylor methods. Exp. Math. 14(1).",
+        (("jorba2005", ""),),
         remembers=True, keeps_ledger=True, located=True,
     ),
     Method(
         "dop853", "Dormand-Prince 8(5,3) with events", 8, ACCURACY, "chooses its steps itself",
         "locates it to rounding",
-        "Hairer, E., Norsett, S. P. & Wanner, G. (1993). Solving Ordinary Differential Equations I. Springer, II.10.",
+        (("hairer1993", "section II.10"),),
         remembers=True, keeps_ledger=True, located=True,
     ),
     Method(
         "central-difference", "central difference", 2, TIME_STEP, "2 (√(1 + 4 ξ²) - 2 ξ) / ω", _STEPPED_OVER,
-        "Newmark, N. M. (1959), with beta = 0; Bathe, K. J. (1996). Finite Element Procedures, section 9.2.1.",
+        (("newmark1959", "with beta = 0"), ("bathe1996", "section 9.2.1")),
         solves=_NO_MEMORY,
     ),
     Method(
         "newmark", "Newmark", 2, TIME_STEP, "any where the scene is linear; a contact may leave a step without a root",
         _STEPPED_OVER,
-        "Newmark, N. M. (1959). A method of computation for structural dynamics. J. Eng. Mech. Div. ASCE 85(3).",
+        (("newmark1959", ""),),
         solves=_NO_MEMORY,
     ),
 )  # fmt: skip
@@ -142,10 +141,5 @@ def table() -> list[str]:
     return rows
 
 
-def citations() -> list[str]:
-    """The sources as lines of Markdown."""
-    return [f"- `{method.name}`: {method.source}" for method in METHODS.values()]
-
-
 if __name__ == "__main__":
-    print("\n".join((*table(), "", *citations())))
+    print("\n".join(table()))

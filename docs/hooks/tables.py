@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pounding_cli import methods
+from pounding_cli.report.citations import method_sources
 from pounding_cli.study import laws, models, questions, schema
 from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import shown
@@ -62,7 +63,7 @@ def written() -> Iterator[tuple[Path, str]]:
     yield page, under(text, "Warnings", ranges(), keep=2)
     page = DOCS / "accuracy.md"
     text = page.read_text(encoding="utf-8")
-    for mark, lines in (("methods", methods.table()), ("sources", methods.citations())):
+    for mark, lines in (("methods", methods.table()), ("sources", method_sources(methods.METHODS))):
         before, begin, rest = text.partition(f"<!-- {mark}: begin")
         head, _, rest = rest.partition("-->\n")
         _, end, after = rest.partition(f"<!-- {mark}: end")

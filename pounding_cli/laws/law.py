@@ -75,7 +75,7 @@ class Law:
     """A frozen dataclass of its parameters, each by `parameter`.
 
     name : what a study file calls it
-    citation : (key of `report/references.py`, what it is cited for), ...
+    citation : (key of `report/references.bib`, what it is cited for), ...
     instead : keys that it does not have and others write, and what to write in their place
 
     Raises

@@ -15,6 +15,7 @@ import pandas as pd
 
 from pounding_cli.methods import METHODS
 from pounding_cli.numbers import counted
+from pounding_cli.report.citations import method_sources
 from pounding_cli.report.style import unwritable
 from pounding_cli.solver.work_precision import QUANTITIES, REFERENCE, SECOND, Run, WorkPrecision
 from pounding_cli.texts import cells, write_markdown
@@ -227,7 +228,7 @@ def page(found: WorkPrecision, title: str, drawn: Sequence[str], command: str) -
         *(["Did not end, and are not drawn:", "", *(f"- {text}" for text in aborted), ""] if aborted else []),
         *(line for text in (*without_reference_in_words(found), *left_out_in_words(found)) for line in (text, "")),
         "Sources:", "",
-        *(f"- {name}: {METHODS[name].source}" for name in dict.fromkeys(run.method for run in found.runs)), "",
+        *method_sources(dict.fromkeys(run.method for run in found.runs)), "",
         f"Machine: {machine()}. Python {sys.version.split()[0]}, {versions}.", "",
         f"Again: `{command}`",
     ]  # fmt: skip

@@ -9,7 +9,7 @@ from typing import Any
 from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.methods import METHODS
 from pounding_cli.records import Entry, catalogue
-from pounding_cli.report.references import REFERENCES, Reference, named_in
+from pounding_cli.report.references import REFERENCES, Reference
 from pounding_cli.workflows import WORKFLOWS
 
 Use = Callable[[str, str], None]
@@ -109,8 +109,17 @@ def _scaling(scale: Any, used) -> None:
 
 def _methods(names: Collection[str], estimated: bool, used) -> None:
     for method in (METHODS[name] for name in names):
-        for reference in named_in(method.source):
-            used(reference.key, f"the method of solution, {method.title}")
+        for key, _ in method.citation:
+            used(key, f"the method of solution, {method.title}")
         judge = METHODS["taylor"] if method.takes_step else method  # as solve.assess has it
-        for reference in named_in(judge.source) if estimated else ():
-            used(reference.key, "the finer runs for error and sensitivity")
+        for key, _ in judge.citation if estimated else ():
+            used(key, "the finer runs for error and sensitivity")
+
+
+def method_sources(names: Iterable[str]) -> list[str]:
+    """The publications of methods of solution as lines of Markdown, one a method."""
+    lines = []
+    for name in names:
+        cited = ((REFERENCES[key].text, where) for key, where in METHODS[name].citation)
+        lines.append(f"- `{name}`: {'; '.join(f'{text} ({where})' if where else text for text, where in cited)}")
+    return lines

@@ -11,7 +11,9 @@ import pytest
 import yaml
 
 import pounding_cli
-from pounding_cli.report.references import PAPER, PROGRAM
+from pounding_cli.laws import link_laws, storey_laws
+from pounding_cli.methods import METHODS
+from pounding_cli.report.references import REFERENCES, read
 
 REQUIRED = {"cff-version", "message", "title", "authors"}
 ALLOWED = REQUIRED | {
@@ -46,11 +48,50 @@ def test_it_agrees_with_the_package(cff):
     assert cff["version"] == project["version"] == pounding_cli.__version__
     assert cff["license"] == project["license"]
     assert cff["keywords"] == project["keywords"]
-    assert f"{cff['authors'][0]['name']} ({cff['date-released'].year}). {cff['title']}. " in PROGRAM.text
+    assert (
+        f"{cff['authors'][0]['name']} ({cff['date-released'].year}). {cff['title']}. "
+        in REFERENCES["pounding_cli"].text
+    )
     assert cff["authors"][0]["name"].lower() in Path("LICENSE").read_text(encoding="utf-8").lower()
 
 
 def test_the_paper_is_the_one_that_pound_cite_lists(cff):
     (paper,) = cff["references"]
     people = " & ".join(f"{author['family-names']}, {author['given-names']}" for author in paper["authors"])
-    assert f"{people} ({paper['year']}). {paper['title']}. {paper['collection-title']}, " in PAPER.text
+    assert (
+        f"{people} ({paper['year']}). {paper['title']}. {paper['collection-title']}, "
+        in REFERENCES["spiliopoulos1996"].text
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "citation"),
+    [(each.name, each.citation) for each in (*link_laws().values(), *storey_laws().values(), *METHODS.values())],
+)
+def test_what_laws_and_methods_cite_is_there(name, citation):
+    for key, _ in citation:
+        assert key in REFERENCES
+
+
+def test_an_entry_is_read_as_people_cite_it():
+    """Fails if names, escapes, volume or the dash of pages are left as BibTeX has them."""
+    entry = (
+        "@article{a2000,\n  author = {Li, A. B. and Po, C. and Wu, D.},\n  title = {{Beams & rods}},\n"
+        "  year = {2000},\n  journal = {Soil \\& Rock},\n  volume = {2},\n  number = {3},\n  pages = {4--5}\n}"
+    )
+    (found,) = read(f"% first\n\n{entry}\n").values()
+    assert found.text == "Li, A. B., Po, C. & Wu, D. (2000). Beams & rods. Soil & Rock 2(3), 4-5."
+    assert found.bibtex == entry
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "@book{a,\n  title = {One}\n}\n@book{a,\n  title = {Two}\n}\n",
+        "@book{a,\n  title = One,\n  year = {2000}\n}\n",
+        "@book{a,\n  title = {One}}\n",
+    ],
+)
+def test_an_entry_written_otherwise_is_not_skipped(wrong):
+    with pytest.raises(ValueError, match="a"):
+        read(f"%\n{wrong}")
