@@ -309,11 +309,7 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, par
     return r.status
 
 
-def integrate(run: Any, ground: np.ndarray, slopes: np.ndarray) -> None:
-    """Run a `solve.Prepared` at the longest step not above its own that divides the motion's."""
-    data = run.data
-    parts = steps_a_sample(run.scene.motion.dt, run.time_step)
-    march(
-        data.dofs, data.elements, data.terms, data.run, data.series, data.columns, data.room, ground, slopes, parts,
-        FIXED.index(run.method.name),
-    )  # fmt: skip
+def arguments(run: Any, ground: np.ndarray, slopes: np.ndarray) -> tuple[Any, ...]:
+    """Those of `march` for a `solve.Prepared`, at the longest step not above its own that divides the motion's."""
+    *arrays, _ = run.data
+    return *arrays, ground, slopes, steps_a_sample(run.scene.motion.dt, run.time_step), FIXED.index(run.method.name)

@@ -85,27 +85,35 @@ class Prepared:
     limit: float = field(default=nan, init=False)
 
     def integrate(self) -> None:
-        """Run it, with a kernel that is compiled or loaded first if it has to be."""
+        """Run it, with a kernel that is compiled or loaded first if it has to be; not where the step is too long."""
         ground, slopes = segments(self.scene)
-        ready(self.method.name, (*self.data, ground, slopes))
-        begin = time.perf_counter()
+        arguments: tuple[Any, ...] = (*self.data, ground, slopes)
         if self.method.takes_step:
-            self._step(ground, slopes)
-        else:
-            _kernel()(*self.data, ground, slopes)
-        self.seconds = time.perf_counter() - begin
+            from pounding_cli.solver import fixed_step
+            from pounding_cli.solver.fixed_step import march as kernel
 
-    def _step(self, ground: np.ndarray, slopes: np.ndarray) -> None:
-        """By a method of fixed steps, unless the step is too long to be stable."""
-        from pounding_cli.solver import fixed_step, stability
-
-        if self.method.name == "central-difference":
-            dt = self.scene.motion.dt
-            self.limit = stability.central_difference_limit(self.layout)
-            if dt / fixed_step.steps_a_sample(dt, self.time_step) > self.limit:
+            if self._is_unstable():
                 self.data.run["status"] = records.UNSTABLE
                 return
-        fixed_step.integrate(self, ground, slopes)
+            part, arguments = "fixed", fixed_step.arguments(self, ground, slopes)
+        else:
+            from pounding_cli.solver.run import integrate as kernel
+
+            part = "taylor" if self.data.room is None else "dop853"
+        ready(part, kernel, arguments)
+        begin = time.perf_counter()
+        kernel(*arguments)
+        self.seconds = time.perf_counter() - begin
+
+    def _is_unstable(self) -> bool:
+        """Whether its step is longer than `limit`, which is found for the method that has one."""
+        from pounding_cli.solver import fixed_step, stability
+
+        if self.method.name != "central-difference":
+            return False
+        dt = self.scene.motion.dt
+        self.limit = stability.central_difference_limit(self.layout)
+        return dt / fixed_step.steps_a_sample(dt, self.time_step) > self.limit
 
     @property
     def is_done(self) -> bool:
@@ -239,12 +247,6 @@ def refusal_of(method: Method, scene: Scene) -> str:
     return ""
 
 
-def _kernel() -> Any:
-    from pounding_cli.solver.run import integrate
-
-    return integrate
-
-
 COMPILES = {
     "taylor": "compiling the solver, once on this machine (half a minute)",
     "dop853": "compiling the solver for smooth laws, once on this machine (half a minute)",
@@ -253,9 +255,9 @@ COMPILES = {
 """What is said before a kernel is compiled."""
 
 
-def ready(method: str, arguments: tuple[Any, ...]) -> None:
-    """Load the kernel of a run, or compile it where it is not kept on disk, and say so: its time is not the scene's."""
-    part = "fixed" if METHODS[method].takes_step else "taylor" if Data(*arguments[:-2]).room is None else "dop853"
+def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
+    """Load the kernel of a run, or compile it where it is not kept on disk, and say so: its time is not the scene's.
+    What is kept and cannot be read is deleted."""
     if part in _loaded:
         return
     from pounding_cli.solver.options import FOLDER
@@ -263,9 +265,15 @@ def ready(method: str, arguments: tuple[Any, ...]) -> None:
     mark = FOLDER / f"{part}.compiled"
     if not mark.exists():
         say(COMPILES[part])
+    signature = tuple(map(numba.typeof, arguments))
+    try:
+        kernel.compile(signature)
+    except Exception:  # of pickle, of LLVM, of numba: whatever damaged bytes lead to
+        for kept in FOLDER.rglob("*.nb?"):
+            kept.unlink(missing_ok=True)
+        say(COMPILES[part])
+        kernel.compile(signature)
     _loaded.add(part)
-    if part != "fixed":
-        _kernel().compile(tuple(map(numba.typeof, arguments)))
     with contextlib.suppress(OSError):
         FOLDER.mkdir(parents=True, exist_ok=True)
         mark.touch()
