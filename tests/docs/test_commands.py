@@ -8,7 +8,7 @@ import pytest
 from pages import PAGES, ROOT, blocks, environment, loose_commands, run_block, stand_in
 
 LONG = {"docs/how-to/fragility.md", "docs/how-to/sweep.md", "docs/reproduction.md"}
-ELSEWHERE = {"docs/results.md", "docs/architecture.md", "docs/extending.md"}
+ELSEWHERE = {"docs/architecture.md", "docs/extending.md"}
 """Pages whose Python has a test of its own, or is a sketch of types."""
 
 
