@@ -27,12 +27,11 @@ def _asking(*names: str) -> dict[str, tuple[str, str]]:
 
 COMMANDS = {
     "init": ("pounding_cli.cli.init", "Write a commented study to start from."),
-    "check": ("pounding_cli.cli.check", "Validate a study file without running it."),
+    "check": ("pounding_cli.cli.check", "Validate a study; show what a run would solve and leave out."),
     **_asking("run"),
     "show": ("pounding_cli.cli.show", "Print a table of a results file."),
     "report": ("pounding_cli.cli.report", "Write figures, tables, claims and a page of results files."),
     **_asking(),
-    "plan": ("pounding_cli.cli.plan", "Show what a run would solve and what it would leave out."),
     "export": ("pounding_cli.cli.export", "Write tables as CSV, Parquet, Excel or netCDF."),
     "compare": ("pounding_cli.cli.compare", "Show what changed between two results files."),
     "cite": ("pounding_cli.cli.cite", "List the references of what a study used."),
@@ -105,6 +104,8 @@ def _meant(word: str) -> str:
     for suffixes, name in (((".yaml", ".yml"), "run"), ((".h5", ".hdf5"), "show")):
         if word.lower().endswith(suffixes):
             return f" Did you mean `pound {name} {word}`?"
+    if word == "plan":
+        return " `pound check` shows what a study will solve, leave out and take."
     near = _nearest(word, COMMANDS)
     return f" Did you mean `pound {near[0]}`?" if near else " `pound --help` lists them."
 

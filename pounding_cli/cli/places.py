@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,7 +19,7 @@ at_option = click.option(
 )
 
 
-def key_and_value(text: str) -> tuple[str, str]:
+def key_and_value(text: str, option: str = "--at") -> tuple[str, str]:
     """The two sides of KEY=VALUE.
 
     Raises
@@ -28,7 +28,7 @@ def key_and_value(text: str) -> tuple[str, str]:
     """
     key, _, value = text.partition("=")
     if not (key.strip() and value.strip()):
-        raise InputError(Problem(f"--at {text}: no value", "write e.g. --at 'cases.gap.gap=5 cm'"))
+        raise InputError(Problem(f"{option} {text}: no value", f"write e.g. {option} 'cases.gap.gap=5 cm'"))
     return key.strip(), value.strip()
 
 
@@ -52,22 +52,27 @@ def points_at(results: Results, texts: Sequence[str]) -> dict[str, Any]:
             continue
         (key,) = keys
         unit = results.units[key]
-        meant = next((each for each in results.axes[key] if _is(each, value, unit)), None)
-        if meant is None:
+        values = meant(results.axes[key], value, unit)
+        if not values:
             there = ", ".join(unit.text(each) for each in results.axes[key])
             problems.append(Problem(f"--at {text}: {key} does not take this value", f"write one of: {there}"))
             continue
-        found[key] = meant
+        found[key] = values[0]
     if problems:
         raise InputError(problems)
     return found
 
 
-def _is(value: Any, text: str, unit: Unit) -> bool:
-    """Whether a text means a value of an axis; a bare number may be in SI or in the unit of the study."""
-    if isinstance(value, str):
-        return value == text
-    return any(math.isclose(value, number, rel_tol=1e-6, abs_tol=1e-12) for number in _numbers(text, unit))
+def meant(values: Iterable[Any], text: str, unit: Unit) -> list[Any]:
+    """Those of the values that a text means; a number may be with its unit, in SI or in the unit of the study."""
+    numbers = _numbers(text, unit)
+    return [value for value in values if str(value) == text or _is_one_of(value, numbers)]
+
+
+def _is_one_of(value: Any, numbers: list[float]) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return any(math.isclose(value, number, rel_tol=1e-6, abs_tol=1e-12) for number in numbers)
 
 
 def _numbers(text: str, unit: Unit) -> list[float]:

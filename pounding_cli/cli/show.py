@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from pounding_cli.cli.places import at_option, points_at
-from pounding_cli.numbers import counted
+from pounding_cli.cli.places import key_and_value, meant
+from pounding_cli.numbers import Unit, counted, listed
 from pounding_cli.texts import cells
 from pounding_cli.workflows import WORKFLOWS
 
@@ -49,10 +49,12 @@ _ASIDE = {
 @click.option("--analysis", multiple=True, help="Only this analysis.")
 @click.option("--record", multiple=True, help="Only this record.")
 @click.option("--building", multiple=True, help="Only this building.")
-@click.option("--storey", multiple=True, type=int, help="Only this storey, from 1 at the ground.")
-@click.option("--floor", multiple=True, type=int, help="Only this floor, from 1 at the ground.")
-@click.option("--link", multiple=True, help="Only this link, as the table link names it.")
-@at_option
+@click.option(
+    "--where",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Only rows with this value in a column or of a swept key; several of one key are alternatives.",
+)
 def command(
     file: Path,
     table: str | None,
@@ -62,10 +64,7 @@ def command(
     analysis: tuple[str, ...],
     record: tuple[str, ...],
     building: tuple[str, ...],
-    storey: tuple[int, ...],
-    floor: tuple[int, ...],
-    link: tuple[str, ...],
-    at: tuple[str, ...],
+    where: tuple[str, ...],
 ) -> None:
     """Print TABLE of a results file: storey, floor, link, struck, scene, flagged, accuracy, summary, records or
     buildings, or the answer of the command that wrote the file, which is the default.
@@ -78,19 +77,17 @@ def command(
       pound show results/fig6.h5
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/fig6.h5 accuracy --record elcentro
-      pound show results/sweep.h5 storey --storey 3 --at "cases.gap.gap=5 cm"
+      pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
     from pounding_cli.store import open_results
 
     results = open_results(file)
     table = table or (results.answers[0] if results.answers else "summary")
     frame = results.table(table)
-    named: dict[str, tuple[Any, ...]] = {
-        "case": case, "analysis": analysis, "record": record, "building": building,
-        "storey": storey, "floor": floor, "link": link,
-    }  # fmt: skip
-    named |= _points(results, at)
-    frame = _filtered(results, frame, {name: values for name, values in named.items() if values}, table)
+    short = {"case": case, "analysis": analysis, "record": record, "building": building}
+    wanted = [Where(f"--{key} {value}", key, value) for key, values in short.items() for value in values]
+    wanted += [Where(f"--where {text}", *key_and_value(text, "--where")) for text in where]
+    frame = _filtered(results, frame, wanted, table)
     if form == "csv":
         click.echo(cells(_one_line(frame)).to_csv(index=False, lineterminator="\n"), nl=False)
     elif form == "json":
@@ -106,43 +103,64 @@ def command(
             click.echo(f"{counted(len(aside), 'more column')} with --wide: {', '.join(map(str, aside))}", err=True)
 
 
-def _points(results: Results, texts: tuple[str, ...]) -> dict[str, tuple[Any, ...]]:
-    """Values asked for by swept key; several of one key are alternatives."""
-    found: dict[str, tuple[Any, ...]] = {}
-    for text in texts:
-        for key, value in points_at(results, [text]).items():
-            found[key] = (*found.get(key, ()), value)
-    return found
+class Where(NamedTuple):
+    """A value that rows must have.
+
+    said : the option as it was given
+    key, value : its two sides
+    """
+
+    said: str
+    key: str
+    value: str
 
 
-def _filtered(results: Results, frame: pd.DataFrame, wanted: dict[str, tuple[Any, ...]], table: str) -> pd.DataFrame:
-    """The rows asked for; a name that is not there is refused with those that are."""
+def _filtered(results: Results, frame: pd.DataFrame, wanted: list[Where], table: str) -> pd.DataFrame:
+    """The rows asked for; a key or value that is not there is refused with those that are."""
     from pounding_cli.errors import InputError, Problem
 
     problems = []
-    rows = frame
-    for name, values in wanted.items():
-        if name not in frame.columns:
-            message = f"--{name}: the table {table} has no column {name}"
-            if name in results.axes:
-                message = f"--at {name}: it changes nothing in the table {table}"
-            problems.append(Problem(message, "leave the option out, or choose another table"))
+    chosen: dict[str, list[Any]] = {}
+    for each in wanted:
+        key = _column(results, frame, each.key)
+        if key not in frame.columns:
+            message = f"{each.said}: the table {table} has no column {each.key}"
+            if key in results.axes:
+                message = f"{each.said}: it changes nothing in the table {table}"
+            hint = f"leave the option out, or write one of: {listed(map(str, frame.columns))}"
+            problems.append(Problem(message, hint))
             continue
-        there = list(dict.fromkeys(frame[name]))
-        listed = ", ".join(map(str, sorted(there) if name in ("storey", "floor") else there))
-        for value in values:
-            if value in there or name in results.axes:
-                continue
-            if name == "case" and value in set(results.scene()["case"]):
-                hint = f"cases with rows there: {listed}" if there else "choose another table"
-                problems.append(Problem(f"--case: {value} has {_NOTHING.get(table, 'no rows')}", hint))
-                continue
-            hint = f"write one of: {listed}" if there else f"the table {table} is empty"
-            problems.append(Problem(f"--{name}: there is no {name} {value!r}", hint))
-        rows = rows[rows[name].isin(values)]
+        unit = _unit(results, table, key)
+        there = list(dict.fromkeys(frame[key]))
+        values = meant(results.axes.get(key, there), each.value, unit)
+        chosen.setdefault(key, []).extend(values)
+        if values:
+            continue
+        shown = listed(unit.text(value) for value in results.axes.get(key, there))
+        message = f"{each.said}: there is no {key} {each.value!r}"
+        hint = f"write one of: {shown}" if there else f"the table {table} is empty"
+        if key == "case" and each.value in set(results.scene()["case"]):
+            message = f"{each.said}: {each.value} has {_NOTHING.get(table, 'no rows')}"
+            hint = f"cases with rows there: {shown}" if there else "choose another table"
+        problems.append(Problem(message, hint))
     if problems:
         raise InputError(problems)
-    return rows
+    for key, values in chosen.items():
+        frame = frame[frame[key].isin(values)]
+    return frame
+
+
+def _column(results: Results, frame: pd.DataFrame, given: str) -> str:
+    """The column meant: by its name, or where a swept key ends in what is given, that key."""
+    swept = [key for key in results.axes if key.endswith(f".{given}")]
+    return given if given in frame.columns or len(swept) != 1 else swept[0]
+
+
+def _unit(results: Results, table: str, key: str) -> Unit:
+    """The unit in which a column is shown."""
+    shown = results.units | (results.answer(table).units if table in results.answers else {})
+    si = results.meaning(table, key)[0] if key not in shown else ""
+    return shown.get(key) or (Unit() if si in ("", "1") else Unit(si, 1.0, si))
 
 
 def _one_line(frame: pd.DataFrame) -> pd.DataFrame:

@@ -114,7 +114,7 @@ def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Tar
             if not tall:
                 where = f"storey {limit.level} of " * bool(limit.level) + " and ".join(names[place] for place in mine)
                 what = f"'{limit}': no slab strikes columns of {where} whose strength is known"
-                hint = "write `columns:` in a building that yields; `pound plan` lists where slabs strike columns"
+                hint = "write `columns:` in a building that yields; `pound check` lists where slabs strike columns"
                 problems.at(root, path, what, hint)
         for place in tall:
             target = Target(limit, place)

@@ -45,10 +45,10 @@ def test_every_command_has_help_with_an_example(name):
         assert f"pound {' '.join(words)}" in shown.output.split("Example", 1)[1]
 
 
-def test_help_and_checks_load_nothing_heavy():
+def test_help_loads_nothing_heavy():
     code = (
         "import sys\nfrom click.testing import CliRunner\nfrom pounding_cli.cli.main import cli\n"
-        "for words in (['--help'], ['run', '--help'], ['report', '--help'], ['check', 'configs/fig6.yaml']):\n"
+        "for words in (['--help'], ['run', '--help'], ['report', '--help']):\n"
         "    assert CliRunner().invoke(cli, words).exit_code == 0\n"
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
@@ -60,7 +60,7 @@ def test_help_and_checks_load_nothing_heavy():
     ("typed", "meant"),
     [
         ("rnu", "`pound run`"), ("Report", "`pound report`"), ("study.yaml", "`pound run study.yaml`"),
-        ("results/fig6.h5", "`pound show results/fig6.h5`"), ("zzzzzz", "`pound --help`"),
+        ("results/fig6.h5", "`pound show results/fig6.h5`"), ("plan", "`pound check`"), ("zzzzzz", "`pound --help`"),
     ],
 )  # fmt: skip
 def test_an_unknown_command_is_answered_with_what_was_meant(typed, meant):
@@ -78,7 +78,7 @@ def test_shell_completion_names_the_commands():
     assert {line.split(",")[1] for line in done.stdout.splitlines()} == {"run", "report", "records"}
 
 
-# check, plan
+# check
 
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: str(path.relative_to(ROOT)))
@@ -91,11 +91,11 @@ def test_studies_that_ship_are_sound(path):
 
 
 def test_check_counts(folder, pound):
-    assert pound("check", "two.yaml")[1] == "OK: two.yaml: 2 cases x 2 analyses x 2 records = 8 rows from 16 scenes\n"
+    first = "OK: two.yaml: 2 cases x 2 analyses x 2 records = 8 rows from 16 scenes\n"
+    assert pound("check", "two.yaml")[1].startswith(first)
     one = TWO.replace(", taft", "").replace(", inelastic", "").replace("  gap: {link: pounding, gap: 5 mm}\n", "")
     (folder / "two.yaml").write_text(one)
     assert "1 case x 1 analysis x 1 record = 1 row from 3 scenes" in pound("check", "two.yaml")[1]
-    assert "1: 1 case, 1 analysis, 1 record\n" in pound("plan", "two.yaml")[1]
 
 
 def test_a_refused_study(tmp_path):
@@ -123,7 +123,7 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
 
 def test_warnings_are_told_and_kept(folder, pound):
     (folder / "two.yaml").write_text(TWO.replace("gap: 5 mm", "gap: 2"))
-    for command in ("check", "plan", "run"):
+    for command in ("check", "run"):
         code, _, err = pound(command, "two.yaml")
         assert code == 0
         assert "warning: two.yaml:9:30: gap is 2 m" in err

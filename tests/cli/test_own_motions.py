@@ -63,8 +63,8 @@ def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path,
     motion("a.csv", head, 0.3 * in_g)
     done = pound("check", "[a.csv]")
     assert done.stderr == ""
-    plan = pounding_cli.load_study(tmp_path / "study.yaml")
-    assert plan.motions(())["a"].motion.pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
+    study = pounding_cli.load_study(tmp_path / "study.yaml")
+    assert study.motions(())["a"].motion.pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
     shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
     assert f"in {unit} (as the file says)" in shown
     assert "assumed" not in shown
@@ -72,17 +72,17 @@ def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path,
 
 def test_a_unit_that_is_assumed_is_said_wherever_the_motion_is_shown(motion, pound, tmp_path) -> None:
     motion("a.csv")
-    assert "a                user, unit g assumed, first 3.98 s" in pound("plan", "[a.csv]").stdout
+    assert "a                user, unit g assumed, first 3.98 s" in pound("check", "[a.csv]").stdout
     assert "Motions, user, unit g assumed: a\n" in pound("run", "[a.csv]").stdout
     results = pounding_cli.open_results(tmp_path / "results" / "study.h5")
     assert list(results.records()["source"]) == ["user, unit g assumed"]
     shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
     assert "motion            a.csv (user, unit g assumed)\n" in shown
     assert "in g (assumed: the file states no unit)" in shown
-    assert "user, unit g assumed" not in pound("plan", "[{file: a.csv, unit: g}]").stdout
+    assert "user, unit g assumed" not in pound("check", "[{file: a.csv, unit: g}]").stdout
 
 
-@pytest.mark.parametrize("command", ["check", "plan", "run"])
+@pytest.mark.parametrize("command", ["check", "run"])
 def test_words_that_are_no_unit_are_told(motion, pound, command) -> None:
     motion("a.csv", "time,furlongs\n")
     said = pound(command, "[a.csv]").stderr
@@ -135,10 +135,10 @@ def test_a_warning_about_many_motions_names_all_of_them(motion, pound, peak, dur
     assert max(map(len, message)) <= 100
 
 
-def test_the_summary_of_a_run_and_the_plan_name_all_motions(motion, pound) -> None:
+def test_the_summary_of_a_run_and_a_check_name_all_motions(motion, pound) -> None:
     names = [f"gm{number:02d}" for number in range(24)]
     for name in names:
         motion(f"set/{name}.txt")
-    run, plan = flat(pound("run", "[set/]").stdout), pound("plan", "[set/]").stdout
+    run, checked = flat(pound("run", "[set/]").stdout), pound("check", "[set/]").stdout
     assert f"Motions, user, unit g assumed: {', '.join(names)}" in run
-    assert [name for name in names if f"\n  {name} " not in plan] == []
+    assert [name for name in names if f"\n  {name} " not in checked] == []

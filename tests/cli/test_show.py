@@ -54,7 +54,7 @@ def test_every_table_in_every_form(file, shown, table):
 
 def test_a_table_for_the_eye_is_in_the_units_of_the_study(shown):
     """Fails if a gap is shown in m, or an acceleration in m/s2."""
-    head = shown("link", "--at", "gap=6 mm")[1].splitlines()[1]
+    head = shown("link", "--where", "gap=6 mm")[1].splitlines()[1]
     assert "cases.gap.gap [mm]" in head
     assert "gap [cm]" in head
     assert "acceleration [g]" in shown("floor")[1]
@@ -78,10 +78,12 @@ def test_wide_shows_what_is_kept_aside(shown):
     [
         ("storey --case gap --analysis elastic --record taft --building soft", "building", {"soft"}),
         ("scene --record elcentro --record taft --case gap", "case", {"gap"}),
-        ("storey --at cases.gap.gap=6mm --at restitution=0.4", "cases.gap.gap", {"0.006"}),
-        ("storey --at gap=0.006 --at gap=5mm --storey 2", "storey", {"2"}),
-        ("floor --floor 1", "floor", {"1"}),
-        ("link --floor 2", "link", {"stiff|soft floor 2"}),
+        ("storey --where cases.gap.gap=6mm --where restitution=0.4", "cases.gap.gap", {"0.006"}),
+        ("storey --where gap=0.006 --where gap=5mm --where storey=2", "storey", {"2"}),
+        ("floor --where floor=1", "floor", {"1"}),
+        ("link --where floor=2", "link", {"stiff|soft floor 2"}),
+        ("link --where gap=0.5cm", "gap", {"0.005"}),
+        ("storey --where case=gap --case touching --where building=soft", "building", {"soft"}),
     ],
 )
 def test_filters(shown, arguments, column, left):
@@ -100,13 +102,13 @@ def test_filters(shown, arguments, column, left):
         ("summary --record taft", ["record", "leave the option out"]),
         ("stories", ["'storey'"]),
         ("storey --format cvs", ["'csv'"]),
-        ("storey --at gap", ["no value"]),
-        ("storey --at gab=1cm", ["gab", "cases.gap.gap, impact.restitution"]),
-        ("storey --at gap=3cm", ["5 mm, 6 mm"]),
-        ("storey --at gap=2s", ["5 mm, 6 mm"]),
-        ("storey --storey 9", ["9", "1, 2, 3"]),
-        ("storey --floor 1", ["no column floor"]),
-        ("link --link roof", ["'roof'", "stiff|soft floor 1"]),
+        ("storey --where gap", ["no value"]),
+        ("storey --where gab=1cm", ["gab", "cases.gap.gap, impact.restitution"]),
+        ("storey --where gap=3cm", ["5 mm, 6 mm"]),
+        ("storey --where gap=2s", ["5 mm, 6 mm"]),
+        ("storey --where storey=9", ["9", "1, 2, 3"]),
+        ("storey --where floor=1", ["no column floor"]),
+        ("link --where link=roof", ["'roof'", "stiff|soft floor 1"]),
     ],
 )
 def test_what_is_not_there_is_refused_with_what_is(shown, arguments, words):

@@ -55,7 +55,7 @@ def test_the_table_and_the_page_stand_beside_the_file(folder, pound):
     page = Path("a/report.html").read_text(encoding="utf-8")
     assert "does not hold" in page
     assert "Spiliopoulos" in page
-    for command in ("run", "plan", "cite"):
+    for command in ("run", "cite"):
         code, _, err = pound(command, "a.yaml")
         assert (code, "`pound connector a.yaml`" in err) == (2, True), command
     code, _, err = pound("show", "a.h5")

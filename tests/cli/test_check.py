@@ -1,4 +1,4 @@
-"""`pound plan`: what runs, what needs no run, what is dropped and why; the same run with nothing left out."""
+"""`pound check`: what runs, what needs no run, what is dropped and why; the same run with nothing left out."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ STUDY = TWO.replace("5 mm", "1 cm")
 WIDE = STUDY.replace("gap: 1 cm", "gap: 50 cm")
 
 
-def planned(*words: str) -> str:
-    result = CliRunner().invoke(cli, ["plan", "two.yaml", *words], catch_exceptions=False)
+def checked() -> str:
+    result = CliRunner().invoke(cli, ["check", "two.yaml"], catch_exceptions=False)
     assert result.exit_code == 0
     return result.output
 
 
 def test_scenes_and_effects(folder):
-    """Fails if a plan says something else than the run then does."""
+    """Fails if a check says something else than the run then does."""
     (folder / "two.yaml").write_text(WIDE)
-    said = planned()
+    said = checked()
     assert re.search(r"run +8 of a building alone, about", said)
     assert re.search(r"run +8 of the group, about", said)
     assert "scenes whose gaps are wider than ones that turn out never to close" in said
@@ -33,16 +33,11 @@ def test_scenes_and_effects(folder):
     assert re.search(r"yielding storeys +simulated in 4; left out in 4: the analysis is elastic", said)
 
 
-def test_a_plan_says_where_its_times_are_from(folder):
+def test_a_check_says_where_its_times_are_from(folder):
     """Fails if times of a formula are told as those of this computer."""
-    said = planned()
+    said = checked()
     assert re.search(r"timed by \d+ scenes of them", said)
     assert re.search(r"on one core about ([\d.]+) s", said)
-
-
-def test_all_effects_leave_nothing_out(folder):
-    (folder / "two.yaml").write_text(WIDE)
-    assert "not run" not in planned("--all-effects")
 
 
 INCHES = """\
@@ -72,7 +67,7 @@ analyses: [elastic]
 def test_values_are_shown_in_the_unit_of_the_study(folder, old, new, said):
     """Fails if a unit is fixed, or one of the study's is not found."""
     (folder / "two.yaml").write_text(INCHES.replace(old, new) if old else INCHES)
-    shown = planned()
+    shown = checked()
     for words in said:
         assert words in shown
 
@@ -106,7 +101,7 @@ def test_every_meeting_is_listed(tmp_path):
         "  B: {storeys: 3, period: 0.5 s, height: [3 m, 4 m, 5 m], columns: 20 %}\n"
         "group: [A, B]\ncases: {touching: {link: pounding, gap: 1 cm}}\n"
     )
-    result = CliRunner().invoke(cli, ["plan", str(path)], catch_exceptions=False)
+    result = CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
     said = result.stdout.split("meetings\n")[1].split("cases\n")
     assert said[0].splitlines() == [
         "  A|B  3 m: floor 1 meets floor 1",
@@ -143,7 +138,7 @@ def test_the_questions_of_a_study(folder):
     """By hand: 20 levels x 2 motions x 3 (the pair, each alone) for `gap`, the lowest level for the first round of
     `fragility`. Fails if a question is not told, or with scenes that its command does not solve."""
     (folder / "two.yaml").write_text(QUESTIONS)
-    said = planned().split("questions  ")[1]
+    said = checked().split("questions  ")[1]
     counted = {line.split()[1]: int(re.search(r"has (\d+) scene", line)[1]) for line in said.splitlines()[1:]}
     assert list(counted) == ["gap", "fragility", "sensitivity", "optimise"]
     assert counted["gap"] == 20 * 2 * 3
@@ -157,12 +152,12 @@ def test_the_questions_of_a_study(folder):
 
 
 def test_a_study_that_asks_nothing_has_no_questions(folder):
-    assert "questions" not in planned()
+    assert "questions" not in checked()
 
 
 def test_a_bad_question_is_refused_at_its_place(folder, pound):
     (folder / "two.yaml").write_text(QUESTIONS.replace("mu > 2", "mu > 2 in C"))
-    code, out, err = pound("plan", "two.yaml")
+    code, out, err = pound("check", "two.yaml")
     assert (code, out) == (2, "")
     assert "two.yaml:11:22: 'mu > 2 in C': no building 'C' in the group" in err
 
@@ -184,8 +179,10 @@ def test_scenes_that_points_share_are_counted_once(folder):
     """2 motions x (6 x 12 linked, 6 without links, 6 A and 1 B alone). Fails if a building alone is counted once a
     gap."""
     (folder / "two.yaml").write_text(SWEPT)
-    said = planned()
-    assert re.search(r"rows +288: 6 x buildings.A.period, 12 x cases.gap.gap, 2 cases", said)
+    said = checked()
+    assert re.search(
+        r"^OK: two.yaml: 2 cases x 1 analysis x 2 records x 72 sweep points = 288 rows from 170 scenes", said
+    )
     assert re.search(r"scenes +170, on", said)
     assert re.search(r"shared +576 baselines asked for, 14 run; 132 rows repeat", said)
 
@@ -193,7 +190,7 @@ def test_scenes_that_points_share_are_counted_once(folder):
 def test_only_effects_that_a_scene_has_or_a_reader_may_expect_have_a_line(folder):
     """Fails if every law of links that no case has takes a line of its own, or what is left out loses its name."""
     (folder / "two.yaml").write_text(STUDY)
-    said = planned()
+    said = checked()
     lines = [line.strip() for line in said.split("\neffects ")[1].split("\nmotions ")[0].splitlines()[1:]]
     names = [re.split(r"  +", line)[0] for line in lines[:-1]]
     assert {"yielding storeys", "foundation motions", "P-Delta", "pounding links"} <= set(names)
