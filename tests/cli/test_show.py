@@ -83,7 +83,8 @@ def test_wide_shows_what_is_kept_aside(shown):
         ("floor --where floor=1", "floor", {"1"}),
         ("link --where floor=2", "link", {"stiff|soft floor 2"}),
         ("link --where gap=0.5cm", "gap", {"0.005"}),
-        ("storey --where case=gap --case touching --where building=soft", "building", {"soft"}),
+        ("storey --where case=gap --case touching --where building=soft", "case", {"gap", "touching"}),
+        ("buildings --where period=300ms", "building", {"stiff"}),
     ],
 )
 def test_filters(shown, arguments, column, left):
