@@ -27,9 +27,6 @@ CROSSES = 6
 COLLAPSE = 7
 """The drift passes what the building stands, either way: the run ends."""
 
-GUARDS = 8
-"""Number of guards."""
-
 INSIDE = 1e-14
 """Part of the elastic range and of the deformation by which a turning point is moved into the elastic range: in numbers
 with rounding it would lie beyond it half of the time."""

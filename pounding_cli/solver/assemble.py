@@ -363,17 +363,18 @@ def records_of(
         for span, u, v in zip(layout.floors, *initial, strict=True):
             dofs["u0"][span], dofs["w"][span, 0] = u, v
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
-    size, r = 2 * layout.number + int(np.count_nonzero(elements["state"])), run[0]
+    r = run[0]
     r["n"], r["m"], r["drags"], r["columns"] = layout.number, elements.size, layout.drags, 2 * len(layout.struck)
     r["dt"], r["tolerance"], r["least"] = scene.motion.dt, tolerance, _least_acceleration(scene, dofs, elements)
-    r["smooth_tolerance"], r["size"] = max(SMOOTHER * tolerance, FINEST_SMOOTH), size
+    r["smooth_tolerance"] = max(SMOOTHER * tolerance, FINEST_SMOOTH)
     r["points"] = next(points for above, points in POINTS if accuracy >= above)
     r["max_order"], r["has_lean"] = max_order(tolerance), bool(np.any(dofs["lean"] != 0.0))
     r["most_steps"], r["most_events"], r["collapses"] = *bounds, layout.collapses
     r["always_smooth"] = always_smooth
     room = None
     if layout.has_smooth or always_smooth or has_room:
-        room = Room(np.zeros(size, STATE), layout.formulas.copy())
+        changing = int(np.count_nonzero(elements["state"]))
+        room = Room(np.zeros(2 * layout.number + changing, STATE), layout.formulas.copy())
         room.states["scale"] = LEAST_STATE
     rows = max(elements.size - layout.number + layout.number * layout.has_smooth, 1)
     watch = _watch_of_nothing(layout) if times is None else watch_of(layout, times)

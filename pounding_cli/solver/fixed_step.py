@@ -19,7 +19,7 @@ from pounding_cli.solver.events import ends_of_elements
 from pounding_cli.solver.options import CALLED, KERNEL, PART
 from pounding_cli.solver.records import COLLAPSED, DONE, NO_ROOT, NOT_FINITE
 from pounding_cli.solver.run import begin
-from pounding_cli.solver.series import line_force, push
+from pounding_cli.solver.series import line_force, push, push_by_storey
 
 BRANCHES = 8
 """Branches that an element passes in a step, at most."""
@@ -85,15 +85,9 @@ def _pushes(dofs, elements, terms, r, room, ground):
         if el.closed and el.acts:
             push(dofs, terms, el, _force(el, el.v1, el.r1, room.formulas[el.formula]))
     for i in range(r.n):
-        el, d = elements[i], dofs[i]
+        el = elements[i]
         f = line_force(el, el.v1, el.r1)
-        if r.has_lean:
-            dofs[d.foot].push += d.lean * f
-        if el.load != 0.0:
-            f -= el.load * (d.u1 - d.below * dofs[i - 1].u1)
-        d.push += f
-        if d.below != 0.0:
-            dofs[i - 1].push -= f
+        push_by_storey(dofs, el, i, f, r.has_lean)
 
 
 @njit(**CALLED)

@@ -82,7 +82,7 @@ SERIES = _dtype(
 RUN = _dtype(
     f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset input drag dashpots time",
     i8="n m drags columns points trials active max_order order steps events orders instant status smooth always_smooth"
-    " has_lean size most_steps most_events collapses output still",
+    " has_lean most_steps most_events collapses output still",
     # p: room for one polynomial; powers: of the places inside a step
     f8_=f"p:{ORDERS + 8} powers:{MOST_POINTS}x{ORDERS}",
 )

@@ -64,6 +64,20 @@ def push(dofs, terms, el, f):
 
 
 @njit(**PART)
+def push_by_storey(dofs, el, i, f, has_lean):
+    """Let the force f of storey i act on its floor and on what it stands on. The weight on it (P-Delta) acts on the
+    floors alone, by their displacements u1, which at a step's start are u0."""
+    d = dofs[i]
+    if has_lean:
+        dofs[d.foot].push += d.lean * f
+    if el.load != 0.0:
+        f -= el.load * (d.u1 - d.below * dofs[i - 1].u1)
+    d.push += f
+    if d.below != 0.0:
+        dofs[i - 1].push -= f
+
+
+@njit(**PART)
 def start(dofs, elements, terms, r, series):
     """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
     for i in range(r.n):
@@ -80,15 +94,9 @@ def start(dofs, elements, terms, r, series):
         if el.acts:
             push(dofs, terms, el, f)
     for i in range(r.n):
-        el, d = elements[i], dofs[i]
+        el = elements[i]
         f = line_force(el, el.v0, el.r0)
-        if r.has_lean:
-            dofs[d.foot].push += d.lean * f
-        if el.load != 0.0:
-            f -= el.load * (d.u0 - d.below * dofs[i - 1].u0)
-        d.push += f
-        if d.below != 0.0:
-            dofs[i - 1].push -= f
+        push_by_storey(dofs, el, i, f, r.has_lean)
     for i in range(r.n):
         d = dofs[i]
         a = -d.inv_mass * d.push - d.drag * d.w[0]

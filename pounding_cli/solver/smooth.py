@@ -17,7 +17,7 @@ from pounding_cli.solver.dispatch import history_rate, smooth_force
 from pounding_cli.solver.events import ends_of_elements
 from pounding_cli.solver.options import CALLED, INVERSE, PART, bare
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
-from pounding_cli.solver.series import line_force, push
+from pounding_cli.solver.series import line_force, push, push_by_storey
 
 STAGES = DOP853.n_stages
 EXTRA = DOP853.A_EXTRA.shape[0]
@@ -84,17 +84,11 @@ def _derivative(dofs, elements, terms, r, series, room, at, s, to):
         if el.acts:
             push(dofs, terms, el, f)
     for i in range(n):
-        el, d = elements[i], dofs[i]
+        el = elements[i]
         f = _element_force(el, formulas[el.formula])
         if el.state > 0:
             states[el.state].k[to] = history_rate(el, el.r1, el.h[0])
-        if r.has_lean:
-            dofs[d.foot].push += d.lean * f
-        if el.load != 0.0:
-            f -= el.load * (d.u1 - d.below * dofs[i - 1].u1)
-        d.push += f
-        if d.below != 0.0:
-            dofs[i - 1].push -= f
+        push_by_storey(dofs, el, i, f, r.has_lean)
     for i in range(n):
         d = dofs[i]
         states[n + i].k[to] = -d.inv_mass * d.push - d.drag * d.v1

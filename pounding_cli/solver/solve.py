@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, nan
 from typing import Any
@@ -58,11 +58,6 @@ def solve(
     run = prepare(scene, accuracy, method, initial, bounds, time_step=time_step)
     run.integrate()
     return run.response()
-
-
-def solve_many(scenes: Iterable[Scene], accuracy: float = 1e-6, method: str = "taylor") -> list[Response]:
-    """The responses of scenes, in their order; other threads go on while they are solved. Errors as of `solve`."""
-    return [solve(scene, accuracy, method) for scene in scenes]
 
 
 @dataclass(eq=False)
