@@ -1,7 +1,5 @@
-"""The only test file that imports the inside of the package: what tests of physics need beyond its public names.
-
-Scenes are written in the words of a study, and answers come back as plain arrays, so that the inside may change.
-"""
+"""The only test file that imports the inside of the package: scenes are written in the words of a study, and answers
+come back as plain arrays, so that the inside may change."""
 
 from __future__ import annotations
 
@@ -17,9 +15,15 @@ from click.testing import CliRunner
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
+from pounding_cli.laws.connector import Connector as Connector
+from pounding_cli.report.answer_page import answer_page as answer_page
+from pounding_cli.report.evidence import points as points
 from pounding_cli.solver import estimate as estimates
+from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
+from pounding_cli.store import gap as gap
 from pounding_cli.study import expand, load_study, study_of
+from pounding_cli.study.expression import read_limit as read_limit
 
 FLOORS = "shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift"
 LINKS = "peak_force", "max_closing", "impulse", "contact_time", "impacts"
@@ -31,12 +35,11 @@ class Scene:
 
     Parameters
     ----------
-    buildings : keys of a study's building, left to right
-    ground : ground acceleration [m/s2] at steps of `dt` [s]
+    buildings : keys of a study's building; ground : acceleration [m/s2] at steps of `dt` [s]
     case : keys of a study's case; {} for nothing between the buildings
     more : further sections of the study: impact, laws
     tail : free vibration after the motion [s]
-    start : floor displacements [m] and velocities [m/s] at the start, one list a building; None is rest
+    start : displacements [m] and velocities [m/s] of floors at the start, one list a building; None is rest
     """
 
     buildings: Sequence[Mapping[str, Any]]
@@ -93,8 +96,7 @@ class Run:
 
 
 def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool = False, **settings: Any) -> Run:
-    """The run of a scene by Taylor series unless `settings` (as of `pounding_cli.solve`) say otherwise; with `estimate`
-    its error is estimated as in a batch."""
+    """The run of a scene, by Taylor series unless `settings` say otherwise; `estimate` its error as in a batch."""
     built, start = (scene.built, scene.start) if isinstance(scene, Scene) else (scene, None)
     found = solver.solve(built, accuracy, initial=start, **settings)
     if estimate:
@@ -112,8 +114,7 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
 
 
 def difference(one: Any, other: Any, names: Sequence[str] = (*FLOORS[:6], *LINKS[:4])) -> float:
-    """Largest difference of two runs, each number over the largest of its kind in the scene [-]; inf where the outcomes
-    differ. Either may be anything that has the arrays `names`."""
+    """Largest difference of two runs, over the largest of its kind in the scene [-]; inf where the outcomes differ."""
     if getattr(one, "status", "done") != getattr(other, "status", "done"):
         return float("inf")
     worst = 0.0
@@ -135,8 +136,7 @@ def scenes(study: Path) -> Iterator[tuple[str, pound.Scene, float]]:
 
 
 def refused(study: str | Mapping[str, Any]) -> list[tuple[int, int, str]]:
-    """Line, column and words (what is wrong, what to write) of every problem that `pound check` finds; [] if none. Of a
-    mapping both numbers are 0, and the words begin with the key."""
+    """Line, column (0 of a mapping) and words of every problem that `pound check` finds; [] if none."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "study.yaml")
         try:

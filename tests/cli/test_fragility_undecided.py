@@ -8,9 +8,8 @@ import pandas as pd
 import pytest
 from scipy.stats import lognorm
 
-from pounding_cli.report.answer_page import answer_page
-from pounding_cli.report.evidence import points
-from pounding_cli.store import open_results
+from pounding_cli import open_results
+from tests.adapter import answer_page, points
 
 # A has a soft lower storey that collapses, and an upper one far too strong to yield much. B stays far from its limits.
 STUDY = """\

@@ -11,7 +11,8 @@ import pytest
 from scipy import stats
 
 import pounding_cli
-from pounding_cli.store import open_results
+from pounding_cli import open_results
+from tests.adapter import gap
 
 STUDY = """\
 title: Two small buildings
@@ -99,12 +100,10 @@ def test_statistics_are_those_of_the_closings(results):
 
 def test_confidence_interval_holds_as_often_as_it_says():
     """Of lognormal samples of six. Fails if the interval is that of the mean, or one-sided."""
-    from pounding_cli.store.gap import _factors
-
     random = np.random.default_rng(3)
     logs = random.normal(0.3, 0.5, (20_000, 6))
     true = 0.3 + 0.5 * stats.norm.isf(0.1)
-    _, low, high = _factors(6, 0.1)
+    _, low, high = gap._factors(6, 0.1)
     mean, spread = logs.mean(axis=1), logs.std(axis=1, ddof=1)
     assert np.mean(mean + low * spread > true) == pytest.approx(0.05, abs=0.006)
     assert np.mean(mean + high * spread < true) == pytest.approx(0.05, abs=0.006)
@@ -140,27 +139,6 @@ def test_same_widths_from_every_engine(results, tmp_path, monkeypatch, engine):
     found = pounding_cli.run(study, tmp_path / "r.h5", workflow="gap", engine=engine, workers=2)
     assert found.attrs["engine"] == engine
     assert found.table("gap").equals(results.table("gap"))
-
-
-def test_goes_on_where_it_stopped(pound, monkeypatch):
-    """Fails if what was solved is lost: then all 30 are solved again."""
-    from pounding_cli.batch import attempt
-
-    solve, calls = attempt.Task.__call__, []
-
-    def stops(task, scene):
-        calls.append(scene)
-        if len(calls) == 8:
-            raise KeyboardInterrupt
-        return solve(task, scene)
-
-    monkeypatch.setattr(attempt.Task, "__call__", stops)
-    code, _, err = pound("gap", "two.yaml", "--engine", "serial")
-    assert code == 130
-    assert "7 of 30 scenes kept" in err
-    monkeypatch.setattr(attempt.Task, "__call__", solve)
-    _, out, _ = pound("gap", "two.yaml", "--engine", "serial")
-    assert "23 solved, 7 reused" in out
 
 
 def test_the_page_answers_first(pound):

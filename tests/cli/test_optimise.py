@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pounding_cli.store import open_results
+from pounding_cli import open_results
 
 STUDY = """\
 title: Two small buildings

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pounding_cli.solver.response import BuildingResponse, ColumnResponse, LinkResponse, Response
-from pounding_cli.store import open_results
-from pounding_cli.study.expression import read_limit
+from pounding_cli import open_results
+from tests.adapter import Connector, read_limit, response
 
 STUDY = """\
 title: Slabs against columns
@@ -43,13 +42,13 @@ def solve(scene, accuracy=1e-6, method="taylor", **_):
             mu = mu + (np.array([2.0, 0.0]) if building.name.startswith("high") else np.array([0.0, 2.0]))
         drift = np.full(2, 0.04) if building.name.startswith("high") else np.full(2, 0.01)
         n = np.ones(2)
-        found.append(BuildingResponse(1e6 * n, drift, mu, n, n, -n, 0 * n))
+        found.append(response.BuildingResponse(1e6 * n, drift, mu, n, n, -n, 0 * n))
     struck = np.array([at for at, link in enumerate(scene.links) if link.columns], int)
-    columns = ColumnResponse(struck, 1e5 + struck, 2e5 + struck, np.full(len(struck), 34.0 if strong else 1.2))
+    columns = response.ColumnResponse(struck, 1e5 + struck, 2e5 + struck, np.full(len(struck), 34.0 if strong else 1.2))
     blows = np.full(count, 0.0 if count and scene.links[0].gap > 0.05 else 3.0)
     n = np.ones(count)
-    link = LinkResponse(blows, n, n, n, n)
-    return Response(tuple(found), link, "done", "", "taylor", accuracy, 1, 1, 1e-4, columns=columns)
+    link = response.LinkResponse(blows, n, n, n, n)
+    return response.Response(tuple(found), link, "done", "", "taylor", accuracy, 1, 1, 1e-4, columns=columns)
 
 
 SOLVE = solve
@@ -126,8 +125,6 @@ def test_heights_that_the_study_leaves_to_their_default_are_said(pound, folder):
 
 
 def test_a_number_without_meaning_is_marked_where_it_is_the_largest(pound):
-    from pounding_cli.laws.connector import Connector
-
     def void(scene, **more):
         flags = (f"{Connector.beyond_gap}: low | high, floor 1, by 3 mm",) if scene.links else ()
         return replace(solve(scene, **more), flags=flags)
