@@ -12,10 +12,11 @@ all: figures
 
 setup: $(STAMP)
 
-$(STAMP): requirements/dev.txt pyproject.toml
+$(STAMP): requirements.txt pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	$(POUND) schema -o configs/pound.schema.json
 	touch $(STAMP)
 
 # `pound` finds out by itself what is missing and leaves a finished file alone, so pages are drawn only when needed.
@@ -49,20 +50,22 @@ lint: setup
 	$(BIN)/lint-imports
 
 # Rewrites the locked versions from pyproject.toml (needs uv: pip install uv).
+EXPORT := uv export --quiet --locked --no-emit-project --no-annotate --no-header
 lock:
-	uv pip compile --universal --generate-hashes --python-version 3.11 --extra test --extra dev -o requirements/dev.txt pyproject.toml
-	uv pip compile --generate-hashes --python-version 3.11 --python-platform x86_64-manylinux_2_28 --extra test --extra dev --extra peers -c requirements/dev.txt -o requirements/peers.txt pyproject.toml
-	uv pip compile --universal --generate-hashes --python-version 3.11 --extra test --extra dev --extra docs -c requirements/dev.txt -o requirements/docs.txt pyproject.toml
+	uv lock --quiet --upgrade
+	$(EXPORT) --extra test --extra dev --extra docs -o requirements.txt
+	printf 'heyoka\nopenseespy==3.7.*\nopenseespylinux==3.7.*\n' | uv pip compile --quiet --no-deps --generate-hashes --no-annotate \
+	  --no-header --python-version 3.11 --python-platform x86_64-manylinux_2_28 -o requirements-peers.txt -
+	rm uv.lock
 
 # The site, into site/: every warning is an error.
 docs: setup
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/docs.txt
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "The site: site/index.html"
 
 # Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3).
 peers: setup
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/peers.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements-peers.txt
 	$(BIN)/python -m pytest tests/peers
 
 # What it costs, by law and as scenes grow, into docs/performance.md (about two minutes on a quiet machine).

@@ -132,7 +132,7 @@ def setting_of(name: str) -> Setting:
 
 
 def table() -> list[str]:
-    """The methods as lines of Markdown: docs/accuracy.md shows them."""
+    """The methods as lines of Markdown: the site shows them."""
     rows = ["| `method:` | order | setting | time step below | at a contact or a yield | runs |", "|" + "---|" * 6]
     for method in METHODS.values():
         order = str(method.order) if method.order else "follows the accuracy"

@@ -95,12 +95,3 @@ def _by_suffix(path: Path, head: bytes) -> bool:
 
 def _reason(error: OSError | ValueError) -> str:
     return getattr(error, "strerror", None) or str(error)
-
-
-EXPANDED = "expanded.npz"
-"""The file of that folder that keeps what a long study came to."""
-
-
-def parts_of(output: Path) -> Path:
-    """The folder in which a run keeps what is not in its results file yet."""
-    return output.parent / f"{output.name}.parts"

@@ -18,6 +18,7 @@ import importlib
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.outputs import check_folder, check_output
 from pounding_cli.study.axes import SweepAxis, read_axes
 from pounding_cli.study.file import Problems, put, read_study
@@ -37,6 +38,8 @@ from pounding_cli.study.words import value_at
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from pounding_cli.report.document import Report
 
 _SHOWN = {
     "N": Unit("kN", 1e3, "N"), "N s": Unit("kN s", 1e3, "N s"), "N m": Unit("kN m", 1e3, "N m"),
@@ -166,50 +169,54 @@ def places(output: Path) -> tuple[Path, Path]:
 
 def write(sweep: Sweep, points: Sequence[Point], file: Path, folder: Path) -> list[Path]:
     """Write the dataset as netCDF, and into the folder the table, the figures and the page; the files."""
-    from pounding_cli.report.references import REFERENCES
-    from pounding_cli.report.style import save
-    from pounding_cli.report.web.page import render
-    from pounding_cli.report.web.pictures import pictures
-    from pounding_cli.report.web.story import Grid, digits
-
-    asked, name = sweep.asked, sweep.name
     draft = file.with_name(f".{file.name}.draft")
     try:  # made in memory, and renamed when it is whole: the disk may be full
         draft.write_bytes(dataset(sweep, points).to_netcdf(engine="h5netcdf"))
         draft.replace(file)
     finally:
         draft.unlink(missing_ok=True)
-    table(sweep, points).to_csv(folder / f"{name}.csv", index=False)
-    done = [point for point in points if point.found["status"] == "done"]
+    table(sweep, points).to_csv(folder / f"{sweep.name}.csv", index=False)
+    sweep.asked.beside([point for point in points if point.found["status"] == "done"], folder)
+    return [file, folder / f"{sweep.name}.csv", *report(sweep, points).save(folder, ("png", "svg"))]
+
+
+def report(sweep: Sweep, points: Sequence[Point]) -> Report:
+    """The figures, what the paper says of them at every point, and the numbers."""
+    from pounding_cli.report.document import Picture, Report, Section
+    from pounding_cli.report.references import REFERENCES
+    from pounding_cli.report.table import digits, from_rows
+
+    asked, done = sweep.asked, [point for point in points if point.found["status"] == "done"]
     drawn = asked.figures(sweep.title, done, sweep.axes) if done else {}
-    words = {name: (heading, heading) for name, (heading, _) in drawn.items()}
-    files = save({name: figure for name, (_, figure) in drawn.items()}, folder, ("png", "svg"))
-    asked.beside(done, folder)
-    judged = [["point", *(sentence for sentence, _ in asked.STATEMENTS)]]
+    made = {name: figure for name, (_, figure) in drawn.items()}
+    pictures = [
+        Picture(name, heading, heading, partial(made.__getitem__, name), has_scale=True)
+        for name, (heading, _) in drawn.items()
+    ]
+    judged = []
     for point in done:
         verdicts = [judge(point.found) for _, judge in asked.STATEMENTS]
         found = [f"{'holds' if holds else 'does not hold'}: {what}" for holds, what in verdicts]
         judged.append([point.label or "as given", *found])
     numbers = [v for v in asked.VARIABLES if not v.dims]
-    shown = [_SHOWN.get(v.unit, Unit("" if v.unit == "1" else v.unit)) for v in numbers]
-    heads = ["point", *(unit.label(v.text) for v, unit in zip(numbers, shown, strict=True))]
+    units = [_SHOWN.get(v.unit, Unit("" if v.unit == "1" else v.unit)) for v in numbers]
+    heads = ["point", *(unit.label(v.text) for v, unit in zip(numbers, units, strict=True))]
     rows = [
-        [
-            point.label or "as given",
-            *(digits(point.found[v.name] / u.factor) for v, u in zip(numbers, shown, strict=True)),
-        ]
-        for point in done
+        [p.label or "as given", *(digits(p.found[v.name] / u.factor) for v, u in zip(numbers, units, strict=True))]
+        for p in done
     ]
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(points[0].study).items()]
-    images = pictures({name: figure for name, (_, figure) in drawn.items()}, None, words)
-    content = {
-        "title": sweep.title,
-        "study": sweep.text,
-        "data": '{"tables": {}}',
-        "main": images[:1],
-        "pictures": images[1:],
-        "statements": Grid(judged[0], judged[1:]),
-        "table": Grid(heads, rows, tuple(range(1, len(heads)))),
-        "cited": Grid(["reference", "for"], cited),
-    }
-    return [file, folder / f"{name}.csv", *files, render(folder / "report.html", "points.html.j2", content)]
+    statements = from_rows("The paper’s statements", ["point", *(text for text, _ in asked.STATEMENTS)], judged)
+    said = [] if len(done) == len(points) else [f"{counted(len(points) - len(done), 'point')} failed."]
+    return Report(
+        sweep.title,
+        Section("", said, pictures=pictures[:1]),
+        lambda: [
+            Section("Against the paper", tables=[statements]),
+            *([Section("Further figures", pictures=pictures[1:])] if pictures[1:] else []),
+            Section("Numbers", tables=[from_rows("Numbers at every point", heads, rows)]),
+            Section("References", tables=[from_rows("References", ("reference", "for"), cited)]),
+            Section("Study", widget="study"),
+        ],
+        study=sweep.text,
+    )

@@ -32,12 +32,6 @@ def plain(text: str) -> str:
     return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
-def plain_all(texts: Iterable[str]) -> list[str]:
-    """`plain` of many texts; quick where none needs it."""
-    found = list(texts)
-    return [plain(each) for each in found] if CONTROL.search("".join(found)) else found
-
-
 def plain_tree(value: Any) -> Any:
     """`plain` of every text in nested lists and mappings."""
     if isinstance(value, dict):

@@ -142,9 +142,6 @@ SCENES = (
     Variable("scene", PLACE, "", "digest of the scene", "s"),
 )
 
-FORMERLY = {"accuracy": "tolerance", "time_step": "tolerance"}
-"""What files of before call a variable: accuracy or time step were one, the study says which."""
-
 OF_COLUMNS = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
 """What files have where some link strikes columns."""
 

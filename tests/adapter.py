@@ -12,18 +12,27 @@ from typing import Any
 
 import numpy as np
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
 from pounding_cli.laws.connector import Connector as Connector
-from pounding_cli.report.answer_page import answer_page as answer_page
-from pounding_cli.report.evidence import points as points
+from pounding_cli.laws.isolation import Bearings as Bearings
+from pounding_cli.laws.isolation import FrictionPendulum as FrictionPendulum
+from pounding_cli.report import report as report
 from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
-from pounding_cli.store import gap as gap
 from pounding_cli.study import expand, load_study, study_of
 from pounding_cli.study.expression import read_limit as read_limit
+from pounding_cli.workflows import gap as gap
+from pounding_cli.workflows import search as search
+
+
+def sketch(results: pound.Results) -> Figure:
+    """The drawing of the group at the head of a page."""
+    return report(results).sketch()
+
 
 FLOORS = "shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift"
 LINKS = "peak_force", "max_closing", "impulse", "contact_time", "impacts"
@@ -60,7 +69,7 @@ class Scene:
         study = {"records": {"use": ["elcentro"]}, "buildings": buildings, "group": (names * 2)[: max(2, len(names))]}
         study |= {"cases": case, "analyses": [self.analysis], "tail": self.tail, **self.more}
         plan = expand(study_of(study))
-        scene = plan.scenes[plan.rows[0].scene]
+        scene = plan.build(0)
         motion = pound.motion(self.ground, dt=self.dt)
         links = scene.links if len(names) > 1 else ()
         return pound.Scene(scene.buildings[: len(names)], links, motion, scene.analysis, scene.tail)
@@ -128,11 +137,11 @@ def difference(one: Any, other: Any, names: Sequence[str] = (*FLOORS[:6], *LINKS
 def scenes(study: Path) -> Iterator[tuple[str, pound.Scene, float]]:
     """Every scene of a study once, baselines too: its place in words, the scene, the accuracy asked."""
     plan = expand(load_study(study))
-    named: dict[str, str] = {}
-    for row in plan.rows:
-        named |= {key: f"{row.case}, alone" for key in row.baselines}
-        named[row.scene] = f"{row.case}, {row.analysis} {row.point or ''}".strip()
-    yield from ((where, plan.scenes[key], plan.accuracy) for key, where in named.items())
+    rows, columns = plan.first
+    for number, scene in enumerate(plan.scenes(np.arange(len(plan)))):
+        row = plan.row(int(rows[number]))
+        where = f"{row.case}, alone" if columns[number] else f"{row.case}, {row.analysis} {row.point or ''}".strip()
+        yield where, scene, plan.accuracy
 
 
 def refused(study: str | Mapping[str, Any]) -> list[tuple[int, int, str]]:

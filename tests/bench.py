@@ -1,7 +1,7 @@
-"""What the program costs: `python -m tests.bench [PART ...]` measures and writes the tables of docs/performance.md.
+"""What the program costs: `python -m tests.bench` measures it and writes the table of docs/performance.md.
 
-Every part runs studies as a user does and takes the least time of several runs. A machine at work for others makes all
-times longer; each table says when and where it was measured."""
+It runs studies as a user does and takes the least time of several runs. A machine at work for others makes all times
+longer; the table says when and where it was measured."""
 
 from __future__ import annotations
 
@@ -59,23 +59,16 @@ ROCKING = {"inertia": "1e7 kg m2", "rocking_stiffness": "1e5 MN m", "rocking_dam
 
 
 def main() -> None:
-    parts = {"figures": figures, "laws": laws, "program": program, "growth": growth, "sweeps": sweeps}
-    parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
-    parser.add_argument(
-        "parts", nargs="*", default=list(parts), metavar="PART", help="parts to measure; all unless given"
-    )
-    asked = parser.parse_args().parts
-    if unknown := set(asked) - set(parts):
-        parser.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(parts)}")
-    for name in asked:
-        begin, load = time.perf_counter(), os.getloadavg()[0]
-        show(name, f"{parts[name]()}\n\nMeasured {here(load)}.")
-        print(f"{name}: {time.perf_counter() - begin:.0f} s", flush=True)
+    argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__).parse_args()
+    begin, load = time.perf_counter(), os.getloadavg()[0]
+    rows = [row for part in (figures, laws, growth, program, sweep) for row in part()]
+    show(f"{table('what | time', rows)}\n\nMeasured {here(load)}.")
+    print(f"{time.perf_counter() - begin:.0f} s")
 
 
-def show(name: str, text: str) -> None:
-    """Replace what stands between the marks of a part on the page."""
-    begin, end = f"<!-- {name}: begin (make bench) -->", f"<!-- {name}: end -->"
+def show(text: str) -> None:
+    """Replace what stands between the marks of the page."""
+    begin, end = "<!-- begin (make bench) -->", "<!-- end -->"
     before, first, rest = PAGE.read_text(encoding="utf-8").partition(begin)
     _, last, after = rest.partition(end)
     if not first or not last:
@@ -125,75 +118,69 @@ def pair(analysis: str = "elastic", storeys: dict[str, Any] | None = None, **key
     return scenes[scenes["case"] == "linked"].iloc[0]
 
 
-def figures() -> str:
-    rows = []
+def figures() -> Iterator[list[str]]:
+    """Scenes of the paper's figures."""
     for name in ("fig6", "fig7"):
         scenes = solved(ROOT / "configs" / f"{name}.yaml")
-        scenes = scenes[(scenes["case"] != "alone") & (scenes["seconds"] > 0)]  # 0: shown to be as those alone
-        for (case, analysis), some in scenes.groupby(["case", "analysis"], observed=True):
-            rows.append([name, case, analysis, str(len(some)), time_of(some["seconds"].median())])
-    return table("figure | case | analysis | scenes | time a scene, median", rows)
+        seconds = scenes.loc[(scenes["case"] != "alone") & (scenes["seconds"] > 0), "seconds"]  # 0: shown without a run
+        yield [f"a scene of `configs/{name}.yaml`, median of {len(seconds)}", time_of(seconds.median())]
 
 
-def laws() -> str:
-    rows, plain = [], {}
-    for kind, law, scene in law_scenes():
-        over = scene["seconds"] / plain.setdefault(kind, scene["seconds"])
-        rows.append(
-            [kind, f"`{law}`", time_of(scene["seconds"]), f"{over:.3g}", f"{scene['steps']}", f"{scene['events']}"]
+def laws() -> Iterator[list[str]]:
+    """The touching pair of `PAIR` under every law; the first of each kind is the simplest."""
+    contacts = {
+        law: pair(impact={"law": law, **IMPACT})
+        for law in ("kelvin-voigt", "hertz", "hertz-damp", "jankowski", "bilinear")
+    }
+    links = {
+        law: pair(
+            cases={"linked": {"link": law, "gap": "5 cm", **keys, **({} if law == "infill" else {"floors": [3, 5]})}}
         )
-    return table("what | law | time a scene | over the first of its kind | steps | events", rows)
+        for law, keys in BETWEEN.items()
+    }
+    storeys = {law: pair("inelastic", {"storey_law": law, **keys}) for law, keys in STOREYS.items()}
+    storeys["bilinear with P-Delta"] = pair("inelastic", {"p_delta": True})
+    bases = {
+        "sway": pair("inelastic", {"foundation": SWAY}),
+        "sway and rocking": pair("inelastic", {"foundation": {**SWAY, **ROCKING}}),
+    }
+    for kind, found in (
+        ("contacts, elastic", contacts),
+        ("between the floors, elastic", links),
+        ("storeys", storeys),
+        ("bases", bases),
+    ):
+        yield [kind, ", ".join(f"{law} {time_of(scene['seconds'])}" for law, scene in found.items())]
 
 
-def law_scenes() -> Iterator[tuple[str, str, pd.Series]]:
-    for law in ("kelvin-voigt", "hertz", "hertz-damp", "jankowski", "bilinear"):
-        yield "contact, elastic, touching", law, pair(impact={"law": law, **IMPACT})
-    for law, keys in BETWEEN.items():
-        floors = {} if law == "infill" else {"floors": [3, 5]}
-        link = {"link": law, "gap": "5 cm", **keys, **floors}
-        yield "between the floors, elastic, no pounding", law, pair(cases={"linked": link})
-    for law, keys in STOREYS.items():
-        yield "storeys, touching", law, pair("inelastic", {"storey_law": law, **keys})
-    yield "storeys, touching", "bilinear with P-Delta", pair("inelastic", {"p_delta": True})
-    for name, foundation in (("fixed", None), ("sway", SWAY), ("sway and rocking", {**SWAY, **ROCKING})):
-        yield "bases, touching, inelastic", name, pair("inelastic", {"foundation": foundation} if foundation else None)
+def growth() -> Iterator[list[str]]:
+    """Elastic pairs and rows that grow."""
+    for what, values, scene in (
+        ("storeys a building, touching", (5, 20, 100), row_of),
+        ("buildings in a row, 1 cm apart", (2, 5, 20), lambda n: row_of(buildings=n, gap="1 cm")),
+        ("buildings in a row, touching", (2, 5, 20), lambda n: row_of(buildings=n)),
+        ("accuracy, touching", (1e-3, 1e-6, 1e-9, 1e-12), lambda accuracy: row_of(accuracy=accuracy)),
+    ):
+        yield [what, ", ".join(f"{value:g}: {time_of(scene(value)['seconds'])}" for value in values)]
 
 
-def program() -> str:
+def program() -> Iterator[list[str]]:
+    """Commands by the clock, start of Python included."""
     fig6 = ["run", "configs/fig6.yaml"]
     with tempfile.TemporaryDirectory() as folder:
         started(*fig6, "-o", f"{folder}/first.h5")
-        warm = [started(*fig6, "-o", f"{folder}/{number}.h5") for number in range(RUNS)]
-        told = [started("--help") for _ in range(RUNS)]
-        cold = [started(*fig6, "-o", f"{folder}/cold.h5", NUMBA_CACHE_DIR=f"{folder}/cache")]
-    named = {"`pound --help`": told, "`pound run configs/fig6.yaml`": warm, "the same, first run ever (compiles)": cold}
-    rows = [[name, *(time_of(min(each)) for each in zip(*found, strict=True))] for name, found in named.items()]
-    return table("command | by the clock | processor time", rows)
+        warm = min(started(*fig6, "-o", f"{folder}/{number}.h5") for number in range(RUNS))
+        told = min(started("--help") for _ in range(RUNS))
+        cold = started(*fig6, "-o", f"{folder}/cold.h5", NUMBA_CACHE_DIR=f"{folder}/cache")
+    yield ["`pound --help`", time_of(told)]
+    yield ["`pound run configs/fig6.yaml`", f"{time_of(warm)}; first run ever, which compiles: {time_of(cold)}"]
 
 
-def started(*words: str, **environment: str) -> tuple[float, float]:
-    """Seconds of `pound` with these words, by the clock and of all cores."""
-    before, begin = os.times(), time.perf_counter()
+def started(*words: str, **environment: str) -> float:
+    """Seconds of `pound` with these words, by the clock."""
+    begin = time.perf_counter()
     subprocess.run([*POUND, *words], cwd=ROOT, env={**os.environ, **environment}, check=True, capture_output=True)
-    wall, after = time.perf_counter() - begin, os.times()
-    return wall, after.children_user + after.children_system - before.children_user - before.children_system
-
-
-def growth() -> str:
-    rows = []
-    for what, values, scene in (
-        ("storeys a building", (5, 10, 20, 50, 100), row_of),
-        ("buildings in a row, 1 cm apart", (2, 3, 5, 10, 20), lambda n: row_of(buildings=n, gap="1 cm")),
-        ("buildings in a row, touching", (2, 3, 5, 10, 20), lambda n: row_of(buildings=n)),
-        ("accuracy", (1e-3, 1e-6, 1e-9, 1e-12), lambda accuracy: row_of(accuracy=accuracy)),
-    ):
-        found = [scene(value) for value in values]
-        spans = [
-            f"{show(found[0])} to {show(found[-1])}"
-            for show in (lambda s: time_of(s["seconds"]), lambda s: str(s["steps"]), lambda s: str(s["events"]))
-        ]
-        rows.append([what, f"{values[0]:g} to {values[-1]:g}", *spans])
-    return table("what grows | from, to | time of a scene | steps | events", rows)
+    return time.perf_counter() - begin
 
 
 def row_of(storeys: int = 5, buildings: int = 2, gap: str = "0 cm", accuracy: float = 1e-6) -> pd.Series:
@@ -207,30 +194,24 @@ def row_of(storeys: int = 5, buildings: int = 2, gap: str = "0 cm", accuracy: fl
     return pair(buildings=made, group=names, cases={"linked": link}, accuracy=accuracy)
 
 
-def sweeps() -> str:
-    rows = []
-    for count in (100, 1000, 10_000):
-        study = {**PAIR, "records": {"use": ["elcentro"], "duration": "2 s"}}
-        study["sweep"] = {
-            "impact.restitution": evenly(0.3, 0.7, 10),
-            "cases.linked.gap": [f"{gap} m" for gap in evenly(0, 0.04, count // 10)],
-        }
-        with tempfile.TemporaryDirectory() as folder:
-            path, output = Path(folder) / "sweep.yaml", Path(folder) / "sweep.h5"
-            path.write_text(yaml.safe_dump(study, sort_keys=False), encoding="utf-8")
-            begin = time.perf_counter()
-            process = subprocess.Popen(
-                [*POUND, "run", str(path), "-o", str(output)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-            )
-            memory = largest_memory(process)
-            wall = time.perf_counter() - begin
-            if process.returncode:
-                raise RuntimeError(f"pound run ended with {process.returncode}")
-            size = output.stat().st_size
-        rows.append(
-            [str(count), time_of(wall), time_of(wall / count), f"{memory / 1e6:.0f} MB", f"{size / 1e6:.1f} MB"]
+def sweep() -> Iterator[list[str]]:
+    """Ten thousand scenes of 2 s by `pound run`, restitution against gap."""
+    study = {**PAIR, "records": {"use": ["elcentro"], "duration": "2 s"}}
+    gaps = [f"{gap} m" for gap in evenly(0, 0.04, 1000)]
+    study["sweep"] = {"impact.restitution": evenly(0.3, 0.7, 10), "cases.linked.gap": gaps}
+    with tempfile.TemporaryDirectory() as folder:
+        path, output = Path(folder) / "sweep.yaml", Path(folder) / "sweep.h5"
+        path.write_text(yaml.safe_dump(study, sort_keys=False), encoding="utf-8")
+        begin = time.perf_counter()
+        process = subprocess.Popen(
+            [*POUND, "run", str(path), "-o", str(output)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
-    return table("scenes | time, all included | a scene | memory of all processes | file", rows)
+        memory, wall = largest_memory(process), time.perf_counter() - begin
+        if process.returncode:
+            raise RuntimeError(f"pound run ended with {process.returncode}")
+        size = output.stat().st_size
+    told = f"{time_of(wall)}, {memory / 1e6:.0f} MB in all processes, a file of {size / 1e6:.0f} MB"
+    yield ["a sweep of 10,000 points, 2 s of motion", told]
 
 
 def evenly(low: float, high: float, count: int) -> list[float]:

@@ -2,8 +2,8 @@
 
 The wheel is built from the sdist. It is installed into a fresh environment of every Python named (3.11, 3.12 and 3.13
 by default), the sdist into that of the first, in an empty folder and with an empty home. There the first steps of the
-README are run. A study is then run in this process, in forked workers and in spawned ones, which macOS and Windows use:
-all three must give the same rows."""
+tutorial are run. A study is then run in this process, in forked workers and in spawned ones, which macOS and Windows
+use: all three must give the same rows."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ STEPS = (
     ("show", "results/my-study.h5"),
     ("report", "results/my-study.h5"),
 )
-"""The first steps of the README."""
+"""The first steps of the tutorial."""
 
 WORKERS = """
 import multiprocessing
@@ -35,7 +35,7 @@ import pathlib
 import sys
 
 import pounding_cli
-from pounding_cli.batch import runner
+from pounding_cli.batch import solve
 
 STUDY = {
     "records": {"use": ["elcentro", "taft"], "duration": "2 s"},
@@ -48,7 +48,7 @@ STUDY = {
 if __name__ == "__main__":
     place = pathlib.Path(pounding_cli.__file__)
     assert place.is_relative_to(sys.prefix), f"{place} is not what was installed"
-    runner.WORTH_WORKERS = 0.0  # small as it is
+    solve.WORTH_WORKERS = 0.0  # small as it is
     found = {}
     for name in ("serial", "fork", "spawn"):
         if name != "serial":
@@ -67,7 +67,7 @@ NEEDED = {
         "pounding_cli/py.typed",
         "pounding_cli/data/records/catalogue.yaml",
         "pounding_cli/study/templates/pair.yaml",
-        "pounding_cli/report/web/assets/base.html.j2",
+        "pounding_cli/report/assets/page.html.j2",
     ),
     "sdist": (
         "README.md",
@@ -153,7 +153,8 @@ def _try(version: str, python: str, archives: dict[str, Path], folder: Path) -> 
         (work / "workers.py").write_text(WORKERS)
         same = _run([own, "workers.py"], **settings).strip().splitlines()[-1]
         print(
-            f"Python {version}, {kind}: the README's first steps; {same} ({time.monotonic() - begin:.0f} s)", flush=True
+            f"Python {version}, {kind}: the tutorial's first steps; {same} ({time.monotonic() - begin:.0f} s)",
+            flush=True,
         )
         _run([own, "-m", "pip", "uninstall", "--quiet", "--yes", "pounding-cli"])
 

@@ -1,4 +1,5 @@
 """The drawings of docs/theory.md: `python docs/figures/model.py` writes `model.svg`, `links.svg` and `storeys.svg`.
+The pages of the laws draw the loops one by one (docs/hooks/laws.py).
 
 The first is a schematic. The loops of the others are runs of the solver: two floors that meet once under every law of a
 link, and one storey under every law of a storey."""

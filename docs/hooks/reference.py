@@ -1,4 +1,4 @@
-"""What the site takes from the code: commands, the API and the notebooks."""
+"""What the site takes from the code: commands, the keys of a study, methods, the API and the notebooks."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ from pathlib import Path
 
 import click
 
+from pounding_cli import methods
 from pounding_cli.cli.main import COMMANDS, cli
+from pounding_cli.report.references import method_sources
+from pounding_cli.study import laws, models, questions, schema
+from pounding_cli.study.keys import table
+from pounding_cli.study.plausible import shown
+from pounding_cli.study.usual import RANGES
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -52,13 +58,85 @@ API = {
         "pounding_cli.solver.response.LinkResponse",
     ),
     "Exporting and comparing": (
-        "pounding_cli.store.export.export",
-        "pounding_cli.store.compare.compare",
-        "pounding_cli.store.compare.Comparison",
+        "pounding_cli.results.export.export",
+        "pounding_cli.results.compare.compare",
+        "pounding_cli.results.compare.Comparison",
     ),
     "Errors": ("pounding_cli.errors.InputError", "pounding_cli.errors.Problem"),
 }
 """Headings of the API's page, and what stands under each."""
+
+
+MODELS = {
+    "The file": schema.Study,
+    "`records`": models.Records,
+    "`records.use`: a file of your own": models.RecordFile,
+    "`records.scale`: Arias intensity": models.Arias,
+    "`records.scale`: peak acceleration": models.Pga,
+    "`records.scale`: peak velocity": models.Pgv,
+    "`records.scale`: an ordinate of the spectrum": models.Sa,
+    "`records.scale`: a target spectrum": models.Spectrum,
+    "`buildings.NAME`": models.Building,
+    "`yield`": models.Code,
+    "`yield`: a base-shear coefficient": models.BaseShear,
+    "`stiffness`: by a period and masses": models.StiffnessAt,
+    "`rayleigh`": models.Rayleigh,
+    "`foundation`": models.Foundation,
+    "`impact`": laws.Impact,
+    "`laws.NAME`": models.OwnLaw,
+    "`cases.NAME`": models.Case,
+    "`report`": schema.Report,
+    "`keep.histories`": schema.Histories,
+    "`fragility`": questions.FragilitySpec,
+    "`gap`": questions.GapSpec,
+    "`sensitivity`": questions.SensitivitySpec,
+    "`optimise`": questions.OptimiseSpec,
+    "`gap.gb50011`": questions.Gb50011Spec,
+}
+"""Headings of the page of keys, and the mapping under each."""
+
+
+def keys_page() -> str:
+    """Every key of a study, and the ranges outside which a value is warned about."""
+    parts = [
+        "# Study keys",
+        textwrap.dedent("""\
+        Every key of a [study file](../study-file.md), from the schema: what it takes, its default, what it is. "-"
+        stands for a number without unit. A case has the keys of all [laws](../laws/index.md) of links, a building
+        those of all laws of storeys; each law's page shows its own."""),
+    ]
+    for heading, model in MODELS.items():
+        parts += [f"## {heading}", "\n".join(table(model))]
+    lines = ["| quantity | plausible | because |", "|---|---|---|"]
+    for name, fits in RANGES.items():
+        ends = (f"{end:g}" if " over " in name else shown(end, fits.units) for end in (fits.low, fits.high))
+        lines.append(f"| {name} | {' to '.join(ends)} | {fits.reason} |")
+    parts += [
+        "## Plausible values",
+        "A value outside these ranges is [warned about](../study-file.md#warnings).",
+        "\n".join(lines),
+        textwrap.dedent("""\
+        A motion is warned about at 2 g only where its peak in the file and its peak as used both exceed it. The period
+        of a storey is that of the building over its number of storeys, and is not checked for buildings of one storey.
+        A gap of zero and a damping of zero are always plausible."""),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def methods_page() -> str:
+    """The methods of solution."""
+    parts = [
+        "# Methods",
+        "\n".join(methods.table()),
+        textwrap.dedent("""\
+        ω is the largest circular frequency with every link closed and every infill at its largest stiffness, ξ the
+        damping ratio of that mode. A longer step of `central-difference` is not run: the status is `unstable step`, and
+        the advice names a stable one. `newmark` is average acceleration. [What accuracy costs](../accuracy.md) compares
+        them."""),
+        "## Sources",
+        "\n".join(method_sources(methods.METHODS)),
+    ]
+    return "\n\n".join(parts) + "\n"
 
 
 def commands_page() -> str:
@@ -108,6 +186,8 @@ def pages() -> Iterator[tuple[str, str]]:
     for path in sorted(EXAMPLES.glob("*.ipynb")):
         yield f"examples/{path.stem}.md", notebook_page(path)
     yield "reference/commands.md", commands_page()
+    yield "reference/keys.md", keys_page()
+    yield "reference/methods.md", methods_page()
     yield "reference/api.md", api_page()
 
 

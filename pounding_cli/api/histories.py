@@ -11,9 +11,9 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
+from pounding_cli.results.histories import FIELDS
 from pounding_cli.solver import histories
 from pounding_cli.solver.histories import ENERGIES
-from pounding_cli.store.histories import FIELDS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,10 +35,7 @@ class History(histories.History):
     @classmethod
     def of(cls, history: histories.History) -> History:
         """The same history, to look at."""
-        values = {field.name: getattr(history, field.name) for field in fields(histories.History)}
-        if history.closing is None:  # of a file of before: all its links ended at floors
-            values["closing"] = _closing_of_floors(history)
-        return cls(**values)
+        return cls(**{field.name: getattr(history, field.name) for field in fields(histories.History)})
 
     def frame(self, quantity: str = "displacement") -> pd.DataFrame:
         """One quantity over time, a column each for the floors, storeys or links that there are.
@@ -208,13 +205,3 @@ def _meaning(quantity: str) -> tuple[tuple[str, ...], str, str]:
 def _label(column: Any, names: Sequence[Any]) -> str:
     """A column in words: "soft, floor 5"."""
     return f"{column[0]}, {names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
-
-
-def _closing_of_floors(history: histories.History) -> np.ndarray:
-    """Closing of the two floors of every link over time [m], shape (t, m)."""
-    found = np.full((history.time.size, len(history.links)), np.nan)
-    for number, (left, floor, right_floor) in enumerate(histories.link_ends(history.buildings, history.links)):
-        if np.isfinite(history.link_force[0, number]):
-            u, beside = history.displacement[:, left, floor - 1], history.displacement[:, left + 1, right_floor - 1]
-            found[:, number] = u - beside
-    return found

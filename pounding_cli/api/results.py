@@ -6,12 +6,10 @@ from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli import store
 from pounding_cli.api.histories import History
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
-from pounding_cli.store.files import opened, opened_dataset
-from pounding_cli.store.structure import strings
+from pounding_cli.results import results
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,7 +25,7 @@ _DIMS = {
 }
 
 
-class Results(store.Results):
+class Results(results.Results):
     """The tables of a results file, and views of the whole of it."""
 
     @cached_property
@@ -35,8 +33,7 @@ class Results(store.Results):
         """Every variable of the file over the swept axes, case, analysis, record, building, storey, floor and link,
         with units and meanings; read into memory when it is first asked for.
         """
-        with opened_dataset(self.path) as data:
-            return data.load()
+        return self.data.load()
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
@@ -71,37 +68,25 @@ class Results(store.Results):
         """
         from matplotlib import pyplot as plt
 
-        from pounding_cli.report.build import nominal
-        from pounding_cli.report.evidence import points
+        from pounding_cli.report.evidence import nominal
         from pounding_cli.report.figures import main_building, response
-        from pounding_cli.report.quantity import Choice
         from pounding_cli.report.style import drawn_on
-        from pounding_cli.report.sweep import Asked, sweep_figures
+        from pounding_cli.report.sweep import Asked, Choice, sweep_pictures
 
-        evidences = points(self)
-        shown = nominal(evidences)
+        shown = nominal(self)
         name = building or main_building(shown)
         if name not in shown.group:
             raise InputError(Problem(f"no building '{name}' in these results", f"there are {', '.join(shown.group)}"))
         with drawn_on(plt.figure()):
-            swept = sweep_figures(self, shown, Asked(choice=Choice("", building=name)))
-            figure = next(iter(swept.values())) if swept else response(shown, name)
+            swept = sweep_pictures(self, shown, Asked(choice=Choice("", building=name)))
+            figure = swept[0].draw() if swept else response(shown, name)
         return [ax for ax in figure.axes if ax.get_xlabel()]
 
-    @cached_property
-    def _names(self) -> dict[str, list[str]]:
-        with opened(self.path) as file:
-            return {dim: list(strings(file[dim])) for dim in _DIMS if dim in file}
-
     def __repr__(self) -> str:
-        try:
-            names = self._names
-        except InputError:  # moved or replaced since it was opened; a line must come all the same
-            return f"Results({self.title!r}; {self.path})"
+        names = {dim: self.data[dim].values.tolist() for dim in _DIMS}
         parts = [
             counted(len(names[dim]), *words) + (f" ({', '.join(names[dim])})" if len(names[dim]) <= 5 else "")
             for dim, words in _DIMS.items()
-            if dim in names
         ]
         if self.axes:
             parts.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))

@@ -6,12 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli.outputs import EXPANDED, parts_of
-
 if TYPE_CHECKING:
     from pounding_cli.api.results import Results
     from pounding_cli.batch.progress import Progress
-    from pounding_cli.study import Plan, Study
+    from pounding_cli.study import Study
 
 
 def load_study(source: str | Path | Mapping[str, Any]) -> Study:
@@ -32,7 +30,7 @@ def run(
     output: str | Path | None = None,
     *,
     workers: int | None = None,
-    engine: str = "processes",
+    engine: str = "threads",
     scheduler: str | None = None,
     progress: Progress | None = None,
     replace: bool = False,
@@ -45,10 +43,10 @@ def run(
     study : a loaded study, the path of its file, or a dict as `load_study` takes
     output : the results file; `results/<study stem>.h5` unless given
     workers : scenes side by side; the cores of this machine unless given
-    engine : "processes", "threads", "serial" or "dask": the same rows from each
+    engine : "threads", "processes", "serial" or "dask": the same rows from each
     scheduler : address of a Dask scheduler, for the dask engine; a cluster on this machine unless given
     progress : as in `pounding_cli.batch.progress`; nothing is shown unless given
-    replace : replace results of another study too, and leave out scenes and histories that this study does not have
+    replace : replace results of another study too, and forget scenes and histories that this study does not have
     workflow : what is asked, as the command of that name: "run", or "gap" (how wide must the gap be?), whose answer is
         `Results.table("gap")`
 
@@ -59,35 +57,15 @@ def run(
     Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables; so do scenes in
     which a storey collapses ("collapsed"), which are no failures.
     """
-    from pounding_cli.batch import finished, run_plan
-    from pounding_cli.workflows import expansion
+    from pounding_cli.api.running import question, run_study
 
-    expansion(workflow)  # refuses a workflow that there is not
+    asked = question(workflow)
     loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
-    if replace or not finished(loaded, workflow, path):
-        run_plan(
-            plan_of(loaded, workflow, path), path, progress=progress, workers=workers, engine_name=engine,
-            scheduler=scheduler, replace=replace,
-        )  # fmt: skip
+    run_study(
+        loaded, asked, path, progress=progress, workers=workers, engine=engine, scheduler=scheduler, replace=replace
+    )
     return open_results(path)
-
-
-def plan_of(study: Study, workflow: str, output: Path) -> Plan:
-    """The plan of a workflow for `output`; what an unfinished run left there need not be expanded.
-
-    Raises
-    ------
-    InputError : a combination of swept values is not sound, or there is no such workflow
-    """
-    from pounding_cli.workflows import expansion
-
-    folder = parts_of(output)
-    if workflow != "run" or not (folder / EXPANDED).exists():
-        return expansion(workflow)(study)
-    from pounding_cli.store.expanded import expanded_plan
-
-    return expanded_plan(study, folder)
 
 
 def open_results(path: str | Path) -> Results:
@@ -104,7 +82,5 @@ def open_results(path: str | Path) -> Results:
 
 def default_output(study: Path, workflow: str = "run") -> Path:
     """Where results go unless told otherwise: `results/<study stem>.h5` in the current directory, with the name of the
-    workflow behind the stem where the study is one that `pound run` takes too."""
-    from pounding_cli.workflows import WORKFLOWS
-
-    return Path("results") / (f"{study.stem}.h5" if WORKFLOWS[workflow].marks else f"{study.stem}-{workflow}.h5")
+    question behind the stem where one is asked."""
+    return Path("results") / (f"{study.stem}.h5" if workflow == "run" else f"{study.stem}-{workflow}.h5")

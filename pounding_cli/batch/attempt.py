@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,12 +17,10 @@ from pounding_cli.errors import InputError
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
+from pounding_cli.results.solved import Row, encode
+from pounding_cli.solver import solve as solver
 from pounding_cli.solver.estimate import assess
-from pounding_cli.solver.response import DONE, NEVER_CLOSES, LinkResponse, Response
-from pounding_cli.store.codec import failed
-
-Solve = Callable[..., Response]
-"""solve(scene, accuracy=..., method=...) -> Response; with time_step=... where the study has one."""
+from pounding_cli.solver.response import DONE, NEVER_CLOSES, LinkResponse, Response, nothing
 
 HARDER = 0.01
 """Accuracy and time step of a second try over those of the first [-]."""
@@ -32,6 +30,91 @@ ERRORS = 10.0
 
 MEMORY = 256
 """Scenes whose gaps never closed that are kept for those that follow."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """How the scenes of a plan are solved; workers have a copy of it.
+
+    estimate : which scenes are assessed: none, sample or all; alone, those of buildings with nothing beside them
+    all_effects : run scenes too whose gaps are known not to close
+    time_step : of a method that takes one [s]
+    harder : solve a scene that fails once more, a hundred times as finely
+    """
+
+    accuracy: float
+    method: str
+    estimate: str = "none"
+    all_effects: bool = False
+    time_step: float | None = None
+    harder: bool = False
+
+    def rows(self, scenes: Sequence[Scene], halted: Callable[[], bool] = lambda: False) -> list[Row]:
+        """The responses of scenes as rows, in their order; only the first of them where it is `halted`."""
+        found = []
+        for scene in scenes:
+            found.append(encode(self(scene)))
+            if halted():
+                break
+        return found
+
+    def __call__(self, scene: Scene) -> Response:
+        """The response; an exception becomes a failed response that names it."""
+        response = self._caught(scene)
+        if self.harder and response.status != DONE:
+            step = None if self.time_step is None else self.time_step * HARDER
+            second = dataclasses.replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)(scene)
+            if second.status == DONE:
+                note = f"solved once more, {1 / HARDER:g} times as finely: {response.status}"
+                seconds = response.seconds + second.seconds
+                response = dataclasses.replace(second, flags=(*second.flags, note), seconds=seconds)
+        return response
+
+    def is_assessed(self, scene: Scene) -> bool:
+        """Whether error and sensitivity of this scene are asked for; a sample is one scene in eight, the same ones in
+        every run."""
+        if self.estimate == "alone":
+            return not scene.links
+        return self.estimate == "all" or (self.estimate == "sample" and scene.digest[0] in "01")
+
+    def without(self, scene: Scene, status: str, advice: str) -> Response:
+        """The response of a scene that gave none."""
+        buildings, links, columns = nothing([building.storeys for building in scene.buildings], len(scene.links), 0)
+        accuracy, step = (self.accuracy, math.nan) if self.time_step is None else (math.nan, self.time_step)
+        return Response(
+            buildings, links, status, advice, self.method, accuracy, 0, 0, 0.0, time_step=step, columns=columns
+        )
+
+    def _caught(self, scene: Scene) -> Response:
+        try:
+            return self._respond(scene)
+        except InputError as refused:  # the method does not run this scene
+            problem = refused.problems[0]
+            return self.without(scene, f"refused: {problem.message}", problem.hint)
+        except Exception as error:  # one scene must not take the others with it
+            advice = "this is an internal error: please report it with the study file"
+            return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
+
+    def _respond(self, scene: Scene) -> Response:
+        """The response of a scene, from one with narrower gaps where that is known."""
+        memory = _memory(self) if self.time_step is None and not self.all_effects else None
+        response = memory.answer(scene, self.accuracy) if memory else None
+        if response is None:
+            response = self._run(scene)
+            if memory:
+                response = memory.of_open(scene, response)
+        return _with_open_gaps(scene, response)
+
+    def _run(self, scene: Scene) -> Response:
+        told: dict[str, Any] = {} if self.time_step is None else {"time_step": self.time_step}
+        response = solver.solve(scene, accuracy=self.accuracy, method=self.method, **told)
+        return assess(scene, response, self.accuracy, solver.solve) if self.is_assessed(scene) else response
+
+
+@lru_cache(maxsize=1)
+def _memory(task: Task) -> NeverClosed:
+    """One memory in every process, for the task at hand."""
+    return NeverClosed(task._run)
 
 
 class NeverClosed:
@@ -119,96 +202,3 @@ def _with_open_gaps(scene: Scene, response: Response) -> Response:
         if math.isfinite(least):
             said.append(f"links {names}: {NEVER_CLOSES}, {least * 1000:.3g} mm of it stay open")
     return dataclasses.replace(response, dropped=(*response.dropped, *said))
-
-
-@dataclass(frozen=True)
-class Task:
-    """How every row of buildings is solved: a `bundles.Work`.
-
-    estimate : which scenes are assessed: none, sample or all; alone, those of buildings with nothing beside them
-    all_effects : run scenes too whose gaps are known not to close
-    time_step : of a method that takes one [s]
-    harder : solve a scene that fails once more, a hundred times as finely
-    """
-
-    solve: Solve
-    accuracy: float
-    method: str
-    estimate: str = "none"
-    all_effects: bool = False
-    time_step: float | None = None
-    harder: bool = False
-
-    def __call__(self, scene: Scene) -> Response:
-        """The response; an exception becomes a failed response that names it."""
-        response = self._caught(scene, self.respond, scene)
-        if self.harder and response.status != DONE:
-            step = None if self.time_step is None else self.time_step * HARDER
-            task = dataclasses.replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)
-            second = task(scene)
-            if second.status == DONE:
-                note = f"solved once more, {1 / HARDER:g} times as finely: {response.status}"
-                seconds = response.seconds + second.seconds
-                response = dataclasses.replace(second, flags=(*second.flags, note), seconds=seconds)
-        return response
-
-    def each(
-        self, scenes: Sequence[Scene], begins: Callable[[int], None], halted: Callable[[], bool]
-    ) -> list[Response]:
-        """The responses of scenes in their order; only the first of them, at least one, where it is `halted`.
-
-        begins : told the place of every scene before it is run
-        """
-        found = []
-        for place, scene in enumerate(scenes):
-            begins(place)
-            found.append(self(scene))
-            if halted():
-                break
-        return found
-
-    def respond(self, scene: Scene) -> Response:
-        """The response of a scene, from one with narrower gaps where that is known; assessed where the study asks for
-        that."""
-        memory = _memory(self) if self.time_step is None and not self.all_effects else None
-        response = memory.answer(scene, self.accuracy) if memory else None
-        if response is None:
-            response = self._run(scene)
-            if memory:
-                response = memory.of_open(scene, response)
-        return _with_open_gaps(scene, response)
-
-    def _run(self, scene: Scene) -> Response:
-        told: dict[str, Any] = {} if self.time_step is None else {"time_step": self.time_step}
-        response = self.solve(scene, accuracy=self.accuracy, method=self.method, **told)
-        return assess(scene, response, self.accuracy, self.solve) if self.is_assessed(scene) else response
-
-    def _caught(self, scene: Scene, work: Callable[..., Response], *arguments: Any) -> Response:
-        """What `work` gives; an exception becomes a failed response that names it."""
-        try:
-            return work(*arguments)
-        except InputError as refused:  # the method does not run this scene
-            problem = refused.problems[0]
-            return self.without(scene, f"refused: {problem.message}", problem.hint)
-        except Exception as error:  # one scene must not take the others with it
-            advice = "this is an internal error: please report it with the study file"
-            return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
-
-    def is_assessed(self, scene: Scene) -> bool:
-        """Whether error and sensitivity of this scene are asked for; a sample is one scene in eight, the same ones in
-        every run."""
-        if self.estimate == "alone":
-            return not scene.links
-        return self.estimate == "all" or (self.estimate == "sample" and scene.digest[0] in "01")
-
-    def without(self, scene: Scene, status: str, advice: str) -> Response:
-        """The response of a scene that gave none."""
-        storeys = [building.storeys for building in scene.buildings]
-        asked = (self.accuracy, math.nan) if self.time_step is None else (math.nan, self.time_step)
-        return failed(storeys, len(scene.links), status, advice, self.method, *asked)
-
-
-@functools.lru_cache(maxsize=1)
-def _memory(task: Task) -> NeverClosed:
-    """One memory in every process, for the task at hand."""
-    return NeverClosed(task._run)

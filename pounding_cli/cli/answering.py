@@ -1,63 +1,99 @@
-"""What all commands share that answer a question of a study: options, the way to the answer, tables in print."""
+"""The commands that answer a question of a study: `pound gap`, `pound fragility`, `pound sensitivity`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from pounding_cli.cli import streams
 from pounding_cli.cli.solving import Solving, output_option, solve_study, solving_options, time_text
-from pounding_cli.workflows import WORKFLOWS
+from pounding_cli.workflows import TITLES
 
 if TYPE_CHECKING:
-    from pounding_cli.batch import Outcome
+    from pounding_cli.api.running import Outcome
 
-FEW_POINTS = 4
-"""Points of a sweep that are printed; the table of the answer holds all."""
+_HELP = {
+    "gap": """Compute how wide the gap of STUDY must be, so that its buildings do not touch.
 
-Tell = Callable[[Path, "Outcome"], None]
-"""tell(results file, outcome) -> None; prints the answer."""
+    Each building moves alone under every motion. The largest closing of two floors that face each other is the gap
+    that this motion requires. The command prints statistics over the motions, the gap for a given probability of
+    contact, and the gaps by the rules ABS, SRSS, DDC and those of codes. The section `gap:` of the study selects them;
+    the default is mean, largest, 84th percentile and 10 % probability of contact.
+
+    It then says for each case whether its gap is enough, by each rule and for how many motions, and how far each
+    building moves to either side, which is its distance to a property line. The buildings move alone: links do not
+    change what is required.
+
+    After Ctrl-C, a crash or a full disk, run the same command again to resume.
+
+    \b
+    Example:
+      pound gap study.yaml
+      pound show results/study-gap.h5 gap_cases
+      pound show results/study-gap.h5 property_line
+      pound report results/study-gap.h5
+    """,
+    "fragility": """Compute how likely the limits of STUDY are passed over an intensity, for each building alone and
+    with pounding.
+
+    The section `fragility:` of the study has the limits (`mu > 4`, `drift > 2 %`, `acceleration > 1 g`,
+    `shear_demand > 1`, `contact`, `collapse`), the section `sweep:` the intensities (`records.scale.pga`, `.sa`, `.pgv`
+    or `records.scale`). By default each motion is scaled until it passes, and only the intensities needed for this are
+    solved. The curves are lognormal, fitted by maximum likelihood, with bootstrap intervals over the motions.
+
+    After Ctrl-C, a crash or a full disk, run the same command again to resume.
+    Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
+
+    \b
+    Example:
+      pound fragility study.yaml
+      pound show results/study-fragility.h5 fragility
+      pound report results/study-fragility.h5
+    """,
+    "sensitivity": """Compute how much each uncertain key of STUDY contributes to the variance of its results.
+
+    The section `uncertain:` has the keys with their distributions; `motion: any` varies the motion too. The section
+    `sensitivity:` has the outputs, e.g. `outputs: [largest mu in soft]`, or `claims: all` for the probability of the
+    paper's statements. Quasi-random samples are solved like a sweep. Sobol indices give the part of the variance that
+    each key explains; Morris indices screen many keys at low cost.
+
+    A failed scene is solved again with a hundred times finer accuracy. If it fails again, its outputs get no index.
+    After Ctrl-C, a crash or a full disk, run the same command again to resume.
+    Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
+
+    \b
+    Example:
+      pound sensitivity study.yaml
+      pound show results/study-sensitivity.h5 sensitivity
+      pound report results/study-sensitivity.h5
+    """,
+}
 
 
-def answer_command(name: str) -> Callable[[Tell], click.Command]:
-    """Decorator: makes the command of a workflow from the function that prints its answer, whose docstring is the
-    help."""
+def _command(name: str) -> click.Command:
+    @click.command(name, short_help=TITLES[name], help=_HELP[name])
+    @click.argument("study", type=click.Path(path_type=Path))
+    @output_option(f"results/<study>-{name}.h5")
+    @solving_options
+    @click.pass_context
+    def command(ctx: click.Context, study: Path, output: Path | None, **options: Any) -> None:
+        solve_study(ctx, name, study, output, Solving(**options), print_answer)
 
-    def made(tell: Tell) -> click.Command:
-        @click.command(name, short_help=WORKFLOWS[name].title, help=tell.__doc__)
-        @click.argument("study", type=click.Path(path_type=Path))
-        @output_option("results/<study>.h5" if WORKFLOWS[name].marks else f"results/<study>-{name}.h5")
-        @solving_options
-        @click.pass_context
-        def command(ctx: click.Context, study: Path, output: Path | None, **options: Any) -> None:
-            solve_study(ctx, name, study, output, Solving(**options), tell)
-
-        return command
-
-    return made
+    return command
 
 
-def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> None:
-    """A table; `words` : how many columns of text come first."""
-    from rich import box
-    from rich.table import Table
+def print_answer(path: Path, outcome: Outcome) -> None:
+    """Print what a results file says, and what it took."""
+    from pounding_cli.report import report
+    from pounding_cli.results.results import open_results
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for number, heading in enumerate(heads):
-        table.add_column(heading, justify="left" if number < words else "right", no_wrap=number < words)
-    for row in rows:
-        table.add_row(*row)
-    streams.echo_table(table)
-
-
-def print_outcome(outcome: Outcome, scenes: str) -> None:
-    """What it took; `scenes` : which scenes, e.g. "5 motions; scenes"."""
+    report(open_results(path)).print()
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
     click.echo(
-        f"{scenes}: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
-        f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}"
+        f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
+        f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}\nResults: {outcome.path}"
     )
-    click.echo(f"Results: {outcome.path}")
+
+
+gap, fragility, sensitivity = map(_command, ("gap", "fragility", "sensitivity"))

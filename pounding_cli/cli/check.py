@@ -21,11 +21,6 @@ if TYPE_CHECKING:
     from pounding_cli.study import Axis, Plan, Study
 
 
-MOST_POINTS, FEW_POINTS = 10_000, 2000
-"""Points of a sweep that are all looked at, and of a larger one so many, spread evenly: each takes a quarter of a
-millisecond."""
-
-
 @click.command("check", short_help="Validate a study; show what a run would solve and leave out.")
 @click.argument("study", type=click.Path(path_type=Path))
 def command(study: Path) -> None:
@@ -33,7 +28,7 @@ def command(study: Path) -> None:
 
     The command reports every problem as file:line:column, what is wrong and what to write instead. It accepts studies
     of all commands, including their sections (`gap:`, `fragility:`, `sensitivity:`, `optimise:`), whose questions it
-    lists with the scenes of their first round.
+    lists with the scenes that they begin with.
 
     Behind the line "OK" it lists the scenes with their expected time, for which it runs one scene of each kind, links,
     effects simulated and left out with the reason, and motions. Nothing is written.
@@ -45,8 +40,7 @@ def command(study: Path) -> None:
     from pounding_cli.reading import shortened
     from pounding_cli.study import expand, load_study
     from pounding_cli.study.kinds import kind_of_file
-    from pounding_cli.study.thinned import thinned
-    from pounding_cli.workflows import WORKFLOWS
+    from pounding_cli.workflows import TITLES, workflow_of
 
     name = shortened(study)
     kind = kind_of_file(study)
@@ -57,108 +51,91 @@ def command(study: Path) -> None:
         click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
-    asked = {each: workflow for each, workflow in WORKFLOWS.items() if read.root.get(each) is not None}
-    for workflow in asked.values():
-        if workflow.question:
-            workflow.part("question")(read)
-    some = read if math.prod(len(axis.values) for axis in read.axes) <= MOST_POINTS else thinned(read, FEW_POINTS)
-    plan = expand(some)
-    questions = {each: workflow.part("expand")(some) for each, workflow in asked.items() if workflow.is_section}
+    asked = [workflow_of(each) for each in TITLES if each != "run" and read.root.get(each) is not None]
+    for workflow in asked:
+        workflow.check(read)
+    plan = expand(read)
+    plans = {workflow.name: workflow.plan(read) for workflow in asked}
     for warning in read.warnings:
         streams.echo_warning(warning)
-    click.echo(f"OK: {name}: {_size(read, plan)}")
+    click.echo(f"OK: {name}: {_size(plan)}")
     from pounding_cli.solver import solve  # here, so that a study that is refused need not wait for numba
 
     solve.say = lambda text: click.echo(text, err=True)
-    for line in [*_lines(read, plan), *_questions(read, some, questions)]:
+    for line in [*_lines(plan), *_questions(read, plans)]:
         click.echo(line)
 
 
-def _size(study: Study, plan: Plan) -> str:
-    """The rows of a study and, where all points of its sweep were looked at, its scenes."""
-    points = math.prod(len(axis.values) for axis in study.axes)
+def _size(plan: Plan) -> str:
+    """The rows of a study and its scenes."""
     factors = [
         counted(len(plan.cases), "case"),
         counted(len(plan.analyses), "analysis", "analyses"),
         counted(len(plan.records), "record"),
-        *([counted(points, "sweep point")] if study.axes else []),
+        *([counted(math.prod(plan.shape[:-3]), "sweep point")] if plan.axes else []),
     ]
-    scenes = f" from {counted(len(plan.scenes), 'scene')}" if plan.study is study else ""
-    return f"{' x '.join(factors)} = {counted(_rows(study, plan), 'row')}{scenes}"
+    rows = counted(math.prod(plan.shape), "row")
+    return f"{' x '.join(factors)} = {rows} from {counted(len(plan), 'scene')}"
 
 
-def _rows(study: Study, plan: Plan) -> int:
-    return math.prod((*(len(a.values) for a in study.axes), len(plan.cases), len(plan.analyses), len(plan.records)))
+def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
+    """What the sections of a study ask, with the scenes that each question begins with, and their time.
 
-
-def _questions(study: Study, some: Study, plans: dict[str, Plan]) -> list[str]:
-    """What the sections of a study ask, with the scenes of the first round of each question and their time.
-
-    some : the study, or the thinned one that is looked at in its place
-    plans : command -> the plan of its first round
+    plans : command -> what is known before anything is solved
     """
     from pounding_cli.batch.forecast import START, forecast
+    from pounding_cli.workflows import workflow_of
 
-    times = math.prod(len(axis.values) / len(few.values) for axis, few in zip(study.axes, some.axes, strict=True))
-    about = "" if some is study else "about "
     lines = []
     for name, plan in plans.items():
-        later = ""
-        if plan.ahead:
-            later = f"; later rounds about {round(times * plan.ahead)} more at most"
-        elif any(row.scene not in plan.scenes for row in plan.rows if row.scene):
-            later = "; later rounds need more scenes, depending on the results"
-        elif plan.state is not None:
-            later = "; later rounds depend on its results"
-        first = "the first round has" if later else "it has"
-        scenes = f"{about}{counted(round(times * len(plan.scenes)), 'scene')}"
-        time = time_text(START + times * forecast(plan).total)
-        lines.append(f"  pound {name:<12} {first} {scenes}, about {time} on one core{later}")
+        workflow = workflow_of(name)
+        more = "; more depend on the results" if workflow.goes_on(study) else ""
+        first = workflow.first(plan)
+        time = time_text(START + forecast(plan, first).total)
+        lines.append(f"  pound {name:<12} {'begins with' if more else 'has'} {counted(len(first), 'scene')}, "
+                     f"about {time} on one core{more}")  # fmt: skip
     return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
 
-def _lines(study: Study, plan: Plan) -> list[str]:
-    from pounding_cli.batch.forecast import START, forecast
+def _lines(plan: Plan) -> list[str]:
+    from pounding_cli.batch.forecast import ALONE, START, forecast
+    from pounding_cli.workflows import workflow_of
 
-    found = forecast(plan, study)
-    rows = _rows(study, plan)
-    about = "" if plan.study is study else "about "
-    repeated = max(0, rows - (found.all - found.alone))
+    found = forecast(plan, workflow_of("run").first(plan))
+    rows = math.prod(plan.shape)
     step = "" if plan.time_step is None else f"time step {plan.study.unit('time step').text(plan.time_step)}"
     setting = step or f"accuracy {plan.accuracy:g}"
     lines = [
         plan.study.title,
         f"group      {' | '.join(plan.buildings)}",
-        *_sweep(study.axes),
+        *_sweep(plan.axes),
         f"method     {plan.method}, {setting}",
-        f"scenes     {about}{found.all}, on one core about {time_text(START + found.total)} with estimate: "
-        f"{plan.estimate}",
+        f"scenes     {len(plan)}, on one core about {time_text(START + found.total)} with estimate: {plan.estimate}",
         f"           timed by {counted(found.timed, 'scene')} of them",
     ]
     if found.looked_at < 1:
-        lines.append(f"           judged by one scene in {1 / found.looked_at:.0f}")
-    if about:
-        lines.append("           other combinations of swept values are checked when the run begins")
+        lines.append(f"           effects judged by one scene in {1 / found.looked_at:.0f}")
     for what, count in sorted(found.scenes.items()):
-        lines.append(f"  run      {round(count):6d} {what}, about {time_text(found.seconds[what])}")
+        lines.append(f"  run      {count:6d} {what}, about {time_text(found.seconds[what])}")
     lines.append(
-        f"  shared   {counted(rows * len(plan.buildings), 'baseline')} asked for, {about}{found.alone} run; "
-        f"{about}{counted(repeated, 'row repeats', 'rows repeat')} another's scene"
+        f"  shared   {counted(rows * len(plan.buildings), 'baseline')} asked for, {found.scenes[ALONE]} run; "
+        f"{counted(max(0, rows - (len(plan) - found.scenes[ALONE])), 'row repeats', 'rows repeat')} another's scene"
     )
     if plan.time_step is None:
         lines.append("  not run         scenes whose gaps are wider than ones that turn out never to close")
     lines += _meetings(plan)
     lines.append("cases")
     units = plan.study.unit("gap"), plan.study.unit("link stiffness")
-    lines += [f"  {case:<16} {_links(plan, case, *units)}" for case in plan.cases]
+    lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
     lines.append("effects    (in scenes of the group)")
     lines += _effects(found)
     lines.append("motions    (as used)")
     unit = plan.study.unit("acceleration")
+    uses = [used.use for used in plan.study.motions((0,) * len(plan.axes)).values()]
     lines += [
         f"  {use.name:<16} {use.source}, first {use.window:g} s x {use.scale:.3f}: "
         f"peak {unit.text(use.pga, 3)}, Arias {use.arias:.3f} m/s"
-        for use in plan.motions
+        for use in uses
     ]
     if (match := plan.study.spectrum_match()) is not None:
         lines.append(f"  {match.words}")
@@ -205,10 +182,9 @@ def _effects(found: Forecast) -> list[str]:
     return [*lines, f"  {rest}"] if rest else lines
 
 
-def _links(plan: Plan, case: str, width: Unit, strength: Unit) -> str:
+def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
     """The links of a case at the first point of the sweep, in words."""
-    row = next(row for row in plan.rows if row.case == case)
-    links = plan.scenes[row.scene].links
+    links = plan.build(case * len(plan.analyses) * len(plan.records)).links
     if not links:
         return "no links: runs as buildings alone"
     groups = Counter((link.kind, link.gap, _stiffness(link.law, strength)) for link in links if not link.columns)

@@ -32,11 +32,14 @@ def command(source: Path, form: str) -> None:
       pound cite results/fig6.h5
       pound cite configs/fig6.yaml --format bibtex > references.bib
     """
-    from pounding_cli.report.citations import citations, motions
+    import importlib
+
+    from pounding_cli.report.references import citations, motions
 
     title, kind, resolved, sources, methods = _study(source) if source.suffix in (".yaml", ".yml") else _results(source)
+    asked = importlib.import_module(f"pounding_cli.report.{kind}")
     try:
-        found = citations(kind, resolved, sources, methods)
+        found = citations(resolved, sources, methods, getattr(asked, f"cite_{kind}", None))
     except (KeyError, TypeError, AttributeError, IndexError) as error:
         problem = Problem("its resolved study is not complete", "run the study again with this program", str(source))
         raise InputError(problem) from error
@@ -48,8 +51,8 @@ def command(source: Path, form: str) -> None:
         click.echo(f"\n{citation.reference.text}\n    for {'; '.join(citation.uses)}")
     if sources:
         click.echo("\nMotions")
-    for motion in motions(sources):
-        click.echo(f"  {motion.name} ({motion.kind}): {motion.text}")
+    for line in motions(sources):
+        click.echo(f"  {line}")
 
 
 _Used = tuple[str, str, Mapping[str, Any], Mapping[str, str], Collection[str]]
@@ -57,15 +60,15 @@ _Used = tuple[str, str, Mapping[str, Any], Mapping[str, str], Collection[str]]
 
 
 def _study(path: Path) -> _Used:
-    from pounding_cli.study import expand, load_study
+    from pounding_cli.study import load_study
 
     study = load_study(path)
-    plan = expand(study)
-    return study.title, "run", study.resolved(), {use.name: use.source for use in plan.motions}, {plan.method}
+    uses = [used.use for used in study.motions((0,) * len(study.axes)).values()]
+    return study.title, "run", study.resolved(), {use.name: use.source for use in uses}, {study.model.method}
 
 
 def _results(path: Path) -> _Used:
-    from pounding_cli.store import open_results
+    from pounding_cli.results.results import open_results
 
     results = open_results(path)
     records = results.records()

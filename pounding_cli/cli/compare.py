@@ -10,7 +10,7 @@ import click
 from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
-    from pounding_cli.store.compare import Comparison
+    from pounding_cli.results.compare import Comparison
 
 FEW = 12
 """Lines of one kind shown unless all are asked for."""
@@ -34,8 +34,8 @@ def command(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
       pound compare results/old.h5 results/new.h5
       pound compare before.h5 after.h5 --numbers && echo "no number moved"
     """
-    from pounding_cli.store import open_results
-    from pounding_cli.store.compare import compare
+    from pounding_cli.results.compare import compare
+    from pounding_cli.results.results import open_results
 
     found = compare(open_results(first), open_results(second))
     for line in _told(found, everything):
@@ -74,7 +74,7 @@ def _study(found: Comparison) -> str:
 
 def _numbers(found: Comparison, everything: bool) -> list[str]:
     """Every changed number, or of each column how many and the worst."""
-    from pounding_cli.store.columns import meaning
+    from pounding_cli.results.columns import meaning
 
     said = []
     for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):

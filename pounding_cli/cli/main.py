@@ -14,7 +14,7 @@ import click
 from pounding_cli import __version__
 from pounding_cli.cli import streams
 from pounding_cli.errors import InputError
-from pounding_cli.workflows import WORKFLOWS
+from pounding_cli.workflows import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 
 def _asking(*names: str) -> dict[str, tuple[str, str]]:
     """The commands of workflows; without names all."""
-    return {name: (f"pounding_cli.cli.{name}", WORKFLOWS[name].title) for name in names or WORKFLOWS}
+    places = {"run": "run", "optimise": "optimise"}
+    return {
+        name: (f"pounding_cli.cli.{places.get(name, f'answering:{name}')}", TITLES[name]) for name in names or TITLES
+    }
 
 
 COMMANDS = {

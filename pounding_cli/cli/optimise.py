@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from pounding_cli.cli.answering import print_outcome, print_table
+from pounding_cli.cli.answering import print_answer
 from pounding_cli.cli.solving import Solving, output_option, solve_study, solving_options
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_output
-from pounding_cli.workflows import WORKFLOWS
-
-if TYPE_CHECKING:
-    from pounding_cli.batch import Outcome
+from pounding_cli.workflows import TITLES
 
 
-@click.command("optimise", short_help=WORKFLOWS["optimise"].title)
+@click.command("optimise", short_help=TITLES["optimise"])
 @click.argument("study", type=click.Path(path_type=Path))
 @output_option("results/<study>-optimise.h5")
 @click.option(
@@ -57,30 +53,13 @@ def command(ctx: click.Context, study: Path, output: Path | None, write: Path | 
         if write is not None:
             _write(ctx, study, path, write, not (how.quiet or how.log_json))
 
-    solve_study(ctx, "optimise", study, output, how, _tell, after)
-
-
-def _tell(path: Path, outcome: Outcome) -> None:
-    from pounding_cli.report.optimise_text import DESIGN_HEADS, cells, design_cells, heads, notes, optimum_of, sentences
-    from pounding_cli.store import open_results
-
-    results = open_results(path)
-    found = optimum_of(results)
-    click.echo(results.title)
-    for sentence in sentences(found):
-        click.echo(sentence)
-    if found.is_found:
-        print_table(heads(found), cells(found), words=1)
-        print_table(DESIGN_HEADS, design_cells(found), words=1)
-    for note in notes(found):
-        click.echo(note)
-    print_outcome(outcome, f"{counted(found.points, 'point')}; scenes")
+    solve_study(ctx, "optimise", study, output, how, print_answer, after)
 
 
 def _check(study: Path, write: Path, replace: bool) -> None:
     """Make sure, before anything is solved, that the best study can be written.  Raises `InputError`."""
     from pounding_cli.study import load_study
-    from pounding_cli.study.optimise import check_written
+    from pounding_cli.workflows.optimise_question import check_written
 
     if write.suffix not in (".yaml", ".yml"):
         raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
@@ -93,10 +72,10 @@ def _check(study: Path, write: Path, replace: bool) -> None:
 
 def _write(ctx: click.Context, study: Path, path: Path, write: Path, says: bool) -> None:
     """Write the study with the best values that a results file has."""
-    from pounding_cli.store import open_results
-    from pounding_cli.store.optimise import NOTHING, OPTIMUM
+    from pounding_cli.results.results import open_results
     from pounding_cli.study import load_study
-    from pounding_cli.study.optimise import question_of, text_at
+    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM
+    from pounding_cli.workflows.optimise_question import question_of, text_at
 
     results = open_results(path)
     table, loaded = results.answer(OPTIMUM).frame, load_study(study)

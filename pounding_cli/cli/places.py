@@ -12,7 +12,7 @@ from pounding_cli.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from pounding_cli.numbers import Unit
-    from pounding_cli.store import Results
+    from pounding_cli.results.results import Results
 
 at_option = click.option(
     "--at", multiple=True, metavar="KEY=VALUE", help="Value of a swept key; may be given more than once."

@@ -110,7 +110,7 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
         check_output(output, [Path(place)])
     _print_measures(found, title, place, read_as)
     if output is not None:
-        from pounding_cli.report.motion import draw
+        from pounding_cli.report.motions import draw
 
         draw(found, title, output)
         click.echo(f"\ndrawn: {output}")

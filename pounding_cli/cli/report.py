@@ -84,37 +84,31 @@ def command(
       pound report results/fig6.h5 -o paper --figures-for-paper
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --storey 3
     """
-    from pounding_cli.report.build import FORMATS, write_comparison, write_report
-    from pounding_cli.report.claims import judge
-    from pounding_cli.report.evidence import points
-    from pounding_cli.report.quantity import Choice
-    from pounding_cli.report.style import for_paper
-    from pounding_cli.report.sweep import Asked
-    from pounding_cli.store import open_results
+    from pounding_cli.report import report
+    from pounding_cli.report.claims import compare_claims, verdicts
+    from pounding_cli.report.style import FORMATS, for_paper
+    from pounding_cli.report.sweep import Asked, Choice
+    from pounding_cli.results.results import open_results
 
     if figures_for_paper and no_figures:
         hint = "leave one of them out"
         raise InputError(Problem("--figures-for-paper and --no-figures contradict each other", hint))
     usual = tuple(name for name in FORMATS if name != "png") if figures_for_paper else FORMATS
     chosen = () if no_figures else formats or usual
-    with_page = not (no_page or figures_for_paper)
     opened = {path: open_results(path) for path in files}
     choice = Choice("", case, analysis, building, storey, floor, link, record)
     asked = {path: Asked(quantities, choice, points_at(results, at)) for path, results in opened.items()}
     folders = _folders(files, output)
     for path, results in opened.items():
         with for_paper() if figures_for_paper else nullcontext():
-            written = write_report(results, folders[path], chosen, with_page, asked[path])
-        if quiet:
-            continue
-        click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
-        evidences = points(results)
-        if len(evidences) == 1:
-            for judgement in judge(evidences[0]):
-                click.echo(f"  {judgement.claim.key:22} {judgement.verdict}")
+            written = report(results, asked=asked[path]).save(folders[path], chosen, not (no_page or figures_for_paper))
+        if not quiet:
+            click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
+            for key, verdict in verdicts(results).items():
+                click.echo(f"  {key:22} {verdict}")
     if len(opened) > 1:
         folder = output or Path("comparison")
-        page, _ = write_comparison({folders[path].name: results for path, results in opened.items()}, folder)
+        page, _ = compare_claims({folders[path].name: results for path, results in opened.items()}, folder)
         if not quiet:
             click.echo(str(page))
 

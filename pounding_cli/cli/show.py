@@ -10,17 +10,17 @@ import click
 
 from pounding_cli.cli.places import key_and_value, meant
 from pounding_cli.numbers import Unit, counted, listed
+from pounding_cli.results.columns import ANSWERS
 from pounding_cli.texts import cells
-from pounding_cli.workflows import WORKFLOWS
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pounding_cli.store import Results
+    from pounding_cli.results.results import Results
 
 TABLES = (
     *("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
-    *(table for workflow in WORKFLOWS.values() for table in workflow.shows),
+    *(table for tables in ANSWERS.values() for table in tables),
 )
 _NOTHING = {"link": "no links", "struck": "no columns that a slab strikes", "flagged": "no flags"}
 """What a case without rows in a table has none of."""
@@ -79,7 +79,7 @@ def command(
       pound show results/fig6.h5 accuracy --record elcentro
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
-    from pounding_cli.store import open_results
+    from pounding_cli.results.results import open_results
 
     results = open_results(file)
     table = table or (results.answers[0] if results.answers else "summary")

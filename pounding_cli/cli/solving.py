@@ -12,7 +12,7 @@ import click
 from pounding_cli.cli import streams
 
 if TYPE_CHECKING:
-    from pounding_cli.batch import Outcome
+    from pounding_cli.api.running import Outcome
     from pounding_cli.batch.progress import JsonLines
 
 _OPTIONS = (
@@ -26,8 +26,8 @@ _OPTIONS = (
     click.option(
         "--engine",
         "engine_name",
-        type=click.Choice(("serial", "threads", "processes", "dask")),
-        default="processes",
+        type=click.Choice(("threads", "processes", "dask", "serial")),
+        default="threads",
         show_default=True,
         help="How scenes are solved; the results are the same. Small studies are always solved serially.",
     ),
@@ -39,7 +39,7 @@ _OPTIONS = (
     click.option(
         "--replace",
         is_flag=True,
-        help="Replace the results of another study; delete scenes and histories that STUDY no longer has.",
+        help="Replace the results of another study; forget scenes and histories that STUDY no longer has.",
     ),
     click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
 )
@@ -83,23 +83,19 @@ def solve_study(
     how: Solving,
     summarise: Callable[[Path, Outcome], None],
     after: Callable[[Path], None] | None = None,
-    **changes: Any,
+    all_effects: bool = False,
 ) -> None:
     """Load a study, solve what its workflow asks for, write the results file and tell what came out.
 
     summarise : prints what was found in the results file; not called where nothing is to be printed
     after : called with the results file in any case
-    changes : fields of the plan that the command sets
+    all_effects : simulate what cannot matter too
 
     Failed scenes are listed and make the exit code 1.
     """
-    import dataclasses
-    import gc
-
     _alone_on_its_core()
-    gc.disable()  # what is imported stays: looking for garbage in it takes a fifteenth of a short run
-    ctx.call_on_close(gc.enable)
-    from pounding_cli.api.studies import default_output, plan_of
+    from pounding_cli.api.running import question, run_study
+    from pounding_cli.api.studies import default_output
     from pounding_cli.batch.progress import JsonLines, chosen
     from pounding_cli.study import load_study
 
@@ -111,25 +107,10 @@ def solve_study(
         elif not how.quiet:
             streams.echo_warning(warning)
     path = output or default_output(study, workflow)
-    outcome = None
-    if path.exists() and not how.replace:
-        numba_without_blas()
-        from pounding_cli.batch import finished
-
-        outcome = finished(loaded, workflow, path, **changes)
-    if outcome is None:
-        plan = dataclasses.replace(plan_of(loaded, workflow, path), **changes)
-        numba_without_blas()  # only now: a study that is refused needs no numba
-        from pounding_cli.batch import run_plan
-
-        gc.freeze()
-        gc.enable()
-        outcome = run_plan(
-            plan, path, progress=log or chosen(how.quiet), workers=how.workers, engine_name=how.engine_name,
-            scheduler=how.scheduler, replace=how.replace,
-        )  # fmt: skip
-        del plan
-    del loaded  # what is printed is read from the file, and of many scenes both need their memory
+    outcome = run_study(
+        loaded, question(workflow), path, progress=log or chosen(how.quiet), workers=how.workers,
+        engine=how.engine_name, scheduler=how.scheduler, replace=how.replace, all_effects=all_effects,
+    )  # fmt: skip
     if log:
         _log(log, outcome)
     elif not how.quiet:
@@ -142,21 +123,6 @@ def solve_study(
             click.echo(f"    {failure.advice}", err=True)
     if outcome.failures:
         ctx.exit(1)
-
-
-def numba_without_blas() -> None:
-    """Numba asks SciPy for its linear algebra when it starts, a tenth of a second for what no kernel uses. It is told
-    that there is none, in this process alone; all others who ask SciPy get it. Where SciPy's is there already, nothing
-    would be gained."""
-    import sys
-
-    name = "scipy.linalg.cython_blas"
-    if name not in sys.modules and "numba" not in sys.modules:
-        sys.modules[name] = None  # type: ignore[assignment]
-        try:
-            import numba.np.arraymath  # noqa: F401
-        finally:
-            del sys.modules[name]
 
 
 def _alone_on_its_core() -> None:

@@ -13,19 +13,14 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from pounding_cli.errors import Problem
 
 _PLAIN = {
     "±": "+-", "×": "x", "·": "*", "–": "-", "−": "-", "—": "-", "→": "->", "≤": "<=", "≥": ">=",
-    "μ": "mu", "µ": "u", "²": "2", "³": "3", "₀": "0", "“": '"', "”": '"', "’": "'", "…": "...", "─": "-",
-}  # fmt: skip
+    "μ": "mu", "σ": "sigma", "†": "!", "µ": "u", "²": "2", "³": "3", "₀": "0", "“": '"', "”": '"',
+    "’": "'", "…": "...", "─": "-",
+} | dict(zip("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789", strict=True))  # fmt: skip
 """What stands for a character where the terminal has none."""
-
-
-_WIDTH = 250
-"""Characters of a line where no terminal sets them."""
 
 
 _LONG = 300
@@ -62,18 +57,6 @@ def echo_warning(problem: Problem) -> None:
         lines = textwrap.wrap(first, 100, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
         text = "\n".join([*lines, *rest])
     click.echo(text, err=True)
-
-
-def echo_table(table: Table) -> None:
-    """Print a table. Away from a terminal nothing is cut or wrapped, whatever width a pipe claims to have.
-
-    rich only draws it: printing, it would end a command whose reader has gone with an exit code of its own.
-    """
-    from rich.console import Console
-
-    drawn = io.StringIO()
-    Console(file=drawn, width=None if sys.stdout.isatty() else _WIDTH, markup=False).print(table)  # [cm] is a unit
-    click.echo(drawn.getvalue(), nl=False)
 
 
 def silence() -> None:

@@ -39,9 +39,13 @@ def next_branch(e: Any, guard: int) -> None:
 
 @dataclass(frozen=True)
 class Bilinear(StoreyLaw):
-    """k D - (1 - a) k Dp between the yield lines, a k D +- (1 - a) Vy on them."""
+    """F = k D - (1 - a) k Dp between the yield lines, a k D +- (1 - a) Vy on them, with the plastic drift Dp.
+
+    This is a spring a k beside a spring (1 - a) k that slides at its yield force: kinematic hardening.
+    """
 
     name: ClassVar[str] = "bilinear"
+    example: ClassVar[str] = "{storeys: 5, period: 0.6 s, hardening: 0.05}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (("spiliopoulos1996", "bilinear storeys, section 2"),)
     behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
 

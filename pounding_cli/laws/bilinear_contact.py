@@ -70,6 +70,9 @@ class BilinearContact(LinkLaw):
     """
 
     name: ClassVar[str] = "bilinear"
+    example: ClassVar[str] = (
+        "{link: bilinear, gap: 2 cm, hertz_stiffness: 2e9 N/m^1.5, penetration: 5 mm, restitution: 0.6}"
+    )
     citation: ClassVar[tuple[tuple[str, str], ...]] = (("muthukumar2006", "the bilinear contact"),)
     subtracts_gap: ClassVar[bool] = True
     remembers: ClassVar[bool] = True

@@ -72,6 +72,7 @@ class BoucWen(StoreyLaw):
     """F = a k D + (1 - a) Vy z with Dy z' = D' (1 - |z|^n (beta sgn(z D') + gamma)), beta + gamma = 1."""
 
     name: ClassVar[str] = "bouc-wen"
+    example: ClassVar[str] = "{storeys: 4, period: 0.9 s, storey_law: bouc-wen, wen_exponent: 1, wen_gamma: 0.5}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("bouc1967", "smooth hysteresis of storeys"),
         ("wen1976", "smooth hysteresis of storeys, with the exponent n"),

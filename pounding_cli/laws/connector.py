@@ -19,6 +19,7 @@ class Connector(LinkLaw):
     """
 
     name: ClassVar[str] = "connector"
+    example: ClassVar[str] = "{link: connector, gap: 5 cm, floors: [3, 5], stiffness: 1/5 mean storey}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("spiliopoulos1996", "permanent connectors, eq. (10)"),
         DASHPOT,

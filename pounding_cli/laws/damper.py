@@ -17,6 +17,7 @@ class Damper(LinkLaw):
     """
 
     name: ClassVar[str] = "damper"
+    example: ClassVar[str] = "{link: damper, gap: 5 cm, damping_coefficient: 2 MN s/m}"
     drawn: ClassVar[str] = "bar"
     beyond_gap: ClassVar[str] = "damper closes more than the gap, so the floors would have struck"
     meaningless: ClassVar[bool] = True

@@ -44,6 +44,7 @@ class Friction(LinkLaw):
     """
 
     name: ClassVar[str] = "friction"
+    example: ClassVar[str] = "{link: friction, gap: 5 cm, slip_force: 200 kN}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("pall1982", "friction dampers"),
         ("bhaskararao2006", "friction dampers between buildings"),

@@ -155,6 +155,7 @@ class Hertz(HertzSpring):
     """F = k_h v^1.5 for v > 0. It takes no energy."""
 
     name: ClassVar[str] = "hertz"
+    example: ClassVar[str] = "{link: hertz, gap: 2 cm, hertz_stiffness: 2e9 N/m^1.5}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (("muthukumar2006", "the Hertz contact"),)
     behaviour: ClassVar[Behaviour] = Behaviour(next_branch, force)
 
@@ -172,6 +173,7 @@ class HertzDamp(HertzSpring):
     """
 
     name: ClassVar[str] = "hertz-damp"
+    example: ClassVar[str] = "{link: hertz-damp, gap: 2 cm, hertz_stiffness: 2e9 N/m^1.5, restitution: 0.6}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("muthukumar2006", "the Hertz contact with damping"),
         ("ye2009", "its damping from the coefficient of restitution"),

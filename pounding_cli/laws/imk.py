@@ -236,9 +236,14 @@ def _capacity(of: str) -> float:
 
 @dataclass(frozen=True)
 class PeakOrientedImk(StoreyLaw):
-    """Reloading in a straight line towards the largest drift so far on that side."""
+    """A backbone with hardening, a capping drift, a falling line beyond it and a residual strength, which deteriorates
+    with the energy dissipated; reloading in a straight line towards the largest drift so far on that side.
+    """
 
     name: ClassVar[str] = "imk-peak-oriented"
+    example: ClassVar[str] = (
+        "{storeys: 4, period: 0.9 s, storey_law: imk-peak-oriented, capping_ductility: 4, post_capping_slope: 0.1}"
+    )
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("ibarra2005", "backbone with capping and residual strength, deterioration with the energy dissipated"),
     )
@@ -288,9 +293,15 @@ class PeakOrientedImk(StoreyLaw):
 
 @dataclass(frozen=True, kw_only=True)
 class PinchingImk(PeakOrientedImk):
-    """Reloading in two straight lines: a soft one up to the break drift, then towards the largest drift so far."""
+    """As `imk-peak-oriented`, but reloading in two straight lines: a soft one up to the break drift, then towards the
+    largest drift so far on that side.
+    """
 
     name: ClassVar[str] = "imk-pinching"
+    example: ClassVar[str] = (
+        "{storeys: 4, period: 0.9 s, storey_law: imk-pinching, capping_ductility: 4, post_capping_slope: 0.1, "
+        "pinching_force: 0.3, pinching_drift: 0.6}"
+    )
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("ibarra2005", "pinching; backbone with capping and residual strength, deterioration"),
     )

@@ -58,6 +58,7 @@ class Infill(LinkLaw):
     """
 
     name: ClassVar[str] = "infill"
+    example: ClassVar[str] = "{link: infill, gap: 5 cm, stiffness: 1/5 mean storey}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("spiliopoulos1996", "infill material, eqs (8) and (9)"),
         ("anagnostopoulos1992", "the viscoelastic impact element"),

@@ -103,6 +103,7 @@ class Jankowski(HertzSpring):
     """
 
     name: ClassVar[str] = "jankowski"
+    example: ClassVar[str] = "{link: jankowski, gap: 2 cm, hertz_stiffness: 2e9 N/m^1.5, restitution: 0.6}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("jankowski2005", "the Hertz contact with damping during the approach"),
         ("jankowski2006", "his formula for its damping from the coefficient of restitution"),

@@ -75,6 +75,7 @@ class Law:
     """A frozen dataclass of its parameters, each by `parameter`.
 
     name : what a study file calls it
+    example : a case of a study with this link, or a building with this law of its storeys
     citation : (key of `report/references.bib`, what it is cited for), ...
     instead : keys that it does not have and others write, and what to write in their place
 
@@ -84,6 +85,7 @@ class Law:
     """
 
     name: ClassVar[str]
+    example: ClassVar[str] = ""
     citation: ClassVar[tuple[tuple[str, str], ...]] = ()
     acts_on: ClassVar[str] = ""
     instead: ClassVar[Mapping[str, str]] = {}

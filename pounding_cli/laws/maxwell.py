@@ -30,6 +30,7 @@ class Maxwell(LinkLaw):
     """
 
     name: ClassVar[str] = "maxwell"
+    example: ClassVar[str] = "{link: maxwell, gap: 5 cm, damping_coefficient: 2 MN s/m, stiffness: 100 kN/mm}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (("zhang2000", "Maxwell dampers between buildings"),)
     drawn: ClassVar[str] = "bar"
     stiffness_default: ClassVar[str] = "1 x mean storey"

@@ -92,6 +92,7 @@ class PeakOriented(StoreyLaw):
     largest drift so far on that side."""
 
     name: ClassVar[str] = "peak-oriented"
+    example: ClassVar[str] = "{storeys: 5, period: 0.6 s, storey_law: peak-oriented}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("clough1966", "stiffness that degrades with the largest drift"),
         ("ibarra2005", "peak-oriented reloading"),

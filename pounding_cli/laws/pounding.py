@@ -36,6 +36,7 @@ class Pounding(LinkLaw):
     """
 
     name: ClassVar[str] = "pounding"
+    example: ClassVar[str] = "{link: pounding, gap: 2 cm, stiffness: 20 x stiffest storey, restitution: 0.5}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (
         ("spiliopoulos1996", "pounding, eqs (5) to (7)"),
         ("anagnostopoulos1992", "the viscoelastic impact element"),

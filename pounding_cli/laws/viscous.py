@@ -35,6 +35,7 @@ class Viscous(LinkLaw):
     """
 
     name: ClassVar[str] = "viscous"
+    example: ClassVar[str] = "{link: viscous, gap: 5 cm, force_at_1_m_s: 500 kN, exponent: 0.3}"
     citation: ClassVar[tuple[tuple[str, str], ...]] = (("lin2002", "viscous dampers with an exponent"),)
     drawn: ClassVar[str] = "bar"
     beyond_gap: ClassVar[str] = "viscous damper closes more than the gap, so the floors would have struck"

@@ -176,6 +176,14 @@ class Building:
         each = zip(self.stiffness.tolist(), self.yield_shear.tolist(), self.hardening.tolist(), strict=True)
         return tuple(self.storey_law(*values, **dict(self.law_parameters)) for values in each)
 
+    @cached_property
+    def isolators(self) -> Bilinear | None:
+        """What the isolators do under its weight; None where it has none."""
+        base = self.foundation
+        if base is None or base.isolation is None:
+            return None
+        return base.isolation.bilinear(GRAVITY * (base.mass + float(self.mass.sum())))
+
     @property
     def base_shear_ratio(self) -> float:
         """Yield shear of the lowest storey over the weight, V/W [-]; inf where it cannot yield."""
@@ -209,4 +217,6 @@ class Building:
             if field.name in ("gravity_load", "collapse"):
                 sha.update(field.name.encode())
             sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
+        if self.foundation is not None and self.foundation.isolation is not None:
+            sha.update(self.foundation.isolation.words.encode())
         return sha.hexdigest()

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from pounding_cli.laws.foundation import Rocking, Sway
+from pounding_cli.laws.isolation import Bearings, FrictionPendulum
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,7 @@ class Foundation:
     inertia : rotary inertia of the foundation alone [kg m2], > 0 where the base rocks
     rocking_stiffness : [N m/rad], > 0 where the base rocks
     rocking_damping : [N m s/rad], >= 0
+    isolation : isolators under the base, in place of the spring of its sway; they act in elastic analyses too
 
     Raises
     ------
@@ -34,8 +36,11 @@ class Foundation:
     rocking_damping: float = 0.0
     sways: bool = True
     rocks: bool = True
+    isolation: FrictionPendulum | Bearings | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
+        if self.isolation is not None and not (self.mass > 0 and self.sways):
+            raise ValueError("foundation: a base on isolators sways, and its mass is above zero")
         for law, switch in (("sway", "sways"), ("rocking", "rocks")):
             try:
                 getattr(self, law)
@@ -44,8 +49,9 @@ class Foundation:
 
     @cached_property
     def sway(self) -> Sway | None:
-        """The spring and dashpot of its translation; None where it does not sway."""
-        return Sway(self.mass, self.sway_stiffness, self.sway_damping) if self.sways else None
+        """The spring and dashpot of its translation; None where it does not sway, or on isolators."""
+        is_spring = self.sways and self.isolation is None
+        return Sway(self.mass, self.sway_stiffness, self.sway_damping) if is_spring else None
 
     @cached_property
     def rocking(self) -> Rocking | None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -11,40 +12,67 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from pounding_cli.report.claim_samples import ODDS, OUTCOMES
-from pounding_cli.report.claims import CLAIMS
-from pounding_cli.report.evidence import Evidence, Tables, motion_sentence
-from pounding_cli.report.sensitivity_text import interval, method_of
+from pounding_cli.report.claim_samples import ODDS, OUTCOMES, THRESHOLDS
+from pounding_cli.report.claims import CLAIMS, Finding
+from pounding_cli.report.document import Picture
+from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.style import caption, entitle, new_figure, styled
-from pounding_cli.report.verdicts import Finding
-from pounding_cli.report.web.story import Grid
-from pounding_cli.store.indices import FOUND
-from pounding_cli.store.sensitivity import INDICES
+from pounding_cli.report.table import NOTHING, Table, from_rows
+from pounding_cli.workflows.indices import FOUND
 
-HEADS = ("claim", "holds", "holds partly", "does not hold", "decided most by")
-"""Headings of `rows`."""
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
 
 _COLORS = {"holds": "#0072B2", "partly": "#9CCBE8", "fails": "#E69F00"}
+
+HEADS = ("claim", "holds", "holds partly", "does not hold", "decided most by")
 
 _MEASURES = {
     "sobol": "total index (part of the variance that the key explains, with all its interactions)",
     "morris": "mean effect over its range",
 }
 
-_NUMBER_HEADS = ("claim", "number", "meets its threshold", "median (5 % to 95 %)", "decided most by")
 
-
-def asks_claims(results: Tables) -> bool:
-    """Whether a results file has probabilities of claims."""
-    return ODDS in results.answers
-
-
-def rows(frame: pd.DataFrame) -> list[list[str]]:
-    """The claims with the probability of each verdict, its interval in brackets, and what decides it."""
-    return [
-        [str(row["claim"]), *(interval(row, name, ".2f") for name in OUTCOMES), _decided(row, _nothing(row))]
-        for row in frame.to_dict("records")
+def odds_tables(results: Results, method: str) -> tuple[list[Table], list[str]]:
+    """The probability of each verdict with its interval in brackets and what decides it, the same of the numbers that
+    have a threshold, at every point of the other swept keys; and what a reader should know of them."""
+    odds, numbers = (results.answer(name).frame for name in (ODDS, THRESHOLDS))
+    keys = [key for key in results.axes if key in odds]
+    heads = [results.axis_label(key) for key in keys]
+    rows = [
+        [
+            *(results.value_label(key, row[key]) for key in keys),
+            str(row["claim"]), *(_interval(row, name) for name in OUTCOMES), _decided(row, _nothing(row)),
+        ]
+        for row in odds.to_dict("records")
+    ]  # fmt: skip
+    found = [from_rows("How likely each claim holds", [*heads, *HEADS], rows)]
+    rows = []
+    for row in numbers.to_dict("records"):
+        low, middle, high = (Finding("", row[f"percentile_{part}"], row["unit"]).text for part in (5, 50, 95))
+        where = [results.value_label(key, row[key]) for key in keys]
+        told = [str(row["claim"]), str(row["number"]), _interval(row, "met"), f"{middle} ({low} to {high})"]
+        rows.append([*where, *told, _decided(row, NOTHING)])
+    heads += ["claim", "number", "meets its threshold", "median (5 % to 95 %)", "decided most by"]
+    found.append(from_rows("The numbers of the claims", heads, rows))
+    spec = results.resolved.get("sensitivity") or {}
+    confidence = f"{100 * float(spec.get('confidence', 0.95)):.4g} %"
+    notes = [
+        f"Probabilities: shares of the {int(odds['samples'].max())} independent samples, in brackets the {confidence} "
+        "interval (Clopper-Pearson). A claim holds if every number meets its threshold, holds partly where some do.",
+        f"Decided most by: the key with the largest {_MEASURES[method]} of the verdict as "
+        "a number, which is 1 where the claim holds, 1/2 where it holds partly and 0 where it does not; in brackets "
+        f"the {confidence} bootstrap interval.",
     ]
+    by_key = {claim.key: claim for claim in CLAIMS}
+    return found, [*notes, *(f"{name}: {by_key[name].rule}" for name in dict.fromkeys(odds["claim"]) if name in by_key)]
+
+
+def _interval(row: Mapping[Any, Any], name: str) -> str:
+    """A probability with its interval."""
+    if row[name] != row[name]:
+        return NOTHING
+    return f"{row[name]:.2f} ({row[f'{name}_low']:.2f} to {row[f'{name}_high']:.2f})"
 
 
 def _nothing(row: Mapping[Any, Any]) -> str:
@@ -57,21 +85,10 @@ def _nothing(row: Mapping[Any, Any]) -> str:
 
 
 def _decided(row: Mapping[Any, Any], nothing: str) -> str:
-    return f"{row['decided_by']}, {interval(dict(row), 'share', '.2f')}" if row["decided_by"] else nothing
+    return f"{row['decided_by']}, {_interval(row, 'share')}" if row["decided_by"] else nothing
 
 
-def number_rows(frame: pd.DataFrame) -> list[list[str]]:
-    """The numbers of the claims that have a threshold: how likely each meets it, its spread, what decides it."""
-    found = []
-    for row in frame.to_dict("records"):
-        low, middle, high = (Finding("", row[f"percentile_{part}"], row["unit"]).text for part in (5, 50, 95))
-        spread = f"{middle} ({low} to {high})"
-        met = interval(row, "met", ".2f")
-        found.append([str(row["claim"]), str(row["number"]), met, spread, _decided(row, "–")])
-    return found
-
-
-def lead(odds: pd.DataFrame) -> list[str]:
+def odds_sentences(odds: pd.DataFrame) -> list[str]:
     """The claims by how likely they hold, in sentences."""
     known = odds[odds["samples"] > 0]
     held = known["holds"]
@@ -93,31 +110,10 @@ def lead(odds: pd.DataFrame) -> list[str]:
     return said + [f"{row['claim']}: {_nothing(row)}." for row in odds[odds["samples"] == 0].to_dict("records")]
 
 
-def grids(odds: pd.DataFrame, numbers: pd.DataFrame) -> list[tuple[str, Grid]]:
-    """The tables of the page, at one point."""
-    return [
-        ("How likely each claim holds", Grid(HEADS, rows(odds), range(1, 4))),
-        ("Their numbers", Grid(_NUMBER_HEADS, number_rows(numbers), range(2, 4))),
-    ]
-
-
-GENERAL_NOTES = 2
-"""How many of `notes` are about all claims; the others say when each claim holds."""
-
-
-def notes(results: Tables, odds: pd.DataFrame) -> list[str]:
-    """What a reader should know of the probabilities."""
-    spec = results.resolved.get("sensitivity") or {}
-    confidence = f"{100 * float(spec.get('confidence', 0.95)):.4g} %"
-    said = [
-        f"Probabilities: shares of the {int(odds['samples'].max())} independent samples, in brackets the {confidence} "
-        "interval (Clopper-Pearson). A claim holds if every number meets its threshold, holds partly where some do.",
-        f"Decided most by: the key with the largest {_MEASURES[method_of(results.answer(INDICES))]} of the verdict as "
-        "a number, which is 1 where the claim holds, 1/2 where it holds partly and 0 where it does not; in brackets "
-        f"the {confidence} bootstrap interval.",
-    ]
-    by_key = {claim.key: claim for claim in CLAIMS}
-    return [*said, *(f"{name}: {by_key[name].rule}" for name in odds["claim"] if name in by_key)]
+def odds_pictures(odds: pd.DataFrame, indices: pd.DataFrame, shown: Evidence) -> list[Picture]:
+    """The figure, at one point; `indices` : the rows of the table of indices that are about claims."""
+    draw, text = partial(draw_odds, odds, indices, shown), " ".join(odds_sentences(odds))
+    return [Picture("sensitivity-claims", "How likely each claim holds", text, draw)]
 
 
 @styled

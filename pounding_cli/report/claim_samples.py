@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 from scipy.stats import binomtest
 
-from pounding_cli.report.claims import CLAIMS
+from pounding_cli.report.claims import CLAIMS, Claim, Verdict, verdict
 from pounding_cli.report.evidence import Evidence
-from pounding_cli.report.verdicts import Claim, Verdict
+from pounding_cli.results.tables import Column, Table, place_columns
 from pounding_cli.solver.response import DONE
-from pounding_cli.store.answers import Column, Read, Table, place_columns
-from pounding_cli.store.indices import FOUND, independent_samples, indices
-from pounding_cli.store.sensitivity import Series, sample_columns, sensitivity_tables, texts
-from pounding_cli.study.sensitivity import Question, question_of
+from pounding_cli.workflows.indices import FOUND, independent_samples, indices
+from pounding_cli.workflows.sensitivity import Series, sample_columns, stacked, texts
+from pounding_cli.workflows.sensitivity_question import Question
 
 if TYPE_CHECKING:
     from pounding_cli.study import Plan
@@ -58,28 +58,25 @@ class Judged:
     def series(self) -> Series:
         """SCORES of the verdicts; NaN where the claim could not be judged."""
         values = np.full(self.verdicts.shape, np.nan)
-        for verdict, score in SCORES.items():
-            values[self.verdicts == verdict] = score
+        for each, score in SCORES.items():
+            values[self.verdicts == each] = score
         return Series(self.point, "", "", f"claim {self.claim.key}", "", values)
 
 
-def sensitivity_and_claims(plan: Plan, read: Read, _responses: object) -> list[Table]:
-    """The tables of a plan of `pound sensitivity`, with those of the claims it asks for."""
-    question = question_of(plan.study)
-    judged = list(judge_samples(plan, read, question)) if question.claims else []
-    tables = sensitivity_tables(plan, read, question, [each.series for each in judged])
-    if judged:
-        tables += [
-            Table(ODDS, [_odds_columns(plan, question, judged)]),
-            Table(THRESHOLDS, [_threshold_columns(plan, question, judged)]),
-            Table(VERDICTS, _verdict_columns(plan, question, judged)),
-        ]
-    return tables
+def claim_tables(plan: Plan, data: xr.Dataset, question: Question) -> tuple[list[Series], list[Table]]:
+    """The verdicts of the claims that a question asks for, as numbers, and their tables."""
+    judged = list(judge_samples(plan, data, question))
+    tables = {
+        ODDS: _odds_columns(plan, question, judged),
+        THRESHOLDS: _threshold_columns(plan, question, judged),
+        VERDICTS: stacked(_verdict_columns(plan, question, judged)),
+    }
+    return [each.series for each in judged], [Table.of(name, columns) for name, columns in tables.items()]
 
 
-def judge_samples(plan: Plan, read: Read, question: Question) -> Iterator[Judged]:
+def judge_samples(plan: Plan, data: xr.Dataset, question: Question) -> Iterator[Judged]:
     """The claims of a question, judged at every sample; samples that come to the same values and motions once."""
-    source = _Samples(plan, read, question)
+    source = _Samples(plan, data, question)
     asked = [claim for claim in CLAIMS if claim.key in question.claims]
     pairs, back = np.unique(np.stack([question.place, question.motion_set]), axis=1, return_inverse=True)
     for point in np.ndindex(*(len(axis.values) for axis in plan.axes[:-1])):
@@ -105,9 +102,9 @@ class _Gathered:
         self._units: dict[str, str] = {}  # of the numbers that counted for a verdict
 
     def judge(self, sample: int, evidence: Evidence) -> None:
-        judgement = self._claim.judge(evidence)
-        self._verdicts[sample] = str(judgement.verdict)
-        for finding in judgement.findings:
+        findings = self._claim.find(evidence)
+        self._verdicts[sample] = str(verdict(findings))
+        for finding in findings:
             if finding.words not in self._numbers:
                 for columns in (self._numbers, self._passed):
                     columns[finding.words] = np.full(self._samples, np.nan)
@@ -127,15 +124,15 @@ class _Gathered:
 class _Samples:
     """The evidence at every sample, from the variables of the results file."""
 
-    def __init__(self, plan: Plan, read: Read, question: Question) -> None:
+    def __init__(self, plan: Plan, data: xr.Dataset, question: Question) -> None:
         self.plan, self.question = plan, question
-        self.data = {name: read(name) for name in (*_STOREY, *_FLOOR, "drift", "drift0")}
-        self.done = np.char.equal(read("status").astype("S64"), DONE.encode())
-        self.has_links = any(row.links for row in plan.rows)
+        self.data = {name: data[name].values for name in (*_STOREY, *_FLOOR, "drift", "drift0")}
+        self.done = data["status"].values == DONE
+        self.has_links = bool(plan.links.places)
         if self.has_links:
-            self.data |= {name: read(name) for name in _LINK}
-            self.facts = {name: read(name) for name in ("kind", "gap")}
-            self.ends = {name: read(f"link_{name}") for name in ("left", "right", "floor")}
+            self.data |= {name: data[name].values for name in _LINK}
+            self.facts = {name: data[name].values for name in ("kind", "gap")}
+            self.ends = {name: data[f"link_{name}"].values for name in ("left", "right", "floor")}
         count = len(plan.records) if question.drawn is None else question.drawn.shape[1]
         self.levels = self.data["V_ratio"].shape[-1]
         self.motions = [f"motion {number}" for number in range(1, count + 1)]
@@ -191,21 +188,13 @@ class _Samples:
             columns = ("case", "analysis", "record", "left", "right", "floor", "kind", "gap", *_LINK)
             return pd.DataFrame({name: [] for name in columns})
         shape = values["impacts"].shape
-        ends = {name: np.broadcast_to(_plain(array), shape).ravel() for name, array in self.ends.items()}
+        ends = {name: np.broadcast_to(array, shape).ravel() for name, array in self.ends.items()}
         facts = {
-            name: np.broadcast_to(_plain(array[point])[:, None, None, :], shape).ravel()
-            for name, array in self.facts.items()
+            name: np.broadcast_to(array[point][:, None, None, :], shape).ravel() for name, array in self.facts.items()
         }
         scenes = self.frames["scene"].loc[np.repeat(self.frames["scene"].index, shape[-1])].reset_index(drop=True)
         frame = scenes.assign(**ends, **facts, **{name: values[name].ravel() for name in _LINK})
         return frame[frame["kind"] != ""].reset_index(drop=True)
-
-
-def _plain(values: np.ndarray) -> np.ndarray:
-    """Texts of a results file as text."""
-    if values.dtype != object:
-        return values
-    return np.array([v.decode() if isinstance(v, bytes) else v for v in values.ravel()], object).reshape(values.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,9 +270,9 @@ def _odds_columns(plan: Plan, question: Question, judged: Sequence[Judged]) -> l
         Column("samples", np.array([verdicts.size for verdicts in known]), "independent samples with a verdict", "1"),
         Column("failed", np.array([int((each.verdicts == "").sum()) for each in judged]), "samples that failed", "1"),
     ]
-    for name, verdict in OUTCOMES.items():
-        shares = [_share(int((verdicts == verdict).sum()), verdicts.size, confidence) for verdicts in known]
-        words = f"probability of the verdict '{verdict}'"
+    for name, outcome in OUTCOMES.items():
+        shares = [_share(int((verdicts == outcome).sum()), verdicts.size, confidence) for verdicts in known]
+        words = f"probability of the verdict '{outcome}'"
         interval = f"end of its {confidence:.4g} interval (Clopper-Pearson)"
         for number, end in enumerate(("", "_low", "_high")):
             said = f"{end[1:]} {interval}: {words}" if end else words

@@ -1,13 +1,84 @@
-"""The paper's statements about Figs 6 and 7, their thresholds in words, and the numbers that test them."""
+"""The paper's statements about Figs 6 and 7, judged: the numbers that test them, their thresholds, the verdicts."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from pounding_cli.report.evidence import Evidence
-from pounding_cli.report.verdicts import Claim, Finding, Judgement, found
+from pounding_cli.report.document import Section
+from pounding_cli.report.evidence import Evidence, points
+from pounding_cli.report.table import NOTHING, digits, from_rows
+from pounding_cli.study.claim_names import CLAIMS as FIGURES
+from pounding_cli.texts import cells, write_markdown
+
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
+
+
+class Verdict(StrEnum):
+    """What the findings say about a statement."""
+
+    HOLDS = "holds"
+    PARTLY = "holds partly"
+    FAILS = "does not hold"
+    UNTESTED = "not tested here"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One number found, in words, and whether it meets its threshold.
+
+    number : NaN where the results have none
+    unit : "-" (ratio), "%" or "cm", the unit of `number`
+    passed : None where the number is for information only, or could not be found
+    """
+
+    words: str
+    number: float
+    unit: str = "-"
+    passed: bool | None = None
+
+    @property
+    def text(self) -> str:
+        """The number with its unit; a dash where there is none."""
+        return f"{digits(self.number, 3)} {self.unit}".removesuffix(" -")
+
+
+def found(words: str, number: float, test: Callable[[float], bool], unit: str = "-") -> Finding:
+    """A finding that counts for the verdict, unless its number is NaN."""
+    number = float(number)
+    return Finding(words, number, unit, None if math.isnan(number) else bool(test(number)))
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement of the paper.
+
+    key : short name, in tables
+    paper : the paper's words
+    rule : the thresholds, in words
+    find : the numbers at one point of the sweep
+    """
+
+    key: str
+    paper: str
+    rule: str
+    find: Callable[[Evidence], Sequence[Finding]]
+
+
+def verdict(findings: Sequence[Finding]) -> Verdict:
+    """Holds where every threshold is met, does not hold where none is, holds partly in between."""
+    passed = [finding.passed for finding in findings if finding.passed is not None]
+    if not passed:
+        return Verdict.UNTESTED
+    return Verdict.HOLDS if all(passed) else Verdict.PARTLY if any(passed) else Verdict.FAILS
+
 
 NO_REDUCTION = 0.90
 """A response is "practically" not reduced while it keeps at least this share of the other one [-]."""
@@ -27,17 +98,6 @@ IMPLIED = ("eureka", "olympia")
 
 RESPONSES = (("V_ratio", "elastic", "V/V0, elastic"), ("mu_ratio", "inelastic", "μ/μ0, inelastic"))
 """What Figs 6 and 7 plot: the ratio, its analysis, its name."""
-
-
-def claims(evidence: Evidence) -> list[Claim]:
-    """The claims about the figure the study names, `claims: fig6` or `claims: fig7`; none without."""
-    figure = evidence.resolved.get("claims")
-    return [claim for claim in CLAIMS if figure in claim.figures]
-
-
-def judge(evidence: Evidence) -> list[Judgement]:
-    """Every claim about the study's figure, judged at one point of the sweep."""
-    return [claim.judge(evidence) for claim in claims(evidence)]
 
 
 def _quotient(evidence: Evidence, case: str, base: str, ratio: str, analysis: str, building: str) -> pd.Series:
@@ -289,3 +349,106 @@ CLAIMS: tuple[Claim, ...] = (
     ),
 )
 """Every statement about Figs 6 and 7, in the order of the report."""
+
+
+# judging
+
+
+def judged(evidences: Mapping[str, Evidence]) -> pd.DataFrame:
+    """One row a number found: where, claim, verdict, finding, number, unit, passed; of the claims about the figure that
+    the study names, `claims: fig6` or `claims: fig7`.
+
+    evidences : by what stands in the column `where`
+    """
+    rows = []
+    for where, evidence in evidences.items():
+        for claim in CLAIMS:
+            if evidence.resolved.get("claims") in FIGURES[claim.key]:
+                findings = claim.find(evidence)
+                for each in findings:
+                    passed = "" if each.passed is None else each.passed
+                    rows.append((where, claim.key, str(verdict(findings)), each.words, each.number, each.unit, passed))
+    return pd.DataFrame(rows, columns=["where", "claim", "verdict", "finding", "number", "unit", "passed"])
+
+
+def _named(evidences: Sequence[Evidence]) -> dict[str, Evidence]:
+    return {evidence.label or "as given": evidence for evidence in evidences}
+
+
+def claim_sections(evidences: Sequence[Evidence], shown: Evidence) -> list[Section]:
+    """The section of a report; none where the study names no figure."""
+    frame = judged(_named([shown]))
+    if frame.empty:
+        return []
+    said = "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does."
+    rows = []
+    for claim in (claim for claim in CLAIMS if claim.key in set(frame["claim"])):
+        mine = frame[frame["claim"] == claim.key]
+        rows.append([f"{claim.key}\n“{claim.paper}” {claim.rule}", mine["verdict"].iloc[0], ""])
+        for row in mine.to_dict("records"):
+            met = {True: "met", False: "missed"}.get(row["passed"], "for information")
+            rows.append([row["finding"], met, Finding("", row["number"], row["unit"]).text])
+    tables = [
+        from_rows("The paper’s claims, and the numbers found", ("claim, and its numbers", "verdict", "found"), rows)
+    ]
+    if len(evidences) > 1:
+        everywhere = judged(_named(evidences)).drop_duplicates(["where", "claim"])
+        rows = [[where, *of["verdict"]] for where, of in everywhere.groupby("where", sort=False)]
+        heads = ["point", *dict.fromkeys(everywhere["claim"])]
+        tables.append(from_rows("Verdicts at every point of the sweep", heads, rows))
+    return [Section("The paper’s claims", [said], tables)]
+
+
+def claims_beside(results: Results, folder: Path) -> list[Path]:
+    """Write the claims at every point of the sweep as CSV, and of a sweep as Markdown; returns the files."""
+    frame = judged(_named(points(results)))
+    files = [folder / "tables" / "claims.csv"]
+    cells(frame).to_csv(files[0], index=False)
+    if len(set(frame["where"])) > 1:
+        title = f"Claims over the sweep: {results.title}"
+        files.append(write_markdown(folder / "claims-sensitivity.md", claims_page(title, frame)))
+    return files
+
+
+def compare_claims(results: Mapping[str, Results], folder: Path) -> list[Path]:
+    """Write `comparison.md` and `comparison.csv`: the claims in several results, at every point of their sweeps."""
+    named = {
+        f"{name}: {evidence.label}" if evidence.label else name: evidence
+        for name, each in results.items()
+        for evidence in points(each)
+    }
+    frame = judged(named)
+    folder.mkdir(parents=True, exist_ok=True)
+    cells(frame).to_csv(folder / "comparison.csv", index=False)
+    page = claims_page(f"Claims compared: {', '.join(results)}", frame)
+    return [write_markdown(folder / "comparison.md", page), folder / "comparison.csv"]
+
+
+def verdicts(results: Results) -> dict[str, str]:
+    """Claim -> verdict, where nothing is swept and the study names a figure."""
+    evidences = points(results) if not results.axes else []
+    return {row["claim"]: row["verdict"] for row in judged(_named(evidences)).to_dict("records")}
+
+
+def claims_page(title: str, frame: pd.DataFrame) -> list[str]:
+    """Markdown lines: the verdicts in one table, the numbers in another; those that miss their threshold are bold."""
+    if frame.empty:
+        return [f"# {title}", "", "No results here name a figure of the paper (`claims: fig6` or `fig7`).", ""]
+    heads = list(dict.fromkeys(frame["where"]))
+    lines = [f"# {title}", "", *_line("claim", heads), "|" + " --- |" * (len(heads) + 1)]
+    by = {(row["where"], row["claim"]): row["verdict"] for row in frame.to_dict("records")}
+    for key in dict.fromkeys(frame["claim"]):
+        lines += _line(key, [by.get((head, key), NOTHING) for head in heads])
+    lines += ["", "Numbers found; those that miss their threshold are bold.", ""]
+    lines += [*_line("number found", heads), "|" + " --- |" * (len(heads) + 1)]
+    for words, rows in frame.groupby("finding", sort=False):
+        here = {}
+        for row in rows.to_dict("records"):
+            text = Finding("", row["number"], row["unit"]).text
+            here[row["where"]] = f"**{text}**" if row["passed"] is False else text
+        lines += _line(str(words), [here.get(head, NOTHING) for head in heads])
+    return lines
+
+
+def _line(first: str, others: Sequence[str]) -> list[str]:
+    return ["| " + " | ".join(text.replace("|", "\\|") for text in (first, *others)) + " |"]

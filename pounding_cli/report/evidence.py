@@ -6,58 +6,22 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from pounding_cli.numbers import Unit
-from pounding_cli.records.scaling import SpectrumMatch
-from pounding_cli.store.answers import Answer
-from pounding_cli.store.flagged import FlagGroup, flag_groups_of
+from pounding_cli.results.flags import FlagGroup, flag_groups_of
 from pounding_cli.variables import LINK, OF_COLUMNS, RESPONSES, VARIABLES
 
-TABLES = ("storey", "floor", "link", "scene", "summary", "records")
-"""The tables of a results file, named as its methods and as the CSV files."""
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
 
 MARK = "†"
 """Stands behind the name of a case whose numbers mean nothing for some motions."""
 
 ROLES = ("touching", "gap", "infill", "connected")
 """The four cases of Figs 6 and 7."""
-
-
-class Tables(Protocol):
-    """The part of `pounding_cli.store.Results` that a report reads."""
-
-    @property
-    def title(self) -> str: ...
-    @property
-    def study_text(self) -> str: ...
-    @property
-    def resolved(self) -> dict[str, Any]: ...
-    @property
-    def buildings(self) -> pd.DataFrame: ...
-    @property
-    def units(self) -> Mapping[str, Unit]: ...
-    @property
-    def spectrum_match(self) -> SpectrumMatch | None: ...
-    @property
-    def attrs(self) -> Mapping[str, Any]: ...
-    @property
-    def assumed_heights(self) -> tuple[str, ...]: ...
-    @property
-    def workflow(self) -> str: ...
-    @property
-    def answers(self) -> tuple[str, ...]: ...
-    def answer(self, name: str) -> Answer: ...
-    def first_sample(self) -> Tables: ...
-    def storey(self) -> pd.DataFrame: ...
-    def floor(self) -> pd.DataFrame: ...
-    def link(self) -> pd.DataFrame: ...
-    def struck(self) -> pd.DataFrame: ...
-    def scene(self) -> pd.DataFrame: ...
-    def summary(self) -> pd.DataFrame: ...
-    def records(self) -> pd.DataFrame: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,31 +196,54 @@ def by_floor(link: pd.DataFrame) -> pd.DataFrame:
     return link.groupby(place, sort=False, as_index=False).agg(dict.fromkeys(others, "first") | largest)
 
 
-def points(results: Tables) -> list[Evidence]:
+def points(results: Results) -> list[Evidence]:
     """The evidence at every point of the sweep, in the order of the file; one where nothing is swept."""
+    frames = _frames(results)
+    keys = axis_keys(frames["scene"])
+    rows = _points(frames["scene"], keys)
+    cuts = {name: _cuts(frame, keys, rows) for name, frame in frames.items()}
+    return [_evidence(results, keys, row, {name: cuts[name][n] for name in cuts}) for n, row in enumerate(rows)]
+
+
+def nominal(results: Results) -> Evidence:
+    """The evidence at the point of the sweep that equals the study without its sweep; where none does at the first, in
+    the middle of every bracket."""
     scene = results.scene()
     keys = axis_keys(scene)
-    frames = {
-        "storey": results.storey(),
-        "floor": results.floor(),
-        "link": results.link(),
-        "struck": results.struck(),
-        "scene": scene,
-        "records": results.records(),
-        "buildings": results.buildings,
-    }
-    rows = list(dict.fromkeys(scene[keys].itertuples(index=False, name=None))) if keys else [()]
-    cuts = {name: _cuts(frame, keys, rows) for name, frame in frames.items()}
-    return [
-        Evidence(
-            title=results.title,
-            resolved=results.resolved,
-            point=dict(zip(keys, row, strict=True)),
-            units=results.units,
-            **{name: cuts[name][number] for name in frames},
-        )
-        for number, row in enumerate(rows)
-    ]
+    rows, resolved = _points(scene, keys), results.resolved
+    chosen = rows[0]
+    for wanted in (resolved.get("bracket") or (), keys):  # all keys, if they can be met
+        alike = [r for r in rows if all(_at(resolved, k) == v for k, v in zip(keys, r, strict=True) if k in wanted)]
+        chosen = alike[0] if alike else chosen
+    here = results.at(_index(results, dict(zip(keys, chosen, strict=True))))
+    frames = {name: _cuts(frame, keys, [chosen])[0] for name, frame in _frames(here).items()}
+    return _evidence(results, keys, chosen, frames)
+
+
+def _index(results: Results, point: Mapping[str, Any]) -> dict[str, int]:
+    """The index of a point on every swept axis, by the first key of each."""
+    found = {}
+    for names in results.swept:
+        values = list(zip(*(results.axes[name] for name in names), strict=True))
+        found[names[0]] = values.index(tuple(point[name] for name in names))
+    return found
+
+
+def _frames(results: Results) -> dict[str, pd.DataFrame]:
+    names = ("storey", "floor", "link", "struck", "scene", "records")
+    return {name: results.table(name) for name in names} | {"buildings": results.buildings}
+
+
+def _points(scene: pd.DataFrame, keys: Sequence[str]) -> list[tuple[Any, ...]]:
+    """The points of the sweep as values of its keys."""
+    return list(scene[list(keys)].drop_duplicates().itertuples(index=False, name=None)) if keys else [()]
+
+
+def _evidence(
+    results: Results, keys: Sequence[str], point: Sequence[Any], frames: Mapping[str, pd.DataFrame]
+) -> Evidence:
+    where = dict(zip(keys, point, strict=True))
+    return Evidence(results.title, results.resolved, where, **frames, units=results.units)
 
 
 def _cuts(frame: pd.DataFrame, keys: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> list[pd.DataFrame]:
@@ -268,6 +255,15 @@ def _cuts(frame: pd.DataFrame, keys: Sequence[str], rows: Sequence[tuple[Any, ..
     parts = {place: part.drop(columns=named).reset_index(drop=True) for place, part in frame.groupby(named, sort=False)}
     nothing = frame.drop(columns=named).iloc[:0]
     return [parts.get(tuple(row[number] for number in mine), nothing) for row in rows]
+
+
+def _at(tree: object, key: str) -> object:
+    """The value at a dotted key of nested dicts; None where there is none."""
+    for part in key.split("."):
+        if not isinstance(tree, Mapping):
+            return None
+        tree = tree.get(part)
+    return tree
 
 
 def motion_label(records: pd.DataFrame) -> str:

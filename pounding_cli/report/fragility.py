@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -14,65 +14,56 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import ndtr
 
-from pounding_cli.fragility import Bands, Outcome, bands, resamples
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.answer_page import AnswerPage, Illustration
-from pounding_cli.report.citations import Use
-from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.fragility_text import (
-    Asked,
-    asked_of,
-    intensity_unit,
-    median_text,
-    notes,
-    subject,
-    table,
-    undecided_text,
-)
-from pounding_cli.report.style import Look, caption, entitle, looks, new_figure, shared_legend, styled
-from pounding_cli.report.web.story import Grid
-from pounding_cli.store import Results
-from pounding_cli.store.answers import Answer
-from pounding_cli.store.fragility import CURVES, MOTIONS
-from pounding_cli.store.fragility_samples import ALONE, fits_of, motion_numbers
-from pounding_cli.texts import cells
+from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.document import Picture, Report, Section
+from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.references import Use
+from pounding_cli.report.style import Look, caption, entitle, looks, panels, shared_legend, styled
+from pounding_cli.report.table import NOTHING, Table, from_rows
+from pounding_cli.workflows.curves import CONFIDENCE, DRAWS, Bands, Outcome, bands, resamples
+from pounding_cli.workflows.fragility import ALONE, CURVES, MOTIONS, fits_of, motion_numbers
+from pounding_cli.workflows.fragility_question import INTENSITY_KEYS
 
-POINTS = "fragility_curves.csv"
-"""File of the points of the curves, among the tables of a report."""
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
+    from pounding_cli.results.tables import Table as Answer
 
+TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
+"""The tables of scenes that the report has."""
 MOST_CASES = 4
 """Cases in one panel; of more, the first are drawn."""
 
 _ALONE = Look("#777777", (0, (2, 1)), "x")
 """As no case looks: one may be black, as `touching` is."""
-_WHERE = ("case", "analysis", "limit", "building")
+_WORDS = ("limit", "building", "case", "analysis")
+"""Columns of text."""
+_BOTH = ((ALONE, "alone"), ("", "with pounding"))
 
 
-def fragility_page(results: Results, shown: Evidence, with_figures: bool = True) -> AnswerPage:
-    """What the report of fragility curves says, at one point of the sweep."""
-    answer, asked = results.answer(CURVES), asked_of(results)
-    rows = shown.here(answer.frame)
-    figures = {}
-    if with_figures:
-        motions = shown.here(results.answer(MOTIONS).frame)
-        for analysis in dict.fromkeys(rows["analysis"]):
-            here = rows[rows["analysis"] == analysis]
-            text = " ".join(_sentence(answer, row) for row in here.to_dict("records"))
-            drawn = draw_curves(answer, asked, here, motions[motions["analysis"] == analysis], shown)
-            figures[f"fragility-{analysis}"] = Illustration(drawn, f"Fragility, {analysis} storeys", text)
-    heads, cells, words = table(answer, rows)
-    grid = Grid([heading.replace("\n", " ").strip() for heading in heads], cells, range(words, len(heads)))
-    lead = [_sentence(answer, row) for row in rows.to_dict("records")]
-    tables = [("Intensity at which half of the motions pass", grid)]
-    beside = partial(_write_points, answer, asked, results.answer(MOTIONS).frame)
-    return AnswerPage("Fragility", lead, figures, tables, notes(asked, rows), beside)
+def fragility_report(results: Results) -> Report:
+    """What the fragility curves say."""
+    answer, asked, shown = results.answer(CURVES), asked_of(results), nominal(results)
+    everywhere, motions = results.answer(MOTIONS).frame, shown.here(results.answer(MOTIONS).frame)
+    rows, pictures = shown.here(answer.frame), []
+    for analysis in dict.fromkeys(rows["analysis"]):
+        here = rows[rows["analysis"] == analysis]
+        text = " ".join(_sentence(answer, row) for row in here.to_dict("records"))
+        draw = partial(draw_curves, answer, asked, here, motions[motions["analysis"] == analysis], shown)
+        pictures.append(Picture(f"fragility-{analysis}", f"Fragility, {analysis} storeys", text, draw))
+    said = [f"Intensity: {asked.measure}.", *(_sentence(answer, row) for row in rows.to_dict("records"))]
 
+    def more() -> list[Section]:
+        *others, tables, study = background(results, shown, results.scene(), TABLES)
+        points = Table("Points of the curves", curve_points(answer, asked, everywhere), name="fragility_curves")
+        tables = Section(tables.title, tables.sentences, [*tables.tables, points], folded=True)
+        return [*others, tables, study]
 
-def _write_points(answer: Answer, asked: Asked, motions: pd.DataFrame, folder: Path) -> list[Path]:
-    """Write the points of every curve of the study, those of the figures; returns the file."""
-    path = folder / "tables" / POINTS
-    cells(curve_points(answer, asked, motions)).to_csv(path, index=False)
-    return [path]
+    return Report(
+        **frame_of(results, shown, results.scene()),
+        answer=Section("", said, [_medians(results, answer)], pictures, _notes(asked, answer.frame)),
+        more=more,
+    )
 
 
 def curve_points(answer: Answer, asked: Asked, motions: pd.DataFrame) -> pd.DataFrame:
@@ -154,8 +145,7 @@ def draw_curves(answer: Answer, asked: Asked, rows: pd.DataFrame, motions: pd.Da
     wide = max(len(each) for each in columns.values())
     cases = list(dict.fromkeys(rows["case"]))
     drawn = {case: look for case, look in looks(cases).items() if case in cases[:MOST_CASES]}
-    figure = new_figure(3.6 * wide + 1.9, 2.8 * len(limits) + 0.8)
-    axes = figure.subplots(len(limits), wide, squeeze=False, sharey=True)
+    figure, axes = panels(len(limits), wide, 3.6, 2.8, sharey=True)
     for line, limit in zip(axes, limits, strict=True):
         same = rows["case"].isin(drawn) & (rows["limit"] == limit)
         right = _right(rows[same], motions[motions["case"].isin(drawn) & (motions["limit"] == limit)])
@@ -273,3 +263,155 @@ def cite_fragility(resolved: Mapping[str, Any], used: Use) -> None:
     else:
         used("baker2015", "fragility curves of maximum likelihood")
     used("efron1993", "the bootstrap of the motions")
+
+
+def intensity_unit(answer: Answer) -> Unit:
+    """The unit of intensities; one without a name for a scale factor."""
+    return answer.units["median"]
+
+
+def _medians(results: Results, answer: Answer) -> Table:
+    """Medians, spreads and their ratios with their intervals in brackets, a row a curve and point of the sweep.
+
+    A case or an analysis that is the same in all rows is left out.
+    """
+    rows = answer.frame
+    keys = [key for key in results.axes if key in rows]
+    words = [name for name in _WORDS if name in _WORDS[:2] or len(set(rows[name])) > 1]
+    unit = f" [{name}]" if (name := intensity_unit(answer).name) else ""
+    lost = [
+        alone for alone, _ in _BOTH
+        if ((rows[f"undecided_motions{alone}"] > 0) & (rows[f"outcome{alone}"] != Outcome.UNDECIDED)).any()
+    ]  # fmt: skip
+    heads = [*(results.axis_label(key) for key in keys), *words]
+    for alone, what in _BOTH:
+        heads += [f"median {what}{unit}", f"spread {what}", *[f"undecided {what}"] * (alone in lost)]
+    found = []
+    for row in rows.to_dict("records"):
+        cells = [results.value_label(key, row[key]) for key in keys] + [str(row[name]) for name in words]
+        for alone, _ in _BOTH:
+            cells += [median_text(answer, row, alone), _between(row, "spread", alone, Unit())]
+            if alone in lost:
+                cells.append(undecided_text(row, alone) if row["outcome" + alone] else NOTHING)
+        found.append([*cells, _between(row, "ratio", "", Unit())])
+    return from_rows("Intensity at which half of the motions pass", [*heads, "ratio of medians"], found)
+
+
+def subject(building: str, limit: str) -> str:
+    """The limit and the building that it is asked of; a limit may name the building itself."""
+    return limit if f" in {building} " in f"{limit} " else f"{building}, {limit}"
+
+
+def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "", named: bool = False) -> str:
+    """A median with its interval; where there is none, outcome of the fit and what is known.
+
+    named : with the unit, in a sentence
+    """
+    unit = intensity_unit(answer)
+    name = f" {unit.name}" if named and unit.name else ""
+    outcome = str(row.get("outcome" + alone, ""))
+    if not outcome:
+        return NOTHING
+    if row["median" + alone] == row["median" + alone]:
+        return _between(row, "median", alone, unit, name)
+    if outcome == Outcome.UNDECIDED and not named:  # a sentence says more
+        outcome += f" in {undecided_text(row, alone)} motions"
+    low, high = row["low" + alone], row["high" + alone]
+    if low > 0 and high < np.inf:
+        return f"{outcome}: {_text(low, unit)} to {_text(high, unit)}{name}"
+    if low > 0 or high < np.inf:
+        return (
+            f"{outcome}: above {_text(low, unit)}{name}" if low > 0 else f"{outcome}: below {_text(high, unit)}{name}"
+        )
+    return outcome
+
+
+def undecided_text(row: Mapping[Any, Any], alone: str = "") -> str:
+    """How many motions are undecided, of how many: "5 of 8"."""
+    return f"{int(row['undecided_motions' + alone])} of {int(row['motions' + alone])}"
+
+
+def _between(row: Mapping[Any, Any], name: str, alone: str, unit: Unit, unit_name: str = "") -> str:
+    value = row.get(name + alone, np.nan)
+    if value != value:
+        return NOTHING
+    low, high = (_text(row[f"{name}_{end}{alone}"], unit) for end in ("low", "high"))
+    return f"{_text(value, unit)}{unit_name} ({low} to {high}{unit_name})"
+
+
+def _text(value: float, unit: Unit) -> str:
+    return f"{unit.number(value):.3g}" if np.isfinite(value) else "inf"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How the curves were asked for: method, intensity measure in words, confidence [-], draws of the bootstrap."""
+
+    method: str
+    measure: str
+    confidence: float
+    draws: int
+
+
+def asked_of(results: Results) -> Asked:
+    """How the curves of a results file were asked for."""
+    spec = results.resolved.get("fragility") or {}
+    swept = next((name for key, name in INTENSITY_KEYS.items() if key in results.units), "pga")
+    measure = str(spec.get("intensity") or swept)
+    if measure == "sa":
+        scale = results.resolved["records"]["scale"]
+        measure = f"sa({scale['period']:g} s)" if isinstance(scale, dict) and "period" in scale else measure
+    words = _MEASURES.get(measure.partition("(")[0], measure)
+    period = measure.partition("(")[2].removesuffix(")")
+    return Asked(
+        str(spec.get("method", "ida")),
+        f"{words} at {period}" if period else words,
+        float(spec.get("confidence", CONFIDENCE)),
+        int(spec.get("draws", DRAWS)),
+    )
+
+
+_MEASURES = {
+    "pga": "peak ground acceleration", "pgv": "peak ground velocity", "sa": "pseudo-acceleration",
+    "factor": "scale factor",
+}  # fmt: skip
+
+
+def _notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
+    """What a reader should know of the rows."""
+    both = [name for name in ("", ALONE) if "outcome" + name in rows]
+    said = [
+        f"In brackets: {100 * asked.confidence:.4g} % interval of {asked.draws} bootstrap draws of the motions, "
+        "the same draws alone and with pounding."
+    ]
+    if asked.method == "ida":
+        said.append(
+            "Every motion that passes is bracketed between two neighbouring intensities of the study, further apart "
+            "only where a scene failed or is undecided; the fit is of maximum likelihood over these brackets."
+        )
+        returns = sum(int(rows[f"returns{name}"].fillna(0).sum()) for name in both if f"returns{name}" in rows)
+        if returns:
+            which = counted(returns, "motion holds", "motions hold")
+            said.append(f"{which} again above the first intensity that passes; the first one counts.")
+    undecided = "ended with a collapse before the limit was passed"
+    if asked.method == "cloud":
+        undecided = "ended with a collapse, or gave a demand that has no logarithm"
+    for column, what, more in (("failed", "failed", " The table `scene` names them."), ("undecided", undecided, "")):
+        number = sum(int(rows[f"{column}{name}"].fillna(0).sum()) for name in both if f"{column}{name}" in rows)
+        if number:
+            said.append(
+                f"{counted(number, 'scene')} {what} (a scene that several rows need counts in each): counted neither "
+                f"as holding nor as passing.{more}"
+            )
+    if any(rows[f"undecided_motions{name}"].fillna(0).max() > 0 for name in both):
+        known = {
+            "ida": "a motion counts as holding up to the highest intensity at which it is decided",
+            "stripes": "undecided scenes are left out of the counts",
+        }.get(asked.method, "undecided scenes are left out of the line")
+        said.append(
+            "Undecided motions: a collapse ended their scenes before the limit was passed, and the rest of the motion "
+            f"might have passed it; {known}, as if undecided motions were like the others."
+        )
+    outcomes = dict.fromkeys(value for name in both for value in rows["outcome" + name] if value not in ("", "fitted"))
+    said += [f"{outcome}: {Outcome(outcome).meaning}." for outcome in outcomes]
+    return said

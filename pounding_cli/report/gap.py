@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -12,40 +14,23 @@ from matplotlib.figure import Figure
 
 from pounding_cli.model.separation import ASCE7, EN1998
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.answer_page import AnswerPage, Illustration
-from pounding_cli.report.citations import Use
-from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.gap_text import (
-    case_headings,
-    case_notes,
-    case_rows,
-    case_sentences,
-    cases_at,
-    code_notes,
-    contact_columns,
-    error_sentence,
-    governing,
-    headings,
-    interval_sentence,
-    line_headings,
-    line_rows,
-    numbers,
-    pair_heading,
-    width_unit,
-)
-from pounding_cli.report.key_words import name_axis
-from pounding_cli.report.style import caption, entitle, new_figure, shared_legend, styled
-from pounding_cli.report.web.story import Grid
-from pounding_cli.store import Results
-from pounding_cli.store.answers import Answer
-from pounding_cli.store.gap import CASES, CONFIDENCE, EXACT, LINE
+from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.document import Picture, Report, Section
+from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.references import Use
+from pounding_cli.report.style import caption, entitle, name_axis, panels, shared_legend, styled
+from pounding_cli.report.table import NOTHING, Column, Table, answer_table, digits
+from pounding_cli.study.file import parse
+from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, FEWEST, LINE
 
-LEFT_OUT = (
-    "UBC 1997 and NZS 1170.5 have other rules. They are left out because no source of their clauses was available."
-)
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
+    from pounding_cli.results.tables import Table as Answer
 
-MOST_GAPS, FEW_GAPS = 20, 4
-"""Gaps of the cases in the table of a pair, and in sentences."""
+TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
+"""The tables of scenes that the report has."""
+FEW_GAPS = 4
+"""Gaps of the cases in sentences; the table has all."""
 
 _LOOKS = {
     EXACT: ("#000000", "-", "o"),
@@ -58,180 +43,307 @@ _LOOKS = {
 }
 _CODE = ("#666666", (0, (3, 1)), "X")
 
+_RESTS_ON = {
+    ASCE7: "ASCE/SEI 7-16, 12.12.3: delta_M = Cd delta_max / Ie of every building; SRSS of both for a pair, delta_M "
+    "itself for a property line. delta_max: static displacement under the forces of `base_shear`, not under the "
+    "motions.",
+    EN1998: "EN 1998-1:2004, 4.4.2.7: d_s = q_d d_e of every building; SRSS of both for a pair on one property, times "
+    "0.7 where the floors have the same elevations; d_s itself for a property line. d_e: static displacement under the "
+    "forces of `base_shear`, not under the motions.",
+}
 
-def gap_page(results: Results, shown: Evidence, with_figures: bool = True) -> AnswerPage:
-    """What the report of required separations says, at one point of the sweep."""
-    answer, keys = results.answer("gap"), list(results.axes)
-    frame = shown.here(answer.frame)
-    parts = governing(frame, [])
-    figures = {}
-    if with_figures and len(frame):
-        text = " ".join(_sentence(answer, part) for part in parts)
-        figures["required-gap"] = Illustration(
-            draw_profiles(answer, frame, shown), "Required gap over the height", text
-        )
-        if keys and len(results.axes[keys[0]]) > 1:
-            said = "Mean over the motions at the floors that require the widest gap."
-            figures["required-gap-sweep"] = Illustration(draw_sweep(results, answer, shown), "Over the sweep", said)
-    heads = _flat(headings(answer))
-    tables = [
-        (
-            pair_heading(results, shown.point, left, right, rows),
-            Grid(heads, numbers(answer, rows), range(2, len(heads))),
-        )
-        for _, left, right, rows in parts
-    ]
-    lead = [_sentence(answer, part) for part in parts]
+
+def gap_report(results: Results) -> Report:
+    """What the required separations say."""
+    answer, shown = results.answer("gap"), nominal(results)
     cases, line = results.answer(CASES), results.answer(LINE)
-    own = shown.here(cases.frame)
-    for _, left, right, _ in parts:
-        here, gaps = cases_at(own, {}, left, right, MOST_GAPS)
-        if gaps:
-            more = f" (the first {MOST_GAPS} of {gaps}; all: tables/{CASES}.csv)" if gaps > MOST_GAPS else ""
-            grid = Grid(_flat(case_headings(cases)), case_rows(cases, here), range(3, 7))
-            tables.append((f"Gaps of the cases, {left} | {right}{more}", grid))
-            lead += case_sentences(cases, cases_at(here, {}, left, right, FEW_GAPS)[0])
-    grid = Grid(_flat(line_headings(line)), line_rows(line, shown.here(line.frame)), range(5, len(line_headings(line))))
-    tables.append(("Distance to a property line, at the floors that move most", grid))
-    notes = [*_notes(frame, answer), *case_notes(results, own), *code_notes(results), LEFT_OUT]
-    return AnswerPage("Required gap", lead, figures, tables, notes)
+    frame, keys = shown.here(answer.frame), [key for key in results.axes if key in answer.frame]
+    pairs = _widest(answer.frame, [*keys, "left", "right"], ["floor", "right_floor", "columns"])
+    lines = _widest(line.frame, [*keys, "building", "side"], ["floor"])
+    tables = [_widths(results, "Required gap at the floors that require the widest", pairs, "gap", "contact")]
+    if len(cases.frame):
+        tables.append(_of_cases(results, cases.frame))
+    heading = "Distance to a property line, at the floors that move most"
+    tables.append(_widths(results, heading, lines, LINE, "reached"))
+    said = _sentences(answer, _widest(frame, ["left", "right"], ["floor", "right_floor", "columns"]))
+    said += _case_sentences(cases, shown.here(cases.frame))
+    pictures = []
+    if len(frame):
+        draw = partial(draw_profiles, answer, frame, shown)
+        pictures.append(Picture("required-gap", "Required gap over the height", " ".join(said), draw))
+        if keys and len(results.axes[keys[0]]) > 1:
+            text = "Mean over the motions at the floors that require the widest gap."
+            draw = partial(draw_sweep, results, answer, shown, keys[0])
+            pictures.append(Picture("required-gap-sweep", "Required gap over the sweep", text, draw))
+    notes = [*_notes(answer), *_case_notes(results, cases.frame), *_code_notes(results)]
+    return Report(
+        **frame_of(results, shown, results.scene()),
+        answer=Section("", said, tables, pictures, notes),
+        more=partial(background, results, shown, results.scene(), TABLES),
+    )
 
 
-def _flat(heads: Sequence[str]) -> list[str]:
-    return [heading.replace("\n", " ") for heading in heads]
+def _widest(frame: pd.DataFrame, among: Sequence[str], place: Sequence[str]) -> pd.DataFrame:
+    """Of every pair of neighbours, or side of a building, the rows of the floor whose exact mean is largest, by
+    analysis.
+
+    among : columns that tell them apart; place : columns that say which floor
+    """
+    exact = frame[(frame["rule"] == EXACT) & frame["mean"].notna()]
+    told = [*among, "analysis"]
+    most = exact.loc[exact.groupby(told, sort=False)["mean"].idxmax(), [*told, *place]]
+    rows = frame.merge(most, on=[*told, *place])
+    order = {name: {value: n for n, value in enumerate(dict.fromkeys(rows[name]))} for name in among}
+    return rows.sort_values(list(among), key=lambda of: of.map(order[str(of.name)]), kind="stable")
 
 
-def _sentence(answer: Answer, part: tuple[Any, ...]) -> str:
-    """What a pair of buildings needs, analysis by analysis."""
-    _, left, right, rows = part
-    unit, said = width_unit(answer), []
-    contact = contact_columns(answer)[0]
-    for row in rows[rows["rule"] == EXACT].to_dict("records"):
-        words = (
-            f"{row['analysis'].capitalize()}: mean {unit.text(row['mean'], 4)}, largest {unit.text(row['largest'], 4)}"
-        )
-        if row[contact] == row[contact]:
-            words += f"; {unit.text(row[contact], 4)} for {contact.removeprefix('contact_')} % probability of contact"
-            if row[f"{contact}_low"] == row[f"{contact}_low"]:
-                between = f"{unit.text(row[contact + '_low'], 3)} to {unit.text(row[contact + '_high'], 3)}"
-                words += f" ({CONFIDENCE:.0%} confidence: {between})"
-        said.append(words)
-    motions = counted(int(rows["motions"].max()), "motion")
-    return f"{left} | {right}: required gap at the floors that require the widest gap, {motions}. {'. '.join(said)}."
+def _widths(results: Results, heading: str, rows: pd.DataFrame, name: str, reached: str) -> Table:
+    """Widths in the unit of the study; those for a probability of contact with their confidence interval."""
+    columns, answer = answer_table(results, name).columns, results.answer(name)
+    shown: dict[str, Any] = {key: rows[key] for key in results.axes if key in rows}
+    if name == LINE:
+        shown |= {each: rows[each] for each in ("building", "side", "floor")}
+    else:
+        shown |= {"between": rows["left"] + " | " + rows["right"], "floors": [_floors(row) for row in _dicts(rows)]}
+    shown |= {each: rows[each] for each in ("analysis", "rule", "mean", "mean_plus_std", "largest")}
+    shown |= {str(each): rows[each] for each in rows if str(each).startswith("percentile_")}
+    heads = {"mean_plus_std": "mean + σ", "over_exact": "mean over exact"}
+    heads |= {each: f"{each.removeprefix('percentile_')} %" for each in shown if each.startswith("percentile_")}
+    how = {each: replace(columns[each], label=heads.get(each, each)) for each in shown if each in columns}
+    for each in _contacts(answer):
+        shown[each] = [_between(answer, row, each) for row in _dicts(rows)]
+        how[each] = Column(f"{reached} {each.removeprefix('contact_')} % [{_unit(answer).name}]")
+    shown["over_exact"] = rows["over_exact"]
+    how["over_exact"] = Column("mean over exact")
+    return Table(heading, pd.DataFrame(shown), how)
 
 
-def _notes(frame: pd.DataFrame, answer: Answer) -> list[str]:
-    """What a reader should know of the numbers."""
-    said = error_sentence(answer, float(frame["error"].max()))
+def _dicts(rows: pd.DataFrame) -> list[dict[Any, Any]]:
+    return rows.to_dict("records")
+
+
+def _floors(row: Mapping[Any, Any]) -> str:
+    """Which floors of both buildings face each other, in words."""
+    one, other, side = row["floor"], row["right_floor"], row["columns"]
+    if not side:
+        return f"floor {one}" if one == other else f"floors {one} and {other}"
+    slab, storey = (other, one) if side == "left" else (one, other)
+    return f"floor {slab} beside columns of {row[side]} in storey {storey}"
+
+
+def _unit(answer: Answer) -> Unit:
+    """The unit of widths."""
+    return answer.units["mean"]
+
+
+def _contacts(answer: Answer) -> list[str]:
+    """The columns of gaps for a probability of contact."""
+    return [n for n in answer.meanings if n.startswith("contact_") and not n.endswith(("_low", "_high"))]
+
+
+def _between(answer: Answer, row: Mapping[Any, Any], name: str) -> str:
+    """A width with its confidence interval in brackets."""
+    if row[name] != row[name]:
+        return NOTHING
+    low, high = (row[name + end] for end in ("_low", "_high"))
+    of = [digits(_unit(answer).number(value), 3) for value in (low, high)]
+    interval = f" ({of[0]} to {of[1]})" if row["rule"] == EXACT and low == low else ""
+    return digits(_unit(answer).number(row[name])) + interval
+
+
+def _sentences(answer: Answer, rows: pd.DataFrame) -> list[str]:
+    """What every pair of buildings needs, analysis by analysis."""
+    unit, contact, said = _unit(answer), _contacts(answer)[0], []
+    for (left, right), part in rows.groupby(["left", "right"], sort=False):
+        parts = []
+        for row in _dicts(part[part["rule"] == EXACT]):
+            words = f"{row['analysis'].capitalize()}: mean {unit.text(row['mean'], 4)}"
+            words += f", largest {unit.text(row['largest'], 4)}"
+            if row[contact] == row[contact]:
+                share = contact.removeprefix("contact_")
+                words += f"; {_between(answer, row, contact)} {unit.name} for {share} % probability of contact"
+            parts.append(words)
+        motions = counted(int(part["motions"].max()), "motion")
+        floors = " or ".join(dict.fromkeys(map(_floors, _dicts(part))))
+        said.append(f"{left} | {right}: required gap at {floors}, {motions}. {'. '.join(parts)}.")
+    return said
+
+
+def _of_cases(results: Results, frame: pd.DataFrame) -> Table:
+    """Whether the gaps of the cases are enough."""
+    columns = answer_table(results, CASES).columns
+    shown: dict[str, Any] = {key: frame[key] for key in results.axes if key in frame}
+    shown |= {"case": frame["case"], "between": frame["left"] + " | " + frame["right"]}
+    shown |= {name: frame[name] for name in ("analysis", "rule", "gap", "required", "enough")}
+    shown["for motions"] = [f"{r['enough_for']} of {r['motions']}" if r["motions"] else NOTHING for r in _dicts(frame)]
+    return Table("Gaps of the cases", pd.DataFrame(shown), {name: columns[name] for name in shown if name in columns})
+
+
+def _case_sentences(cases: Answer, frame: pd.DataFrame) -> list[str]:
+    """Whether each gap is enough, by what the motions require; at one point of the sweep."""
+    said: dict[str, list[str]] = {}
+    head = ""
+    for row in _dicts(frame[frame["rule"] == EXACT]):
+        if row["analysis"] == frame["analysis"].iloc[0]:
+            gap = cases.units["gap"].text(row["gap"], 4)
+            head = f"Case {row['case']}, {row['left']} | {row['right']}: gap {gap}"
+        word = {"yes": "enough", "no": "not enough"}.get(row["enough"], "not known, as scenes failed")
+        motions = counted(int(row["motions"]), "motion")
+        said.setdefault(head, []).append(f"{row['analysis']} {word} ({row['enough_for']} of {motions})")
+    return [f"{head}: {', '.join(words)}." for head, words in list(said.items())[:FEW_GAPS]]
+
+
+def _notes(answer: Answer) -> list[str]:
+    """What a reader should know of the widths."""
+    frame, rules = answer.frame, set(answer.frame["rule"])
+    error = float(frame["error"].max())
+    worth = "The numerical error was not estimated (estimate: none)."
+    if error == error:
+        worth = f"No width has a numerical error above {_unit(answer).text(error, 2)}."
     notes = [
         "Exact: largest closing of two floors over time; for a property line, largest displacement of the floor to "
-        f"that side. Each building is alone. {said}",
-        interval_sentence(frame),
-        "ABS, SRSS and DDC combine the largest displacements of each building under the same motion; DDC takes the "
-        "periods and damping ratios of the elastic first modes.",
+        f"that side. Each building is alone. {worth}"
     ]
-    rules = set(frame["rule"])
+    motions = frame.loc[frame["rule"] == EXACT, "motions"]
+    if len(motions) and int(motions.max()) >= FEWEST:
+        notes.append(f"In brackets: {CONFIDENCE:.0%} confidence.")
+    if len(motions) and (few := int(motions.min())) < FEWEST:
+        notes.append(
+            f"No confidence interval for fewer than {FEWEST} motions: {counted(few, 'motion')} "
+            f"{'is' if few == 1 else 'are'} too few to tell how much the gap varies from motion to motion."
+        )
+    notes.append(
+        "ABS, SRSS and DDC combine the largest displacements of each building under the same motion; DDC takes the "
+        "periods and damping ratios of the elastic first modes."
+    )
     if "GB 50011-2010" in rules:
         notes.append("GB 50011-2010, 6.1.4: a least width that depends on height, intensity and system alone.")
     if any(rule.startswith("UBC") for rule in rules):
         notes.append("UBC: sum of the displacements that the code which set the yield shears allows both buildings.")
-    return list(filter(None, notes))
+    return notes
+
+
+def _case_notes(results: Results, frame: pd.DataFrame) -> list[str]:
+    """What "enough" means, and which cases are not compared."""
+    notes = []
+    if len(frame):
+        notes.append(
+            "Enough: at every floor with a link in the case the gap is no narrower than what the rule requires, under "
+            "every motion. Each building moves alone."
+        )
+        if len(results.resolved["places"]) > 2:
+            notes.append(
+                "A building between two others moves alone only while neither of them strikes it. Where the gap on one "
+                "side is not enough, the answer for the other side does not hold."
+            )
+    written = parse(results.study_text, str(results.path)).get("cases")
+    if others := [case for case in written or () if case not in set(frame["case"])]:
+        notes.append(
+            f"Not compared: {', '.join(others)}. There is no link, or one that acts before the gap has closed, so that "
+            "the buildings do not move alone; `pound run` simulates them."
+        )
+    return notes
+
+
+def _code_notes(results: Results) -> list[str]:
+    """What the rules of codes with a displacement of every building rest on, and which keys they lack."""
+    resolved, notes, said = results.resolved, list[str](), list[str]()
+    for rule, keys in {ASCE7: ("Cd", "Ie"), EN1998: ("qd",)}.items():
+        wanted: dict[str, list[str]] = {}
+        for name in dict.fromkeys(resolved["group"]):
+            building = resolved["buildings"][name]
+            own = building["yield"] if building["yield_shear"] is None else {}
+            if lacks := [key for key in ("base_shear", *keys) if own.get(key) is None]:
+                wanted.setdefault(", ".join(f"`{key}`" for key in lacks), []).append(name)
+        words = " and ".join(f"{keys} of {', '.join(names)}" for keys, names in wanted.items())
+        if words:
+            said.append(f"{rule} (lacks {words})")
+        else:
+            notes.append(_RESTS_ON[rule])
+    if said:
+        notes.append(
+            f"Not evaluated: {', '.join(said)}. Write these keys under `yield` of the building, e.g. "
+            "`yield: {base_shear: 0.10 W, distribution: asce7, Cd: 5.5, Ie: 1, qd: 3.9}`."
+        )
+    notes.append("UBC 1997 and NZS 1170.5 have other rules. They are left out because no source was available.")
+    return notes
 
 
 @styled
 def draw_profiles(answer: Answer, frame: pd.DataFrame, shown: Evidence) -> Figure:
     """Widths across, height upwards: a panel for each pair of neighbours and analysis."""
-    unit = width_unit(answer)
+    unit, contact = _unit(answer), _contacts(answer)[0]
     pairs = list(dict.fromkeys(zip(frame["left"], frame["right"], strict=True)))
     analyses = list(dict.fromkeys(frame["analysis"]))
-    figure = new_figure(3.9 * len(analyses) + 1.7, 3.6 * len(pairs) + 0.7)
-    axes = figure.subplots(len(pairs), len(analyses), squeeze=False, sharey="row", sharex=True)
+    figure, axes = panels(len(pairs), len(analyses), 3.9, 3.6, sharey="row", sharex=True)
     for line, (left, right) in zip(axes, pairs, strict=True):
         for ax, analysis in zip(line, analyses, strict=True):
             here = frame[(frame["left"] == left) & (frame["right"] == right) & (frame["analysis"] == analysis)]
             _motions(ax, shown, here, unit)
-            _profile(ax, here, unit, contact_columns(answer)[0])
+            for rule, rows in here.groupby("rule", sort=False):
+                rows = rows.sort_values("height")
+                _line(ax, str(rule), rows["mean"] / unit.factor, rows["height"])
+                if rule == EXACT and rows[contact].notna().any():
+                    low, wanted, high = (rows[contact + end] / unit.factor for end in ("_low", "", "_high"))
+                    ax.fill_betweenx(rows["height"], low, high, color="#56B4E9", alpha=0.2, lw=0, zorder=1)
+                    label = f"exact, contact {contact.removeprefix('contact_')} %"
+                    ax.plot(wanted, rows["height"], color="#56B4E9", lw=1.8, zorder=3.5, label=label)
             ax.set_title(f"{left} | {right}, {analysis}", loc="left")
             ax.set_ylim(0, None)
         line[0].set_ylabel("height of the floors [m]")
     for ax in axes[-1]:
         ax.set_xlabel(f"gap [{unit.name}]")
-    reach = frame[["largest", contact_columns(answer)[0]]].max().max() / unit.factor
+    reach = frame[["largest", contact]].max().max() / unit.factor
     axes[0, 0].set_xlim(0, 1.25 * reach if reach > 0 else None)  # a wide interval of confidence leaves the panel
     shared_legend(figure, axes.flat)
     entitle(figure, shown.title)
     where = f"At {shown.label}. " if shown.label else ""
-    contact = contact_columns(answer)[0]
     has_band = frame.loc[frame["rule"] == EXACT, f"{contact}_low"].notna().any()
     band = f"Band: {CONFIDENCE:.0%} confidence of the blue line, cut at the edge. " if has_band else ""
-    caption(
-        figure,
-        f"{where}Grey: every motion, exact. Lines: mean over the motions, exact and by rules. {band}"
-        f"{motion_sentence(shown.records)}",
-    )
+    said = f"{where}Grey: every motion, exact. Lines: mean over the motions, exact and by rules. {band}"
+    caption(figure, f"{said}{motion_sentence(shown.records)}")
     return figure
 
 
-def _profile(ax: Axes, here: pd.DataFrame, unit: Unit, contact: str) -> None:
-    """The lines of one panel."""
-    for rule, rows in here.groupby("rule", sort=False):
-        rows = rows.sort_values("height")
-        color, style, marker = _LOOKS.get(str(rule), _CODE)
-        width = rows["mean"] / unit.factor
-        strong = rule == EXACT
-        ax.plot(
-            width, rows["height"], color=color, ls=style, marker=marker, ms=4.5 if strong else 3.5,
-            lw=2.2 if strong else 1.3, zorder=4 if strong else 3, label="exact, mean" if strong else str(rule),
-        )  # fmt: skip
-        if strong and rows[contact].notna().any():
-            low, wanted, high = (rows[contact + end] / unit.factor for end in ("_low", "", "_high"))
-            ax.fill_betweenx(rows["height"], low, high, color="#56B4E9", alpha=0.2, lw=0, zorder=1)
-            share = contact.removeprefix("contact_")
-            ax.plot(wanted, rows["height"], color="#56B4E9", lw=1.8, zorder=3.5, label=f"exact, contact {share} %")
+def _line(ax: Axes, rule: str, x: Any, y: Any) -> None:
+    """The line of one rule."""
+    color, style, marker = _LOOKS.get(rule, _CODE)
+    size, width, above = (4.5, 2.2, 4) if rule == EXACT else (3.5, 1.3, 3)
+    label = "exact, mean" if rule == EXACT else rule
+    ax.plot(x, y, color=color, ls=style, marker=marker, ms=size, lw=width, zorder=above, label=label)
 
 
 def _motions(ax: Axes, shown: Evidence, here: pd.DataFrame, unit: Unit) -> None:
     """Every motion as a thin line."""
     left, right, analysis = (here[name].iloc[0] for name in ("left", "right", "analysis"))
-    link = shown.link
-    link = link if "left_at" in link else link.assign(left_at=1.0, right_at=1.0)
+    link = shown.link if "left_at" in shown.link else shown.link.assign(left_at=1.0, right_at=1.0)
     mine = link[(link["left"] == left) & (link["right"] == right) & (link["analysis"] == analysis)]
     facing = here[["floor", "right_floor", "columns", "height"]]
     heights = {tuple(place): height for *place, height in facing.itertuples(index=False)}
     for _, rows in mine.groupby("record", sort=False):
         sides = np.where(rows["left_at"] < 1, "left", np.where(rows["right_at"] < 1, "right", ""))
-        at = [heights[place] for place in zip(rows["floor"], rows["right_floor"], sides, strict=True)]
+        at = np.array([heights[place] for place in zip(rows["floor"], rows["right_floor"], sides, strict=True)])
         order = np.argsort(at)
-        widths = rows["max_closing"].to_numpy() / unit.factor
-        ax.plot(widths[order], np.array(at)[order], color="0.75", lw=0.7, zorder=2)
+        ax.plot(rows["max_closing"].to_numpy()[order] / unit.factor, at[order], color="0.75", lw=0.7, zorder=2)
 
 
 @styled
-def draw_sweep(results: Results, answer: Answer, shown: Evidence) -> Figure:
+def draw_sweep(results: Results, answer: Answer, shown: Evidence, key: str) -> Figure:
     """Mean widths at the floors that need most against the first swept key, the others as at the point shown."""
-    unit, keys = width_unit(answer), list(results.axes)
-    key, frame = keys[0], answer.frame
-    for other in keys[1:]:
-        frame = frame[frame[other] == shown.point[other]]
-    parts = governing(frame, [key])
-    pairs = list(dict.fromkeys((left, right) for _, left, right, _ in parts))
-    analyses = list(dict.fromkeys(frame["analysis"]))
-    figure = new_figure(3.9 * len(analyses) + 1.7, 3.0 * len(pairs) + 0.7)
-    axes = figure.subplots(len(pairs), len(analyses), squeeze=False, sharey="row", sharex=True)
-    for line, pair in zip(axes, pairs, strict=True):
-        rows = pd.concat([rows for _, left, right, rows in parts if (left, right) == pair])
+    unit, frame = _unit(answer), answer.frame
+    for other, value in shown.point.items():
+        frame = frame[frame[other] == value] if other != key and other in frame else frame
+    rows = _widest(frame, [key, "left", "right"], ["floor", "right_floor", "columns"])
+    pairs = list(dict.fromkeys(zip(rows["left"], rows["right"], strict=True)))
+    analyses = list(dict.fromkeys(rows["analysis"]))
+    figure, axes = panels(len(pairs), len(analyses), 3.9, 3.0, sharey="row", sharex=True)
+    for line, (left, right) in zip(axes, pairs, strict=True):
         for ax, analysis in zip(line, analyses, strict=True):
-            for rule, here in rows[rows["analysis"] == analysis].groupby("rule", sort=False):
-                color, style, marker = _LOOKS.get(str(rule), _CODE)
-                across: Mapping[str, Any] | Sequence[Any] = here[key]
-                if here[key].dtype.kind == "f":
-                    across = here[key] / results.units[key].factor
-                label = "exact" if rule == EXACT else str(rule)
-                ax.plot(
-                    across, here["mean"] / unit.factor, color=color, ls=style, marker=marker, ms=3.5,
-                    lw=2.2 if rule == EXACT else 1.3, zorder=4 if rule == EXACT else 3, label=label,
-                )  # fmt: skip
-            ax.set_title(f"{pair[0]} | {pair[1]}, {analysis}", loc="left")
+            mine = rows[(rows["left"] == left) & (rows["right"] == right) & (rows["analysis"] == analysis)]
+            for rule, here in mine.groupby("rule", sort=False):
+                across = here[key] / results.units[key].factor if here[key].dtype.kind == "f" else here[key]
+                _line(ax, str(rule), across, here["mean"] / unit.factor)
+            ax.set_title(f"{left} | {right}, {analysis}", loc="left")
             ax.set_ylim(0, None)
             name_axis(ax, "x", [key], [results.units[key]], results.resolved)
         line[0].set_ylabel(f"gap, mean over the motions [{unit.name}]")
@@ -245,8 +357,8 @@ def cite_gap(resolved: Mapping[str, Any], used: Use) -> None:
     used("jeng1992", "the rule DDC")
     used("derkiureghian1981", "the correlation of two oscillators in DDC")
     asked = resolved.get("gap") or {}
-    yields = [building["yield"] for building in (resolved["buildings"][name] for name in resolved["group"])
-              if building["yield_shear"] is None]  # fmt: skip
+    buildings = [resolved["buildings"][name] for name in resolved["group"]]
+    yields = [building["yield"] for building in buildings if building["yield_shear"] is None]
     if any(each.get("Cd") and each.get("Ie") for each in yields):
         used("asce2017", "the separation of ASCE/SEI 7-16, section 12.12.3")
     if any(each.get("qd") for each in yields):

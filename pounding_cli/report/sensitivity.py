@@ -1,82 +1,84 @@
-"""The report of `pound sensitivity`: tornado and indices of every output, and its samples over the keys."""
+"""The report of `pound sensitivity`: which uncertain keys decide an output, and how likely claims hold."""
 
 from __future__ import annotations
 
+import math
 import textwrap
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pounding_cli.numbers import Unit
-from pounding_cli.report import claim_odds
-from pounding_cli.report.answer_page import AnswerPage, Illustration
-from pounding_cli.report.citations import Use
-from pounding_cli.report.claim_samples import ODDS, THRESHOLDS
-from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.key_words import key_words, name_axis
-from pounding_cli.report.sensitivity_text import (
-    Part,
-    cells,
-    heads,
-    method_of,
-    notes,
-    parts,
-    sentence,
-    split_claims,
-    spread_sentence,
-)
-from pounding_cli.report.style import caption, entitle, new_figure, shared_legend, styled
-from pounding_cli.report.web.story import Grid
-from pounding_cli.store import Results
-from pounding_cli.store.answers import Answer
-from pounding_cli.store.indices import FOUND
-from pounding_cli.store.sensitivity import INDICES, OUTPUTS, SAMPLES
+from pounding_cli.numbers import Unit, counted
+from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.claim_odds import ODDS, odds_pictures, odds_sentences, odds_tables
+from pounding_cli.report.document import Picture, Report, Section
+from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, nominal
+from pounding_cli.report.references import Use
+from pounding_cli.report.style import caption, entitle, key_words, name_axis, new_figure, shared_legend, styled
+from pounding_cli.report.table import NOTHING, Table, from_rows
+from pounding_cli.workflows.indices import FOUND
+from pounding_cli.workflows.sensitivity import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 
-MOST_OUTPUTS = 6
-"""Outputs in one figure; of more, the first are drawn."""
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
+    from pounding_cli.results.tables import Table as Answer
 
-MOST_KEYS = 6
-"""Keys whose samples are drawn, those that decide most."""
+MOST_OUTPUTS, MOST_KEYS = 6, 6
+"""Outputs in one figure, and keys whose samples are drawn; of more, the first and those that decide most."""
 
 _LOW, _HIGH, _FIRST, _TOTAL = "#0072B2", "#E69F00", "#56B4E9", "#000000"
+_HEADS = {
+    "sobol": ("first order", "total", "output at its low end", "at its high end"),
+    "morris": ("mean effect", "mean, signed", "deviation"),
+}
 
 
-def sensitivity_page(results: Results, shown: Evidence, with_figures: bool = True) -> AnswerPage:
-    """What the report of a sensitivity study says, at one point of the other swept keys."""
-    answer = results.answer(INDICES)
-    of_claims, frame = split_claims(_at(answer.frame, shown))
-    found = list(parts(results, frame))
-    figures: dict[str, Illustration] = {}
-    grids, lead, said = list[tuple[str, Grid]](), list[str](), list[str]()
-    if claim_odds.asks_claims(results):
-        odds = _at(results.answer(ODDS).frame, shown)
-        lead = claim_odds.lead(odds)
-        grids = claim_odds.grids(odds, _at(results.answer(THRESHOLDS).frame, shown))
-        said = claim_odds.notes(results, odds)
-        if with_figures:
-            drawing = claim_odds.draw_odds(odds, of_claims, shown)
-            figures["sensitivity-claims"] = Illustration(drawing, "How likely each claim holds", " ".join(lead))
-    drawn = [part for part in found if part.outcome == FOUND][:MOST_OUTPUTS]
-    if with_figures and drawn:
-        text = " ".join(map(sentence, drawn))
-        figures["sensitivity"] = Illustration(draw_indices(answer, drawn, shown), "What decides the outputs", text)
-        samples = results.answer(SAMPLES)
-        about = "Every dot is a sample; the line is the mean of the output along the key."
-        scatter = draw_samples(samples, _at(samples.frame, shown), drawn, shown)
-        figures["sensitivity-samples"] = Illustration(scatter, "The samples", about)
-    grids += [
-        (part.title, Grid(heads(answer), cells(answer, part), range(1, len(heads(answer)))))
-        for part in found
-        if part.outcome == FOUND
-    ]
-    lead += [sentence(part) for part in found]
+def sensitivity_report(results: Results) -> Report:
+    """What a sensitivity study says; figures and sentences at one point of the other swept keys."""
+    whole, results = results, results.first_sample()
+    answer, shown = results.answer(INDICES), nominal(results)
+    of_claims = answer.frame["case"] == ""
+    found = list(parts(results, _at(answer.frame[~of_claims], shown)))
+    tables, said, notes, pictures = list[Table](), list[str](), list[str](), list[Picture]()
+    if ODDS in results.answers:
+        odds = results.answer(ODDS).frame
+        tables, notes = odds_tables(results, method_of(answer))
+        said = odds_sentences(_at(odds, shown))
+        pictures = odds_pictures(_at(odds, shown), _at(answer.frame[of_claims], shown), shown)
+    if not of_claims.all():
+        tables.append(_indices(results, answer, answer.frame[~of_claims]))
+        notes += _legend(results, answer)
+    if PROBABILITIES in results.answers:
+        tables.append(_probabilities(results, results.answer(PROBABILITIES).frame))
+    said += [sentence(part) for part in found]
     if OUTPUTS in results.answers:
-        lead += [spread_sentence(row) for row in _at(results.answer(OUTPUTS).frame, shown).to_dict("records")]
-    return AnswerPage("Sensitivity", lead, figures, grids, [*said, *notes(results)])
+        said += [spread_sentence(row) for row in _at(results.answer(OUTPUTS).frame, shown).to_dict("records")]
+    drawn = [part for part in found if part.outcome == FOUND][:MOST_OUTPUTS]
+    if drawn:
+        text, samples = " ".join(map(sentence, drawn)), results.answer(SAMPLES)
+        draw = partial(draw_indices, answer, drawn, shown)
+        pictures.append(Picture("sensitivity", "What decides the outputs", text, draw))
+        text = "Every dot is a sample; the line is the mean of the output along the key."
+        draw = partial(draw_samples, samples, _at(samples.frame, shown), drawn, shown)
+        pictures.append(Picture("sensitivity-samples", "The samples", text, draw))
+    if len(refused := answer.frame[answer.frame["failed"] > 0]):
+        notes.append(
+            f"Where samples gave no number (up to {counted(int(refused['failed'].max()), 'sample')}) there is no "
+            "index: leaving them out would bias it. Their scenes failed again in a second solution with a hundred "
+            "times finer accuracy, or have no such number."
+        )
+    scene = whole.scene()
+    return Report(
+        **frame_of(results, shown, scene, len(scene[axis_keys(scene)].drop_duplicates())),
+        answer=Section("", said, tables, pictures, notes),
+        more=lambda: background(whole, shown, scene, ("records",)),
+    )
 
 
 def _at(frame: pd.DataFrame, shown: Evidence) -> pd.DataFrame:
@@ -196,3 +198,150 @@ def cite_sensitivity(resolved: Mapping[str, Any], used: Use) -> None:
         used("saltelli2010", "first-order and total indices of the variance")
         used("efron1993", "the bootstrap of the samples")
     used("iwanaga2022", "SALib, which draws the samples and computes the indices")
+
+
+@dataclass(frozen=True)
+class Part:
+    """One output at one point of the other swept keys, case and analysis.
+
+    rows : of the table of indices, those that decide most first
+    words : where it is, "" where there is one place
+    """
+
+    output: str
+    words: str
+    rows: pd.DataFrame
+
+    @property
+    def title(self) -> str:
+        """The output, and where it is."""
+        return f"{self.output}{f', {self.words}' if self.words else ''}"
+
+    @property
+    def outcome(self) -> str:
+        return str(self.rows["outcome"].iloc[0])
+
+    @property
+    def unit(self) -> str:
+        return str(self.rows["unit"].iloc[0])
+
+
+def method_of(answer: Answer) -> str:
+    """sobol or morris."""
+    return "sobol" if "total" in answer.frame else "morris"
+
+
+def parts(results: Results, frame: pd.DataFrame) -> Iterator[Part]:
+    """The outputs of a table of indices, one after the other, at every point of the other swept keys."""
+    names = [*(key for key in results.axes if key in frame), "case", "analysis"]
+    told = [name for name in names if name == "case" or len(set(frame[name])) > 1]
+    by = "total" if "total" in frame else "mu_star"
+    for _, rows in frame.groupby([*names, "output"], sort=False, dropna=False):
+        first = rows.iloc[0]
+        words = ", ".join(
+            f"{name} = {results.units[name].text(first[name])}" if name in results.axes
+            else f"{'case ' if name == 'case' else ''}{first[name]}"
+            for name in told
+        )  # fmt: skip
+        yield Part(str(first["output"]), words, rows.sort_values(by, ascending=False, kind="stable"))
+
+
+def _indices(results: Results, answer: Answer, frame: pd.DataFrame) -> Table:
+    """The indices of every output, those that decide most first, with the intervals in brackets."""
+    rows = []
+    for part in parts(results, frame):
+        title = f"{part.output}{f' [{part.unit}]' if part.unit else ''}, {part.words}"
+        for row in part.rows.to_dict("records") if part.outcome == FOUND else ():
+            if method_of(answer) == "sobol":
+                numbers = [interval(row, "first", ".2f"), interval(row, "total", ".2f")]
+                numbers += [_error(row, "at_low"), _error(row, "at_high")]
+            else:
+                numbers = [interval(row, "mu_star"), _number(row["mu"]), _number(row["sigma"])]
+            rows.append([title, str(row["key"]), *numbers])
+    return from_rows("What decides the outputs", ("output", "key", *_HEADS[method_of(answer)]), rows)
+
+
+def _probabilities(results: Results, frame: pd.DataFrame) -> Table:
+    """How likely every statement holds, with its interval, and the key that decides it most."""
+    rows = []
+    for row in frame.to_dict("records"):
+        point = [f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row]
+        where = ", ".join((*point, str(row["case"]), str(row["analysis"])))
+        rows.append([str(row["statement"]), where, interval(row, "probability"), str(row["decided_by"]) or NOTHING])
+    return from_rows("How likely statements hold", ("statement", "where", "probability", "decided most by"), rows)
+
+
+def interval(row: dict[Any, Any], name: str, form: str = ".3g") -> str:
+    """A number with its interval."""
+    if row[name] != row[name]:
+        return NOTHING
+    found, low, high = (_number(row[f"{name}{end}"], form) for end in ("", "_low", "_high"))
+    return f"{found} ({low} to {high})"
+
+
+def _error(row: dict[Any, Any], name: str) -> str:
+    if row[name] != row[name]:
+        return NOTHING
+    return with_error(row[name], row[f"{name}_error"])
+
+
+def with_error(value: float, error: float) -> str:
+    """A number with as many decimals as its standard error has at two digits: 26.8 ± 1.1."""
+    if not (math.isfinite(error) and error > 0):
+        return _number(value)
+    decimals = 1 - math.floor(math.log10(error))
+    if not 0 <= decimals <= 6:
+        return f"{_number(value)} ± {_number(error, '.2g')}"
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
+
+
+def _number(value: float, form: str = ".3g") -> str:
+    text = f"{value:{form}}"
+    return text.removeprefix("-") if float(text) == 0 else text
+
+
+def sentence(part: Part) -> str:
+    """What decides an output."""
+    if part.outcome != FOUND:
+        return f"{part.title}: {part.outcome}."
+    first = part.rows.iloc[0]
+    if "total" in part.rows:
+        share = f"{100 * first['total']:.0f} % ({100 * first['total_low']:.0f} to {100 * first['total_high']:.0f} %)"
+        return (
+            f"{part.title}: decided most by {first['key']}; with its interactions it explains {share} of the variance."
+        )
+    change = f"{interval(dict(first), 'mu_star')} {part.unit}".rstrip()
+    return f"{part.title}: changed most by {first['key']}, on the average by {change}."
+
+
+def spread_sentence(row: dict[Any, Any]) -> str:
+    """The distribution of an output."""
+    low, _, high = PERCENTILES
+    what = f"{row['output']}, case {row['case']}, {row['analysis']}"
+    unit = f" {row['unit']}" if row["unit"] else ""
+    if row["mean"] != row["mean"]:
+        return f"{what}: no distribution, {counted(int(row['failed']), 'sample')} gave no number."
+    between = f"{_number(row[f'percentile_{low}'])} to {_number(row[f'percentile_{high}'])}"
+    return f"{what}: mean {interval(row, 'mean')}{unit}; {high - low} % of the samples from {between}{unit}."
+
+
+def _legend(results: Results, answer: Answer) -> list[str]:
+    """What the columns of `cells` mean."""
+    spec = results.resolved.get("sensitivity") or {}
+    first = answer.frame.iloc[0]
+    said = [
+        f"In brackets: {100 * float(spec.get('confidence', 0.95)):.4g} % interval of {spec.get('draws', 1000)} "
+        f"bootstrap draws of the {int(first['samples'])} samples."
+    ]
+    if method_of(answer) == "sobol":
+        said.append(
+            "First order: part of the variance that the key explains by itself; total: with all its interactions. At "
+            "its ends: mean of the output over the lowest and the highest fifth of the key, of a choice at the "
+            "options where it is least and most, with the standard error."
+        )
+    else:
+        said.append(
+            "Mean effect: mean size of the change of the output over the whole range of the key; a standard deviation "
+            "as large as the mean indicates interactions or a nonlinear effect."
+        )
+    return said

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -11,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -53,21 +56,21 @@ class Look:
     marker: str
 
 
+_DASHED, _DASH_DOT, _DOTTED = (0, (5, 2)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2))
 _NAMED = {
     "touching": Look("#000000", "-", "o"),
-    "gap": Look("#0072B2", (0, (5, 2)), "s"),
+    "gap": Look("#0072B2", _DASHED, "s"),
     "infill": Look("#E69F00", "-", "^"),
-    "connected": Look("#AA2211", (0, (5, 1.5, 1, 1.5)), "D"),
+    "connected": Look("#AA2211", _DASH_DOT, "D"),
 }
 _REST = (
-    Look("#009E73", (0, (1, 1.2)), "v"),
+    Look("#009E73", _DOTTED, "v"),
     Look("#56B4E9", "-", "P"),
-    Look("#7B3294", (0, (5, 2)), "X"),
-    Look("#8C6D31", (0, (5, 1.5, 1, 1.5)), "<"),
+    Look("#7B3294", _DASHED, "X"),
+    Look("#8C6D31", _DASH_DOT, "<"),
     Look("#666666", (0, (3, 1)), ">"),
     Look("#CC79A7", "-", "*"),
 )
-
 
 VOID = "0.6"
 """Grey of what is drawn though it means nothing."""
@@ -83,7 +86,6 @@ def looks(cases: Sequence[str]) -> dict[str, Look]:
 styled = mpl.rc_context(RC)
 """Decorator of every function that draws: the settings hold while it draws and nowhere else."""
 
-
 _given: ContextVar[Figure | None] = ContextVar("given", default=None)
 
 
@@ -95,6 +97,12 @@ def new_figure(width: float, height: float) -> Figure:
     given.set_size_inches(width, height)
     given.set_layout_engine("constrained")
     return given
+
+
+def panels(rows: int, columns: int, width: float = 3.9, height: float = 3.2, **shared: Any) -> tuple[Figure, Any]:
+    """A figure of rows x columns panels of so many inches, with room for a legend, and its axes."""
+    figure = new_figure(width * columns + 1.7, height * rows + 0.8)
+    return figure, figure.subplots(rows, columns, squeeze=False, **shared)
 
 
 @contextmanager
@@ -113,24 +121,28 @@ def drawn_on(figure: Figure) -> Iterator[None]:
 
 def legend(ax: Axes, cases: Mapping[str, str], **keywords: Any) -> None:
     """A legend of cases alone, with their line and marker; `cases`: what each is called."""
-    chosen = list(cases)
     handles = [
         Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, ms=5, lw=1.6, label=cases[case])
-        for case, look in looks(chosen).items()
+        for case, look in looks(list(cases)).items()
     ]
     ax.legend(handles=handles, handlelength=3.2, **keywords)
+
+
+def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside right upper", columns: int = 1) -> None:
+    """One legend of all panels, each label once."""
+    handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    figure.legend(handles.values(), handles.keys(), loc=where, fontsize=8, ncols=columns)
 
 
 _captions: ContextVar[dict[Figure, str] | None] = ContextVar("captions", default=None)
 
 
 @contextmanager
-def for_paper() -> Iterator[dict[Figure, str]]:
-    """Figures drawn within have no title and no caption; gives the captions, by figure."""
-    captions: dict[Figure, str] = {}
-    token = _captions.set(captions)
+def for_paper() -> Iterator[None]:
+    """Figures drawn within have no title and no caption; `save` writes the captions beside them."""
+    token = _captions.set({})
     try:
-        yield captions
+        yield
     finally:
         _captions.reset(token)
 
@@ -144,12 +156,6 @@ def entitle(figure: Figure, title: str, weight: str = "normal") -> None:
     """The study's title at the head of a figure."""
     if not is_for_paper():
         figure.suptitle(title, x=0.015, ha="left", fontsize=11, fontweight=weight)
-
-
-def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside right upper", columns: int = 1) -> None:
-    """One legend of all panels, each label once."""
-    handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    figure.legend(handles.values(), handles.keys(), loc=where, fontsize=8, ncols=columns)
 
 
 def caption(figure: Figure, text: str) -> None:
@@ -168,48 +174,126 @@ def caption(figure: Figure, text: str) -> None:
     figure.supxlabel("\n".join(lines), x=left, ha="left", fontsize=7.5, color="0.25")
 
 
-_FORMULAS = MathTextParser("path")
+def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
+    """Write every figure in every format, of figures for a paper their captions too; returns the files.
+
+    Raises
+    ------
+    InputError : the folder refuses
+    """
+    files = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, figure in figures.items():
+            _settle(figure)
+            for suffix in formats:
+                path = folder / f"{file_name(name)}.{suffix}"
+                _write(figure, path, suffix)
+                files.append(path)
+        if figures and (captions := _captions.get()) is not None:
+            said = [f"**{name}**: {captions[figure]}\n" for name, figure in figures.items() if figure in captions]
+            files.append(write_markdown(folder / "captions.md", said))
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    return files
 
 
-def literal(figure: Figure) -> None:
-    """Show a text as it is where its dollar signs enclose what is not a formula."""
+def data_address(figure: Figure) -> str:
+    """A figure as SVG in a `data:` address, for a page."""
+    held = io.BytesIO()
+    _settle(figure)
+    _write(figure, held, "svg")
+    return f"data:image/svg+xml;base64,{base64.b64encode(held.getvalue()).decode('ascii')}"
+
+
+def _write(figure: Figure, target: Path | io.BytesIO, suffix: str) -> None:
+    """Without a date in it, a figure that did not change is the same file."""
+    dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+    with mpl.rc_context(RC):
+        figure.savefig(target, format=suffix, metadata=dated)
+
+
+def _settle(figure: Figure) -> None:
+    """Lay a figure out once for all formats; texts whose dollar signs enclose no formula are shown as they are."""
     for text in figure.findobj(Text):
         if isinstance(text, Text) and "$" in text.get_text() and text.get_parse_math():
             try:
                 _FORMULAS.parse(text.get_text())
             except ValueError:
                 text.set_parse_math(False)
+    with mpl.rc_context(RC):
+        figure.draw_without_rendering()
+    figure.set_layout_engine("none")
 
 
-def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
-    """Write every figure in every format, of figures for a paper their captions too; returns the files. Raises
-    InputError where the folder refuses."""
-    files = []
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, figure in figures.items():
-            literal(figure)
-            with mpl.rc_context(RC):
-                figure.draw_without_rendering()
-            figure.set_layout_engine("none")  # laid out once, not once a format
-            for suffix in formats:
-                path = folder / f"{file_name(name)}.{suffix}"
-                # Without a date in it, a figure that did not change is the same file.
-                dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-                with mpl.rc_context(RC):
-                    figure.savefig(path, metadata=dated)
-                files.append(path)
-        if figures and (captions := _captions.get()) is not None:
-            said = {name: captions[figure] for name, figure in figures.items() if figure in captions}
-            files.append(
-                write_markdown(folder / "captions.md", [f"**{name}**: {text}\n" for name, text in said.items()])
-            )
-    except OSError as error:
-        raise unwritable(folder, error) from error
-    return files
+_FORMULAS = MathTextParser("path")
 
 
 def unwritable(folder: Path, error: OSError) -> InputError:
     """The refusal of a folder that cannot be written to."""
     hint = "name a folder you may write to: pound report FILE.h5 -o FOLDER"
     return InputError(Problem(f"cannot write the report to {folder}: {error.strerror or error}", hint))
+
+
+# what keys of a study are called
+
+_WORDS = {
+    "pga": "peak ground acceleration", "pgv": "peak ground velocity", "sa": "spectral acceleration",
+    "arias": "Arias intensity", "base_shear": "base-shear coefficient", "restitution": "coefficient of restitution",
+    "mass": "floor mass", "height": "storey height", "columns": "share of the struck columns",
+    "p_delta": "P-Delta", "Rw": "Rw", "K": "K", "Z": "Z",
+}  # fmt: skip
+
+
+def key_words(key: str, resolved: Mapping[str, Any]) -> str:
+    """A dotted key in words: "stiffness of the connector" for `cases.connected.stiffness`; one of one part as it is.
+
+    resolved : the study with every default filled in
+    """
+    section, *rest = key.split(".")
+    if not rest:
+        return key
+    what = _WORDS.get(rest[-1], rest[-1].replace("_", " "))
+    if section == "buildings":
+        return f"{what} of {rest[0]}"
+    if section == "impact":
+        return f"impact {what}" if what == "stiffness" else f"{what} of impacts"
+    if section == "cases" and len(rest) > 1 and what != "gap":
+        kind = (resolved.get("cases") or {}).get(rest[0], {}).get("link")
+        link = f"the {kind}" if kind in ("connector", "infill") else "the impact" if kind == "pounding" else "the link"
+        return f"{what} of {link}"
+    return what
+
+
+def name_axis(
+    ax: Axes,
+    which: str,
+    keys: Sequence[str],
+    units: Sequence[Any],
+    resolved: Mapping[str, Any],
+    size: float = 9.5,
+    room: int = 0,
+) -> None:
+    """Entitle an axis ("x" or "y") with what keys are, and in small with the keys; figures for a paper leave these out.
+
+    size : of the words [pt]; room : characters in a line, 0: any number
+    """  # fmt: skip
+    words = ", ".join(unit.label(key_words(key, resolved)) for key, unit in zip(keys, units, strict=True))
+    words = textwrap.fill(words, room) if room else words
+    small: dict[str, Any] = {"textcoords": "offset points", "fontsize": max(size - 3, 5.5), "color": "0.35"}
+    text = ", ".join(keys)
+    if is_for_paper() or all(key_words(key, resolved) == key for key in keys):
+        ax.set(**{f"{which}label": words})
+    elif which == "x":
+        label = ax.set_xlabel(words, fontsize=size)
+        ax.annotate(text, (0.5, 0), (0, -1), label, ha="center", va="top", **small)
+    else:
+        label = ax.set_ylabel(words, fontsize=size)
+        ax.annotate(text, (0, 0.5), (-1, 0), label, ha="right", va="center", rotation=90, **small)
+
+
+def span(values: Any) -> tuple[float, float]:
+    """The smallest and the largest of the finite values; zeros where there are none."""
+    values = np.asarray(values, float).ravel()
+    values = values[np.isfinite(values)]
+    return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)

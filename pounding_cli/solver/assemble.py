@@ -20,6 +20,7 @@ from pounding_cli.laws.law import PARAMETERS
 from pounding_cli.laws.maxwell import Maxwell
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
+from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
@@ -139,7 +140,7 @@ def _add_building(made: _Elements, b: Building, inelastic: bool, collapses: bool
     base = len(made.dofs) if sways else -1
     if f is not None and sways:
         made.dofs.append({"mass": f.mass, "loaded": 1.0})
-        made.storeys.append(_element(JOINED, (f.sway_stiffness, f.sway_damping), c=f.sway_damping))
+        made.storeys.append(_base(b, f))
     first = len(made.dofs)
     foot = first + b.storeys if rocks else -1
     for j in range(b.storeys):
@@ -161,6 +162,13 @@ def _add_building(made: _Elements, b: Building, inelastic: bool, collapses: bool
         made.dofs.append({"mass": f.inertia})
         made.storeys.append(_element(JOINED, (f.rocking_stiffness, f.rocking_damping), c=f.rocking_damping))
     return slice(first, first + b.storeys), base, foot
+
+
+def _base(b: Building, f: Foundation) -> dict[str, Any]:
+    """The element under a base that sways."""
+    if b.isolators is None:
+        return _element(JOINED, (f.sway_stiffness, f.sway_damping), c=f.sway_damping)
+    return _element(b.isolators.behaviour, b.isolators.numbers(), c=f.sway_damping, yields=1)
 
 
 def _storey(b: Building, j: int, inelastic: bool) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.formula import WrittenJoint
 from pounding_cli.laws.law import LinkLaw
@@ -20,6 +22,17 @@ def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
             continue
         left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
         said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond * 1000:.3g} mm")
+    return tuple(said)
+
+
+def isolator_flags(scene: Scene, sways: Sequence[float]) -> tuple[str, ...]:
+    """A sentence for each building whose base moved further [m] than its isolators can."""
+    said = []
+    for building, sway in zip(scene.buildings, sways, strict=True):
+        isolation = None if building.foundation is None else building.foundation.isolation
+        if isolation is not None and sway > isolation.capacity:
+            beyond = 1000 * (sway - isolation.capacity)
+            said.append(f"isolators moved beyond their capacity: {building.name}, by {beyond:.3g} mm")
     return tuple(said)
 
 

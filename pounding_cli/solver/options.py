@@ -43,7 +43,7 @@ def _digest() -> str:
     sha = hashlib.sha256()
     package = Path(__file__).parent.parent
     for folder in ("laws", "solver"):
-        for source in sorted((package / folder).glob("*.py")):
+        for source in sorted((package / folder).glob("*.*")):
             sha.update(source.name.encode() + source.read_bytes())
     return sha.hexdigest()[:16]
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import Layout, struck_columns
-from pounding_cli.solver.flags import collapse_flag, flags_of
+from pounding_cli.solver.flags import collapse_flag, flags_of, isolator_flags
 from pounding_cli.solver.records import Data
 from pounding_cli.solver.response import (
     COLLAPSED,
@@ -131,9 +133,11 @@ def stored_in_storeys(
     stored = np.where(yields, 0.0, 0.5 * elements["p"][:, 0] * deformation[..., :n] ** 2)
     for b, building in enumerate(layout.buildings):
         first = layout.floors[b].start
-        for j in np.flatnonzero(yields[layout.floors[b]]).tolist():
-            place = first + j
-            stored[..., place] = building.laws[j].stored(deformation[..., place], force[..., place])
+        laws = {first + j: building.laws[j] for j in np.flatnonzero(yields[layout.floors[b]]).tolist()}
+        if building.isolators is not None:
+            laws[layout.bases[b]] = building.isolators
+        for place, law in laws.items():
+            stored[..., place] = law.stored(deformation[..., place], force[..., place])
     below = np.concatenate((np.zeros((*u.shape[:-1], 1)), u[..., :-1]), axis=-1)
     leaned = u - layout.dofs["below"] * below
     lost = 0.5 * np.sum(elements["load"] * leaned**2, axis=-1)
@@ -201,9 +205,16 @@ def collapse_of(layout: Layout, data: Data) -> tuple[int, int]:
     return building, int(np.argmax(parts[building])) + 1
 
 
-def said_of(scene: Scene, layout: Layout, data: Data, status: str, links: LinkResponse) -> tuple[str, ...]:
+def said_of(
+    scene: Scene,
+    layout: Layout,
+    data: Data,
+    status: str,
+    buildings: Sequence[BuildingResponse],
+    links: LinkResponse,
+) -> tuple[str, ...]:
     """The flags of a run."""
-    said: tuple[str, ...] = ()
+    said = isolator_flags(scene, [each.sway for each in buildings])
     if status == COLLAPSED:
         said += collapse_flag(scene, float(data.run["time"][0]), *collapse_of(layout, data))
     if any(link.law.beyond_gap for link in layout.links):

@@ -7,11 +7,12 @@ peaks and energies treat like one by series, of order 8.
 
 from __future__ import annotations
 
+import json
 import math
+from pathlib import Path
 
 import numpy as np
 from numba import njit
-from scipy.integrate import DOP853
 
 from pounding_cli.solver.dispatch import history_rate, smooth_force
 from pounding_cli.solver.events import ends_of_elements
@@ -19,15 +20,20 @@ from pounding_cli.solver.options import CALLED, INVERSE, PART, bare
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
 from pounding_cli.solver.series import line_force, push, push_by_storey
 
-STAGES = DOP853.n_stages
-EXTRA = DOP853.A_EXTRA.shape[0]
+_TABLES = {
+    name: np.array(values)
+    for name, values in json.loads(Path(__file__).with_name("dop853.json").read_text(encoding="ascii")).items()
+}
+"""The coefficients as SciPy has them (tools/dop853.py)."""
+
+STAGES, EXTRA = len(_TABLES["A"]), len(_TABLES["A_EXTRA"])
 ALL = STAGES + 1 + EXTRA
 """Stages of a step, and with the derivative at its end and those of the dense output."""
 
 A = np.zeros((ALL, ALL))
-A[:STAGES, :STAGES], A[STAGES + 1 :, :] = DOP853.A, DOP853.A_EXTRA
-B, C = DOP853.B, np.concatenate((DOP853.C, [1.0], DOP853.C_EXTRA))
-E3, E5, D = DOP853.E3, DOP853.E5, DOP853.D
+A[:STAGES, :STAGES], A[STAGES + 1 :, :] = _TABLES["A"], _TABLES["A_EXTRA"]
+B, C = _TABLES["B"], np.concatenate((_TABLES["C"], [1.0], _TABLES["C_EXTRA"]))
+E3, E5, D = _TABLES["E3"], _TABLES["E5"], _TABLES["D"]
 
 ORDER = 8
 PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(ORDER) / (ORDER - 1))

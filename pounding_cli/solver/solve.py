@@ -135,7 +135,7 @@ class Prepared:
             buildings, links = outcome.buildings_of(layout, data), outcome.links_of(layout, data)
             columns = outcome.columns_of(layout, data)
             collapse = outcome.collapse_of(layout, data) if status == COLLAPSED else collapse
-            flags = outcome.said_of(scene, layout, data, status, links)
+            flags = outcome.said_of(scene, layout, data, status, buildings, links)
             if fixed and r["trials"]:
                 cut = f"Newton found no root in {r['trials']} of {r['steps']} steps, because a contact force jumps"
                 flags += (f"{cut}; these were cut in half",)

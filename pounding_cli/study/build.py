@@ -49,10 +49,12 @@ def building(name: str, spec: Any) -> Building:
     load = (weight_above(mass) if spec.p_delta else None) if isinstance(spec.p_delta, bool) else np.array(spec.p_delta)
     below = None
     if base != "fixed":
-        sways, rocks = base.sway_stiffness is not None, base.rocking_stiffness is not None
+        isolation = None if base.isolation is None else base.isolation.law
+        sways, rocks = base.sways, base.rocking_stiffness is not None
         below = Foundation(
             base.mass, base.sway_stiffness or 0.0, base.sway_damping,
             base.inertia, base.rocking_stiffness or 0.0, base.rocking_damping, sways, rocks,
+            isolation,
         )  # fmt: skip
     parameters = tuple((key, value) for key in own(law) if (value := getattr(spec, key)) is not None)
     collapse = np.inf if isinstance(spec.collapse, str) else spec.collapse

@@ -1,197 +1,194 @@
-"""`expand`: every point of the sweep, case, analysis and record as a row, its scene and baselines as digests."""
+"""`expand`: every point of the sweep, case, analysis and record as a row, its scene and baselines by number."""
 
 from __future__ import annotations
 
-import math
-from array import array
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import product, starmap
+from itertools import product
 from operator import add
 
 import numpy as np
 
-from pounding_cli.digests import DIGEST
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.model.building import Building
-from pounding_cli.model.links import Link
+from pounding_cli.model.links import APART, Link, link_places
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.study.build import places
 from pounding_cli.study.keep import kept_rows
-from pounding_cli.study.motions import Used
-from pounding_cli.study.plan import Axis, Plan
-from pounding_cli.study.scenes import Expanded, Frame, LinkSets, Rows, Scenes, in_order, seen
+from pounding_cli.study.plan import Axis, Links, Plan
 from pounding_cli.study.study import AROUND, BETWEEN, Point, Study
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
 
+MOST_KEPT = 1024
+"""Answers of a kind that are kept at a time: many points share one."""
 
-MOST_AROUND = 256
-"""Buildings with motions that are kept at a time: motions are long."""
+DIGEST = 32
+"""Bytes of a SHA-256 digest."""
 
-MOST_LINKS = 4096
-"""Points and cases whose links are kept at a time."""
-
-MOST_ALIKE = 256
-"""Sets of links that are known again at other points."""
-
-
-Links = Callable[[Point, str], tuple[Link, ...] | None]
-"""links(point, case) -> what stands between the buildings of the group, which depends on these, `impact` and the case
-alone."""
-
+LinksOf = Callable[[Point, str], tuple[Link, ...] | None]
+"""links(point, case) -> what stands between the buildings of the group."""
 
 Asks = Callable[[Point, str, Analysis, str], bool]
 """asks(point, case, analysis, record) -> whether the scenes of a row are wanted."""
 
 
-def expand(
-    study: Study, links_of: Links | None = None, asks: Asks | None = None, known: Expanded | None = None
-) -> Plan:
+def expand(study: Study, links_of: LinksOf | None = None, asks: Asks | None = None) -> Plan:
     """The plan of a study.  Raises `InputError` where a combination of sweep values is not sound.
 
     What an axis does not touch is worked out once for all its values: every case by itself, every building alone.
 
     links_of : what stands between the buildings in place of what the study says
     asks : which rows have scenes; all unless given
-    known : what this very study came to before
-
-    Raises `ValueError` where that is of another study.
     """
-    model = study.model
-    cases, analyses = tuple(model.cases), tuple(Analysis(word) for word in model.analyses)
-    records = tuple(study.motions(study.base))
-    frame = Frame(
-        (*(len(axis.values) for axis in study.axes), len(cases), len(analyses), len(records)),
-        cases,
-        tuple(str(analysis) for analysis in analyses),
-        records,
-    )
-    builder = _Builder(study, links_of or study.links, frame)
-    found = known or _Digests(study, frame, builder).expanded(asks)
-    if found.scenes.shape != (math.prod(frame.shape), 1 + len(model.group)):
-        raise ValueError("another study")
-    rows, scenes = Rows(frame, found), Scenes(found, builder)
-    kept, every = kept_rows(study, rows, scenes)
-    return Plan(
-        study=study,
-        axes=study.axes,
-        cases=cases,
-        analyses=tuple(str(analysis) for analysis in analyses),
-        records=records,
-        buildings=places(model.group),
-        scenes=scenes,
-        rows=rows,
-        motions=tuple(used.use for used in study.motions((0,) * len(study.axes)).values()),
-        accuracy=model.accuracy,
-        time_step=model.time_step,
-        method=model.method,
-        estimate=model.estimate,
-        kept=kept,
-        every=every,
-    )
+    return _Expansion(study, links_of or study.links).plan(asks)
 
 
-@dataclass(frozen=True)
-class _Around:
-    """What is around the links at a point: buildings, motions, tail [s]."""
+class _Expansion:
+    """One study being expanded; it stays with the plan, to build scenes when they are asked for."""
 
-    buildings: tuple[Building, ...]
-    motions: Mapping[str, Used]
-    tail: float
-
-
-class _Digests:
-    """Gathers the digests of all scenes and what tables say of their links."""
-
-    def __init__(self, study: Study, frame: Frame, builder: _Builder) -> None:
-        self._study, self._frame, self._builder = study, frame, builder
-        self._sizes = frame.shape[:-3]
+    def __init__(self, study: Study, links_of: LinksOf) -> None:
+        self.study, self.links_of = study, links_of
+        self.cases, self.records = tuple(study.model.cases), tuple(study.motions(study.base))
+        self.analyses = tuple(map(Analysis, study.model.analyses))
+        self.sizes = tuple(len(axis.values) for axis in study.axes)
         self._around = study.touches(*AROUND)
-        self._content = bytearray()
-        self._scenes = np.empty((*frame.shape, 1 + len(study.model.group)), np.int32)
+        self._content = bytearray()  # digests as they are found, one behind the other
         self._problems: dict[Problem, None] = {}
+        self._endings: dict[Point, list[bytes]] = {}
+        self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
+        self._begun: dict[int, tuple[Scene, list[Motion]]] = {}
+
+    def plan(self, asks: Asks | None) -> Plan:
+        """The plan.  Raises `InputError`."""
+        study, model = self.study, self.study.model
         study.met.clear()
-        self._links = np.empty((*self._sizes, len(frame.cases)), np.int32)
-        self._sets = LinkSets()
-
-    def expanded(self, asks: Asks | None) -> Expanded:
-        """All of it.  Raises `InputError`."""
-        for place, _ in enumerate(self._frame.cases):
-            self._add_case(place)
+        sets = [_LinkSets() for _ in self.cases]
+        rows = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
+        numbers = np.empty((*rows, 1 + len(model.group)), np.int32)
+        for place, case in enumerate(self.cases):
+            numbers[..., place, :, :, 0] = self._case(case, sets[place])
         self._refuse()
-        for place, _ in enumerate(self._study.model.group):
-            self._add_building(place)
-        scenes = self._scenes.reshape(-1, self._scenes.shape[-1])
+        for place in range(len(model.group)):
+            numbers[..., 1 + place] = self._alone(place)[..., None, :, :]
         if asks is not None:
-            frame, points = self._frame, product(*map(range, self._sizes))
-            names = product(points, frame.cases, map(Analysis, frame.analyses), frame.records)
-            scenes[~np.fromiter(starmap(asks, names), bool, len(scenes))] = -1
-        digests = np.frombuffer(self._content, np.uint8).reshape(-1, DIGEST)
-        return Expanded(*in_order(digests, scenes), self._links.ravel(), self._sets)
+            points = product(*map(range, self.sizes))
+            wanted = (asks(*row) for row in product(points, self.cases, self.analyses, self.records))
+            numbers[~np.fromiter(wanted, bool, int(np.prod(rows))).reshape(rows)] = -1
+        digests, numbers = _numbered(np.frombuffer(self._content, np.uint8).reshape(-1, DIGEST), numbers)
+        self._content = bytearray()
+        plan = Plan(
+            study=study,
+            axes=study.axes,
+            cases=self.cases,
+            analyses=tuple(map(str, self.analyses)),
+            records=self.records,
+            buildings=places(model.group),
+            digests=digests,
+            numbers=numbers,
+            links=_table(sets, self.sizes, [study.touches(*BETWEEN, ("cases", case)) for case in self.cases]),
+            build=self.scene,
+            accuracy=model.accuracy,
+            method=model.method,
+            time_step=model.time_step,
+            estimate=model.estimate,
+        )
+        return kept_rows(plan) if model.keep is not None else plan
 
-    def _add_case(self, place: int) -> None:
-        """The scenes of a case."""
-        case, builder, numbers = self._frame.cases[place], self._builder, array("i")
-        met: dict[tuple[Link, ...], tuple[int, list[str]]] = {}  # numbers and words of the latest ones
+    def scene(self, row: int) -> Scene:
+        """The scene of a row by its flat number; scenes of one point and case share buildings, links and motions."""
+        number, rest = divmod(row, len(self.analyses) * len(self.records))
+        analysis, record = divmod(rest, len(self.records))
+        if number not in self._begun:
+            *point, case = map(int, np.unravel_index(number, (*self.sizes, len(self.cases))))
+            at, study = tuple(point), self.study
+            group, used = study.group(at), study.motions(at)
+            assert group is not None  # the study was validated at every point
+            motions = [used[name].motion for name in self.records]
+            links = self._links_at(at, self.cases[case])
+            first = Scene(tuple(group.buildings), links, motions[0], self.analyses[0], study.section(at, "tail"))
+            _keep(self._begun, number, (first, motions))
+        first, motions = self._begun[number]
+        return first.under(motions[record], self.analyses[analysis])
+
+    def _case(self, case: str, sets: _LinkSets) -> np.ndarray:
+        """The scenes of a case, see `_grid`."""
 
         def begin(point: Point) -> Digests | None:
-            self._study.links(point, case)  # what is wrong with them, and with what they stand between
-            if self._met():
+            self.study.links(point, case)  # what is wrong with them, and with what they stand between
+            group = self.study.group(point)
+            if self._met() or group is None:
                 return None
-            links = builder.links(point, case)
-            found = met.get(links)
-            if found is None:
-                found = self._sets.number(seen(links)), [link.words for link in links]
-                _keep(met, links, found, MOST_ALIKE)
-            numbers.append(found[0])
-            return Digests(builder.buildings(point), links, found[1])
+            links = self._links_at(point, case)
+            return Digests(group.buildings, links, sets.words(links))
 
-        own = self._study.touches(*BETWEEN, ("cases", case))
-        self._scenes[..., place, :, :, 0] = self._grid(own, begin)
-        if not self._problems:
-            self._links[..., place] = np.array(numbers, np.int32).reshape(_kept(self._sizes, own))
+        return self._grid(self.study.touches(*BETWEEN, ("cases", case)), begin)
 
-    def _add_building(self, place: int) -> None:
-        """The scenes of a building alone."""
-
-        def begin(point: Point) -> Digests:
-            return Digests((self._study.building(point, place),), ())
-
-        own = self._study.touching("buildings", place)
-        self._scenes[..., 1 + place] = self._grid(own, begin)[..., None, :, :]
+    def _alone(self, place: int) -> np.ndarray:
+        """The scenes of a building alone, see `_grid`."""
+        own = self.study.touching("buildings", place)
+        return self._grid(own, lambda point: Digests((self.study.building(point, place),), ()))
 
     def _grid(self, own: tuple[bool, ...], begin: Callable[[Point], Digests | None]) -> np.ndarray:
-        """Numbers of the digests of what the axes `own` touch, on every motion, in every analysis; shape: values of
-        every axis (1 where it touches neither), analyses, motions."""
+        """Numbers in `_content` of the scenes of what the axes `own` touch, on every motion, in every analysis; shape:
+        values of every axis (1 where it touches neither that nor the motions), analyses, motions."""
         rest = tuple(around and not mine for around, mine in zip(self._around, own, strict=True))
         first = len(self._content) // DIGEST
-        for point in _points(self._sizes, own):
+        for point in self._points(own):
             begun = begin(point)
-            for other in _points(self._sizes, rest):
-                endings = self._builder.endings(tuple(map(add, point, other)))
+            for other in self._points(rest):
+                endings = self._endings_at(tuple(map(add, point, other)))
                 if begun is None or self._met():
                     if len(self._problems) >= MOST_PROBLEMS:
                         self._refuse()
                     continue
                 for ending in endings:
                     self._content += begun.ended(ending)
-        *_, analyses, records = self._frame.shape
-        shape = _kept(self._sizes, own), _kept(self._sizes, rest), (analyses, records)
-        numbers = np.arange(first, len(self._content) // DIGEST, dtype=np.int32)
         if self._problems:
-            return np.zeros((1,) * (len(self._sizes) + 2), np.int32)
-        axes = [axis for place in range(len(self._sizes)) for axis in (place, len(self._sizes) + place)]
-        both = tuple(map(max, *shape[:2])) if self._sizes else ()
-        return numbers.reshape(sum(shape, ())).transpose(*axes, -2, -1).reshape(*both, analyses, records)
+            return np.zeros((1,) * (len(self.sizes) + 2), np.int32)
+        numbers = np.arange(first, len(self._content) // DIGEST, dtype=np.int32)
+        each = len(self.analyses), len(self.records)
+        count = len(self.sizes)
+        both = [size for sizes in zip(self._kept(own), self._kept(rest), strict=True) for size in sizes]
+        # points of the own axes came slowest, then those of the rest: side by side, axis by axis
+        apart = numbers.reshape(*both[::2], *both[1::2], *each)
+        order = [axis for place in range(count) for axis in (place, count + place)]
+        whole = [own_size * rest_size for own_size, rest_size in zip(both[::2], both[1::2], strict=True)]
+        return apart.transpose(*order, -2, -1).reshape(*whole, *each)
+
+    def _points(self, touched: tuple[bool, ...]) -> Iterator[Point]:
+        """Every combination of the values of some axes, the others at their first."""
+        return product(*map(range, self._kept(touched)))
+
+    def _kept(self, touched: tuple[bool, ...]) -> tuple[int, ...]:
+        return tuple(size if mine else 1 for size, mine in zip(self.sizes, touched, strict=True))
+
+    def _endings_at(self, point: Point) -> list[bytes]:
+        """How the digests of all analyses and motions at a point end; empty where something is wrong."""
+        key = self.study.key(point, AROUND)
+        if key not in self._endings:
+            motions, tail = self.study.motions(point), self.study.section(point, "tail")
+            asked = product(self.analyses, self.records if motions else ())
+            _keep(
+                self._endings, key, [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked]
+            )
+        return self._endings[key]
+
+    def _links_at(self, point: Point, case: str) -> tuple[Link, ...]:
+        """The links of a case at a point."""
+        key = case, self.study.key(point, (*BETWEEN, ("cases", case)))
+        if key not in self._links:
+            found = self.links_of(point, case)
+            assert found is not None  # the study was validated there
+            _keep(self._links, key, found)
+        return self._links[key]
 
     def _met(self) -> bool:
         """Take over what is wrong at the points asked so far; whether anything is."""
-        for problem, point in self._study.met.items():
-            self._problems.setdefault(_at_point(problem, self._study.axes, point))
-        self._study.met.clear()
+        for problem, point in self.study.met.items():
+            self._problems.setdefault(_at_point(problem, self.study.axes, point))
+        self.study.met.clear()
         return bool(self._problems)
 
     def _refuse(self) -> None:
@@ -200,89 +197,92 @@ class _Digests:
             raise InputError(sorted(self._problems, key=lambda p: (p.line, p.column, p.message)))
 
 
-def _points(sizes: tuple[int, ...], touched: tuple[bool, ...]) -> Iterator[Point]:
-    """Every combination of the values of some axes, the others at their first."""
-    return product(*(range(size if mine else 1) for size, mine in zip(sizes, touched, strict=True)))
+@dataclass(frozen=True)
+class _Layout:
+    """Links but for their gaps: places, laws, heights of their ends."""
+
+    places: tuple
+    kinds: tuple[str, ...]
+    left_at: tuple[float, ...]
+    right_at: tuple[float, ...]
 
 
-def _kept(sizes: tuple[int, ...], touched: tuple[bool, ...]) -> tuple[int, ...]:
-    return tuple(size if mine else 1 for size, mine in zip(sizes, touched, strict=True))
+class _LinkSets:
+    """The links of a case at the points where they may differ, in the order of these."""
+
+    def __init__(self) -> None:
+        self.layouts: dict[_Layout, int] = {}
+        self.layout: list[int] = []
+        self.gaps: list[tuple[float, ...]] = []
+        self._known: dict[tuple[Link, ...], tuple[int, tuple[float, ...], list[str]]] = {}
+
+    def words(self, links: tuple[Link, ...]) -> list[str]:
+        """Note the links of the next point; returns what digests say of them."""
+        if links not in self._known:
+            layout = _Layout(
+                tuple(link_places(links)),
+                tuple(str(link.kind) for link in links),
+                tuple(link.left_at for link in links),
+                tuple(link.right_at for link in links),
+            )
+            number = self.layouts.setdefault(layout, len(self.layouts))
+            gaps = tuple(np.nan if link.kind == APART else float(link.gap) for link in links)
+            _keep(self._known, links, (number, gaps, [link.words for link in links]))
+        number, gaps, words = self._known[links]
+        self.layout.append(number)
+        self.gaps.append(gaps)
+        return words
 
 
-class _Builder:
-    """Builds the scene of a row of the tables; the study was validated there. Scenes share buildings, links and motions
-    that are the same."""
+def _table(cases: list[_LinkSets], sizes: tuple[int, ...], touched: list[tuple[bool, ...]]) -> Links:
+    """What the tables say of the links of all cases.
 
-    def __init__(self, study: Study, links_of: Links, frame: Frame) -> None:
-        self._study, self._links_of, self._frame = study, links_of, frame
-        self._cases, self._records = frame.cases, frame.records
-        self._analyses = tuple(map(Analysis, frame.analyses))
-        self._around: dict[Point, _Around] = {}
-        self._endings: dict[Point, list[bytes]] = {}
-        self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
-        self._alike: dict[tuple[Link, ...], tuple[Link, ...]] = {}
-        self._begun: dict[int, tuple[Scene, list[Motion]]] = {}  # of points and cases, by number
-
-    def around(self, point: Point) -> _Around:
-        """What is around the links at a point."""
-        key = self._study.key(point, ("buildings", "group", *AROUND))
-        found = self._around.get(key)
-        if found is None:
-            found = self._around_anew(point)
-            _keep(self._around, key, found, MOST_AROUND)
-        return found
-
-    def _around_anew(self, point: Point) -> _Around:
-        return _Around(self.buildings(point), self._study.motions(point), self._study.section(point, "tail"))
-
-    def buildings(self, point: Point) -> tuple[Building, ...]:
-        """The buildings of the group at a point."""
-        group = self._study.group(point)
-        assert group is not None
-        return tuple(group.buildings)
-
-    def endings(self, point: Point) -> list[bytes]:
-        """How the digests of all analyses and motions at a point end; empty where something is wrong."""
-        key = self._study.key(point, AROUND)
-        found = self._endings.get(key)
-        if found is None:
-            motions, tail = self._study.motions(point), self._study.section(point, "tail")
-            asked = product(self._analyses, self._records if motions else ())
-            found = [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked]
-            _keep(self._endings, key, found, MOST_AROUND)
-        return found
-
-    def links(self, point: Point, case: str) -> tuple[Link, ...]:
-        """The links of a case at a point."""
-        place = case, self._study.key(point, (*BETWEEN, ("cases", case)))
-        found = self._links.get(place)
-        if found is None:
-            found = self._links_of(point, case)
-            assert found is not None
-            if found in self._alike:  # what is known of them is found again sooner
-                found = self._alike[found]
-            else:
-                _keep(self._alike, found, found, MOST_ALIKE)
-            _keep(self._links, place, found, MOST_LINKS)
-        return found
-
-    def __call__(self, row: int) -> Scene:
-        number, rest = divmod(row, len(self._analyses) * len(self._records))
-        analysis, record = divmod(rest, len(self._records))
-        found = self._begun.get(number)
-        if found is None:
-            point, case, *_ = self._frame.place(row)
-            around, links = self.around(point), self.links(point, self._cases[case])
-            motions = [around.motions[name].motion for name in self._records]
-            found = Scene(around.buildings, links, motions[record], self._analyses[analysis], around.tail), motions
-            _keep(self._begun, number, found, MOST_ALIKE)
-        scene, motions = found
-        return scene.under(motions[record], self._analyses[analysis])
+    touched : of every case, which axes its links depend on
+    """
+    columns = tuple(sorted({place for case in cases for layout in case.layouts for place in layout.places}))
+    shape = (*sizes, len(cases), len(columns))
+    order, kind = np.full(shape, -1, np.int16), np.full(shape, "", object)
+    gap, left_at, right_at = (np.full(shape, np.nan) for _ in range(3))
+    for number, case in enumerate(cases):
+        small = tuple(size if mine else 1 for size, mine in zip(sizes, touched[number], strict=True))
+        own: dict[str, np.ndarray] = {
+            "order": np.full((len(case.layout), len(columns)), -1, np.int16),
+            "kind": np.full((len(case.layout), len(columns)), "", object),
+            **{name: np.full((len(case.layout), len(columns)), np.nan) for name in ("gap", "left_at", "right_at")},
+        }
+        of_point = np.array(case.layout)
+        for layout, which in case.layouts.items():
+            points = np.flatnonzero(of_point == which)
+            here = points[:, None], np.array([columns.index(place) for place in layout.places], int)
+            own["order"][here], own["kind"][here] = np.arange(len(layout.places)), np.array(layout.kinds, object)
+            own["left_at"][here], own["right_at"][here] = layout.left_at, layout.right_at
+            own["gap"][here] = np.array([case.gaps[point] for point in points.tolist()]).reshape(len(points), -1)
+        for name, whole in (
+            ("order", order),
+            ("kind", kind),
+            ("gap", gap),
+            ("left_at", left_at),
+            ("right_at", right_at),
+        ):
+            whole[..., number, :] = own[name].reshape(*small, -1)
+    return Links(columns, order, kind, gap, left_at, right_at)
 
 
-def _keep(answers: dict, key: object, answer: object, most: int) -> None:
+def _numbered(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Different digests alone, in the order in which `numbers` has them first, and `numbers` among these."""
+    _, first, same = np.unique(digests.view("V32").ravel(), return_index=True, return_inverse=True)
+    numbers = np.where(numbers < 0, -1, same[numbers])
+    used, begins = np.unique(numbers, return_index=True)
+    used, begins = used[used >= 0], begins[used >= 0]
+    used = used[np.argsort(begins)]
+    place = np.full(len(first) + 1, -1, np.int32)  # the last one stands for -1
+    place[used] = np.arange(len(used))
+    return digests[first[used]], place[numbers]
+
+
+def _keep(answers: dict, key: object, answer: object) -> None:
     """Keep an answer, and the latest ones before it."""
-    if len(answers) >= most:
+    if len(answers) >= MOST_KEPT:
         del answers[next(iter(answers))]
     answers[key] = answer
 

@@ -1,5 +1,5 @@
-"""Expressions over the tables, `largest mu in soft` or `max(V_ratio in stiff, mu0)`, and limits, which compare with a
-value: `drift > 2 %`, `acceleration > 1 g in soft floor 5`, `contact`.
+"""Expressions over the tables, `largest mu in soft` or `max(V_ratio in stiff, mu0)`; statements, which compare one with
+a value, `mean V_ratio in stiff > 1.1`; limits: `drift > 2 %`, `acceleration > 1 g in soft floor 5`, `contact`.
 
 Quantities are read first, each with its place; what is left is arithmetic, which Python parses and nothing runs."""
 
@@ -241,6 +241,68 @@ def _joined(work: Callable[..., np.ndarray], parts: Sequence[tuple[str, Work]]) 
         return first
 
     return joined
+
+
+# Statements
+
+
+STATEMENT_FORM = "write e.g. `mu > 4`, `drift in soft > 2 cm` or `mean V_ratio in stiff < 1.1`"
+_STATEMENT = re.compile(r"(?P<expression>[^<>=]+)(?P<sign>[<>=]+)(?P<value>[^<>=]*)\Z")
+_VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s"}
+
+
+@dataclass(frozen=True)
+class Statement:
+    """That an expression lies above or below a value.
+
+    text : as people read it
+    is_above : whether above; below otherwise
+    value : in the unit of the expression, SI
+    """
+
+    text: str
+    expression: Expression
+    is_above: bool
+    value: float
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What it takes from the tables."""
+        return self.expression.quantities
+
+    def holds(self, values: np.ndarray) -> np.ndarray:
+        """1 where it holds of a value of its expression, 0 where it does not, NaN where there is no value."""
+        holds = values > self.value if self.is_above else values < self.value
+        return np.where(np.isnan(values), np.nan, holds)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def read_statement(text: str, buildings: Sequence[str]) -> Statement:
+    """A statement over the tables of a study; arguments and errors as those of `read_expression`."""
+    text = " ".join(text[: _LONGEST + 1].split())
+    found = _STATEMENT.match(text)
+    if found is None:
+        if text in (CONTACT, COLLAPSE):
+            hint = "write `impacts > 0`" if text == CONTACT else "`pound fragility` knows the limit `collapse`"
+            raise NotUnderstood(f"'{text}' is not compared with a value", hint)
+        raise NotUnderstood(f"'{text}' is not compared with a value", STATEMENT_FORM)
+    if found["sign"] not in ("<", ">"):
+        raise NotUnderstood(f"'{text}' has {found['sign']} where < or > belongs", STATEMENT_FORM)
+    expression, written = read_expression(found["expression"], buildings), found["value"].strip()
+    unit, example = expression.unit, f"{expression} {found['sign']} {_VALUES[expression.unit]}"
+    if {each.name for each in expression.quantities} == {"drift"} and written.endswith("%"):
+        ratio = text.replace("drift", DRIFT_RATIO)
+        raise NotUnderstood(f"'{text}': a drift is a length", f"write `{ratio}`, of the storey height")
+    if unit and not written_unit(written):
+        raise NotUnderstood(f"'{text}': the value has no unit", f"write e.g. `{example}`")
+    try:
+        value = float(Measure("value", unit, _VALUES[unit]).read(written))
+    except PydanticCustomError as error:
+        context: dict[str, Any] = error.context or {}
+        raise NotUnderstood(f"'{text}': {context['message']}", f"write e.g. `{example}`") from None
+    return Statement(text, expression, found["sign"] == ">", value)
 
 
 # Limits

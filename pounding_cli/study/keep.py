@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from pounding_cli.model.scene import Scene
 from pounding_cli.study import schema
 from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.file import Problems, get, nearest
-from pounding_cli.study.plan import Row
+from pounding_cli.study.plan import Plan
 from pounding_cli.study.schema import Histories, Keep
 from pounding_cli.study.words import value_at
 
@@ -64,36 +66,35 @@ def check_keep(study: Study, problems: Problems) -> None:
                 problems.at(root, (*path, "where", key, *at), message, f"known: {', '.join(texts)}")
 
 
-def kept_rows(study: Study, rows: Sequence[Row], scenes: Mapping[str, Scene]) -> tuple[tuple[Row, ...], float]:
-    """The rows whose scenes are kept, and the output step [s].
+def kept_rows(plan: Plan) -> Plan:
+    """The plan with the rows whose scenes are kept, and their output step [s].
 
     Raises
     ------
     InputError : they would take more than MOST_BYTES
     """
-    spec = wanted(study.model)
+    study, spec = plan.study, wanted(plan.study.model)
     if spec is None:
-        return (), Histories().every
-    allowed: dict[int, set[int]] = {}
+        return plan
+    chosen = np.ones(plan.shape, bool)
+    names = ("cases", plan.cases), ("analyses", plan.analyses), ("records", plan.records)
+    for place, (key, known) in enumerate(names, start=-3):
+        words = getattr(spec, key)
+        is_wanted = np.array([words is None or name in words for name in known])
+        chosen &= np.expand_dims(is_wanted, tuple(range(is_wanted.ndim, -place)))
     for number, axis in enumerate(study.swept):
         for column, key in enumerate(axis.names):
             if key in spec.where:
                 found = {place for _, value in _values(study.root, key) for place in _places(axis, column, value)}
-                allowed[number] = allowed.get(number, found) & found
-    chosen = tuple(
-        row
-        for row in rows
-        if all(row.point[number] in places for number, places in allowed.items())
-        and (spec.cases is None or row.case in spec.cases)
-        and (spec.analyses is None or row.analysis in spec.analyses)
-        and (spec.records is None or row.record in spec.records)
-    )
+                is_wanted = np.isin(np.arange(len(axis)), list(found))
+                chosen &= np.expand_dims(is_wanted, tuple(range(1, chosen.ndim - number)))
+    rows = np.flatnonzero(chosen.ravel())
     size = 0.0
-    for seen, row in enumerate(chosen, start=1):
-        size += _bytes_of(scenes[row.scene], spec.every)
-        if size > MOST_BYTES:  # the rest will be like those seen: a study may have millions
-            _refuse(study, len(chosen), size / seen * len(chosen), spec.every)
-    return chosen, spec.every
+    for seen, row in enumerate(rows.tolist(), start=1):
+        size += _bytes_of(plan.build(row), spec.every)
+        if size > MOST_BYTES:  # the rest will be like those seen
+            _refuse(study, len(rows), size / seen * len(rows), spec.every)
+    return dataclasses.replace(plan, kept=tuple(plan.row(row) for row in rows.tolist()), every=spec.every)
 
 
 def _refuse(study: Study, count: int, size: float, every: float) -> None:

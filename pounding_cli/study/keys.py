@@ -63,10 +63,13 @@ def table(model: type[BaseModel]) -> list[str]:
     found = dict(fields_of(model))
     if model is Case:
         found = {**fields_of(_AllLinks), **found}
-    for name, (hint, info) in found.items():
-        forms = "; ".join(dict.fromkeys(_forms(hint))) or "mapping or list"
-        lines.append(f"| `{name}` | {forms} | {default(info)} | {info.description or ''} |")
-    return lines
+    return [*lines, *(row(name, hint, info) for name, (hint, info) in found.items())]
+
+
+def row(name: str, hint: Any, info: Any) -> str:
+    """One key as a line of such a table."""
+    forms = "; ".join(dict.fromkeys(_forms(hint))) or "mapping or list"
+    return f"| `{name}` | {forms} | {default(info)} | {info.description or ''} |"
 
 
 def _forms(hint: Any) -> Iterator[str]:

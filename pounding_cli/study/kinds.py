@@ -7,9 +7,9 @@ from typing import Any
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study.file import read_study
-from pounding_cli.workflows import WORKFLOWS
 
-_OTHERS = {
+_MARKS = {
+    "run": ("records", "buildings", "group", "cases"),
     "connector": ("first", "second", "connector", "frequencies"),
     "wall": ("wall", "frame", "striker", "concrete", "mesh"),
 }
@@ -19,8 +19,7 @@ _OTHERS = {
 def kind_of(root: Any, unclear: str = "run") -> str:
     """The command that takes a study, such as "run" or "wall"; `unclear` where the keys do not tell."""
     keys = set(root)
-    marks = {"run": WORKFLOWS["run"].marks, **_OTHERS}
-    return next((name for name, own in marks.items() if not keys.isdisjoint(own)), unclear)
+    return next((name for name, own in _MARKS.items() if not keys.isdisjoint(own)), unclear)
 
 
 def kind_of_file(path: Path) -> str:

@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Rocking, Sway
+from pounding_cli.laws.isolation import Bearings, FrictionPendulum
 from pounding_cli.numbers import counted
 from pounding_cli.records.units import UNITS, acceleration_unit
 from pounding_cli.study.base import Model, Name, Wrong, key, one_or_many, word_or
@@ -294,12 +295,58 @@ def _about(law: Any, name: str) -> str:
     return str(law.parameters()[name].metadata["parameter"].words)
 
 
+class Isolation(Model):
+    """Isolators under the base: those of a friction pendulum have `radius` and `friction`, lead-rubber and other
+    bearings `strength`, `stiffness` and `yield_displacement`."""
+
+    radius: Annotated[float, _of(FrictionPendulum, "radius", "3.1 m")] | None = key(
+        None, _about(FrictionPendulum, "radius")
+    )
+    friction: Annotated[float, Quantity("friction coefficient", "", "6 %", 0.0, 1.0, open_low=True)] | None = key(
+        None, _about(FrictionPendulum, "friction")
+    )
+    strength: Annotated[float, _of(Bearings, "strength", "800 kN")] | None = key(None, _about(Bearings, "strength"))
+    stiffness: Annotated[float, _of(Bearings, "stiffness", "5 kN/mm")] | None = key(None, _about(Bearings, "stiffness"))
+    yield_displacement: Annotated[float, _of(Bearings, "yield_displacement", "1 cm")] | None = key(
+        None, "displacement at which they slide or yield [m]; default of a friction pendulum: 0.1 mm"
+    )
+
+    capacity: Annotated[float, LENGTH.but(name="capacity", example="35 cm")] | None = key(
+        None, "displacement that they can take [m]; scenes in which the base moves further are flagged"
+    )
+
+    @property
+    def law(self) -> FrictionPendulum | Bearings:
+        """What they do."""
+        given = {"yield_displacement": self.yield_displacement, "capacity": self.capacity}
+        more = {name: value for name, value in given.items() if value is not None}
+        if self.radius is not None and self.friction is not None:
+            return FrictionPendulum(radius=self.radius, friction=self.friction, **more)
+        assert self.strength is not None  # `wrong` has refused what is not complete
+        assert self.stiffness is not None
+        return Bearings(strength=self.strength, stiffness=self.stiffness, **more)
+
+    def wrong(self) -> Iterator[Wrong]:
+        pendulum = [name for name in ("radius", "friction") if getattr(self, name) is not None]
+        bearings = [name for name in ("strength", "stiffness") if getattr(self, name) is not None]
+        form = (
+            "write {radius: 3.1 m, friction: 6 %} or {strength: 800 kN, stiffness: 5 kN/mm, yield_displacement: 1 cm}"
+        )
+        if pendulum and bearings:
+            yield (bearings[0],), f"'{bearings[0]}' is no key of a friction pendulum", form, True
+        elif len(pendulum) != 2 and (len(bearings) != 2 or self.yield_displacement is None):
+            yield (), "these isolators are not complete", form
+
+
 class Foundation(Model):
     """Sway and rocking of the base; a motion whose stiffness is absent does not take place."""
 
     mass: Annotated[float, _of(Sway, "mass", "100 t", absent=True)] = key(0.0, _about(Sway, "mass"))
     sway_stiffness: Annotated[float, _of(Sway, "sway_stiffness", "200 kN/mm")] | None = key(
         None, f"{_about(Sway, 'sway_stiffness')}; absent: no sway"
+    )
+    isolation: Isolation | None = key(
+        None, "isolators under the base, instead of sway_stiffness; its displacement is the `sway` of the results"
     )
     sway_damping: Annotated[float, _of(Sway, "sway_damping", "1e6 N s/m")] = key(0.0, _about(Sway, "sway_damping"))
     inertia: Annotated[float, _of(Rocking, "inertia", "1000 t m2", absent=True)] = key(0.0, _about(Rocking, "inertia"))
@@ -310,12 +357,23 @@ class Foundation(Model):
         0.0, _about(Rocking, "rocking_damping")
     )
 
+    @property
+    def sways(self) -> bool:
+        """Whether it translates."""
+        return self.sway_stiffness is not None or self.isolation is not None
+
     def wrong(self) -> Iterator[Wrong]:
+        if self.sway_stiffness is not None and self.isolation is not None:
+            hint = "remove one of the two: isolators stand in place of the spring"
+            yield ("sway_stiffness",), "'sway_stiffness' and 'isolation' both stand here", hint, True
+        if self.isolation is not None and self.mass == 0:
+            yield (), "'mass' is missing: 'isolation' needs it", "write the mass of the base, e.g. `mass: 200 t`"
+            return
         for stiffness, inert, dashpot in (
             ("sway_stiffness", "mass", "sway_damping"),
             ("rocking_stiffness", "inertia", "rocking_damping"),
         ):
-            moves = getattr(self, stiffness) is not None
+            moves = self.sways if inert == "mass" else self.rocking_stiffness is not None
             if moves and getattr(self, inert) == 0:
                 yield (
                     (),
@@ -329,7 +387,7 @@ class Foundation(Model):
                         f"'{name}' has no effect without '{stiffness}'",
                         f"give '{stiffness}' too, or remove it",
                     )
-        if self.sway_stiffness is None and self.rocking_stiffness is None:
+        if not self.sways and self.rocking_stiffness is None:
             yield (
                 (),
                 "this foundation cannot move",

@@ -131,6 +131,11 @@ EXPRESSION = Annotated[
 ]
 
 
+STATEMENT = Annotated[
+    str, Text(_read_text, "expression compared with a value", ("mu > 4", "drift in soft > 2 cm", "impacts > 0"))
+]
+
+
 def _read_claim(value: Any) -> str:
     if value not in (ALL, *CLAIMS):
         shown = f"'{value[:60]}'" if isinstance(value, str) else "this"
@@ -147,6 +152,11 @@ class SensitivitySpec(Model):
     outputs: one_or_many(EXPRESSION, 0, 50, True) = key(  # type: ignore[valid-type]
         (),
         f"outputs, one or a list: {_COLUMN}",
+    )
+    probabilities: one_or_many(STATEMENT, 0, 50, True) = key(  # type: ignore[valid-type]
+        (),
+        "statements whose probability is computed, one or a list: an output above (`>`) or below (`<`) a value, e.g. "
+        "`largest mu in soft > 4`, `drift > 2 cm`, `impacts > 0`",
     )
     claims: one_or_many(_CLAIM, 0, 50, True) = key(  # type: ignore[valid-type]
         (),

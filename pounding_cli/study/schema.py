@@ -13,7 +13,7 @@ from pounding_cli.study.base import Model, Name, Wrong, key, word_or
 from pounding_cli.study.laws import FORMULA, Impact, Link, _Impact, link_models
 from pounding_cli.study.models import Building, Case, OwnLaw, Records
 from pounding_cli.study.quantity import TIME, Quantity
-from pounding_cli.workflows import WORKFLOWS
+from pounding_cli.study.questions import FragilitySpec, GapSpec, OptimiseSpec, SensitivitySpec
 
 Analysis = Literal["elastic", "inelastic"]
 _FILLED = Field(min_length=1, max_length=10_000)
@@ -152,17 +152,15 @@ class _Study(Model):
                 yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"
 
 
-def _sections() -> dict[str, tuple[Any, Any]]:
-    """The sections that workflows add to a study, as `pydantic.create_model` takes them."""
-    found: dict[str, tuple[Any, Any]] = {}
-    for name, workflow in WORKFLOWS.items():
-        if workflow.is_section:
-            section = workflow.part("schema")
-            found[name] = section, key(section(), f"settings of `pound {name}`")
-    return found
-
-
-_SECTIONS: Any = _sections()
+_SECTIONS: Any = {
+    name: (section, key(section(), f"settings of `pound {name}`"))
+    for name, section in (
+        ("gap", GapSpec),
+        ("fragility", FragilitySpec),
+        ("sensitivity", SensitivitySpec),
+        ("optimise", OptimiseSpec),
+    )
+}
 Study = create_model("Study", __base__=_Study, __doc__=_Study.__doc__, **_SECTIONS)
 ONCE = {*Study.model_fields} - {"records", "buildings", "impact", "laws", "cases", "tail"}
 """Sections that are one for the whole study."""

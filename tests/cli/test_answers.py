@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import pounding_cli
+from tests.adapter import search
 
 STUDY = """\
 title: Two small buildings
@@ -80,6 +82,33 @@ def test_sensitivity_indices(folder, pound):
         assert (written / figure).stat().st_size > 10_000
     assert {path.name for path in (written / "tables").iterdir()} >= {"sensitivity.csv", "sensitivity_samples.csv"}
     assert "Saltelli" in pound("cite", "results/uncertain-sensitivity.h5")[1]
+
+
+def test_probabilities_of_statements(folder, pound):
+    """Those of a statement are counted over the independent samples, with the interval of Clopper and Pearson."""
+    asked = "outputs: [largest mu in A], probabilities: [largest mu in A > 1, impacts > 0]"
+    Path("likely.yaml").write_text(UNCERTAIN.replace("outputs: [largest mu in A, max_closing]", asked))
+    code, out, _ = pound("sensitivity", "likely.yaml")
+    results = pounding_cli.open_results("results/likely-sensitivity.h5")
+    samples = results.table("sensitivity_samples")
+    samples = samples[samples["independent"] == 1]
+    first, second = results.table("sensitivity_probabilities").to_dict("records")
+    passed = int((samples["output largest mu in A"] > 1).sum())
+    assert (code, len(samples), first["statement"]) == (0, 16, "largest mu in A > 1")
+    assert 0 < passed < 16
+    assert first["probability"] == passed / 16
+    low, high = stats.beta.ppf(0.025, passed, 17 - passed), stats.beta.ppf(0.975, passed + 1, 16 - passed)
+    assert (first["probability_low"], first["probability_high"]) == pytest.approx((low, high), rel=1e-9)
+    assert f"{first['probability']:.3g}" in out
+    assert second["probability"] == samples["output impacts > 0"].mean()
+
+
+def test_a_point_that_is_refused_ends_a_search():
+    def refuses(points, rough):
+        raise pounding_cli.InputError("this point is not sound")
+
+    with pytest.raises(pounding_cli.InputError, match="not sound"):
+        search.Search(refuses, [0, 0]).run()
 
 
 def test_bad_questions_are_refused_and_write_nothing(folder, pound):

@@ -60,9 +60,8 @@ def results(tmp_path_factory):
 def test_prints_what_the_floors_need_that_need_most(pound):
     code, out, _ = pound("gap", "two.yaml")
     assert code == 0
-    assert "A | B, floor 2, buildings.B.period = 0.4 s" in out
-    assert re.search(r"^ elastic +exact +[\d.]+ ", out, re.MULTILINE)
-    assert "3 motions; buildings alone: 30 solved, 0 reused, 0 failed" in out
+    assert re.search(r"^ 0.400\d* +A \| B +floor 2 +elastic +exact +[\d.]+ ", out, re.MULTILINE)
+    assert "Scenes: 30 solved, 0 reused, 0 failed" in out
     assert "Results: results/two-gap.h5" in out
     rows = open_results("results/two-gap.h5").table("gap")
     mean = rows[(rows["rule"] == "exact") & (rows["analysis"] == "elastic") & (rows["floor"] == 2)]["mean"].iloc[0]
@@ -134,7 +133,7 @@ def test_every_width_has_its_error(results):
 @pytest.mark.parametrize("engine", ["threads", "processes", "dask"])
 def test_same_widths_from_every_engine(results, tmp_path, monkeypatch, engine):
     """Bit for bit. Fails if a closing depends on what was solved before it."""
-    monkeypatch.setattr("pounding_cli.batch.runner.WORTH_WORKERS", 0.0)
+    monkeypatch.setattr("pounding_cli.batch.solve.WORTH_WORKERS", 0.0)
     study = results.path.with_name("two.yaml")
     found = pounding_cli.run(study, tmp_path / "r.h5", workflow="gap", engine=engine, workers=2)
     assert found.attrs["engine"] == engine
@@ -146,14 +145,14 @@ def test_the_page_answers_first(pound):
     code, _, _ = pound("report", "results/two-gap.h5", "--format", "png")
     assert code == 0
     page = Path("results/two-gap/report.html").read_text(encoding="utf-8")
-    assert "A | B: required gap at the floors that require the widest gap, 3 motions. Elastic: mean" in page
+    assert "A | B: required gap at floor 2, 3 motions. Elastic: mean" in page
     assert 'id="figure-required-gap"' in page
     assert 'id="figure-required-gap-sweep"' in page
-    assert 'id="explore"' not in page
+    assert 'id="explorer"' not in page
     assert "none: the buildings stand alone" in page
     assert "gap nan" not in page
     assert "pound accuracy two.yaml -o" in page
-    assert page.index('id="figure-required-gap"') < page.index('id="motions-head"')
+    assert page.index('id="figure-required-gap"') < page.index('id="motions"')
     assert "NZS 1170.5" in page
     assert "Case near, A | B: gap 1 mm: elastic not enough (0 of 3 motions)" in page
     assert "Distance to a property line" in page
@@ -231,23 +230,6 @@ def test_the_question_cannot_be_swept(pound):
     assert "'gap.contact' cannot be an axis" in err
 
 
-def test_of_a_long_sweep_the_first_rows_are_read(pound, tmp_path, monkeypatch):
-    """The table of a long sweep takes more memory than the run: what is printed is the same from its first rows."""
-    text = STUDY.replace("[0.4 s, 0.5 s]", "{from: 0.4 s, to: 0.9 s, count: 11}")
-    (tmp_path / "two.yaml").write_text(text)
-    _, whole, _ = pound("gap", "two.yaml")
-    assert "7 further pairs and points of the sweep" in whole
-    found = open_results(tmp_path / "results" / "two-gap.h5")
-    table = found.table("gap")
-    rows = int(0.6 * len(table))
-    assert found.answer_head("gap", rows).frame.equals(table[:rows])
-    assert found.largest_in_answer("gap", "error") == table["error"].max()
-    monkeypatch.setattr("pounding_cli.cli.gap.HEAD", rows)
-    _, head, _ = pound("gap", "two.yaml")
-    parts = [text.split("buildings alone: ")[0] for text in (whole, head)]
-    assert parts[0] == parts[1]
-
-
 # The gaps of the cases
 
 
@@ -266,7 +248,7 @@ def test_gaps_of_the_cases_stand_beside_what_is_required(pound):
         required = largest.loc[tuple(row[key] for key in keys)]
         assert row["required"] == required
         assert (row["enough"] == "yes") == (required <= row["gap"])
-    assert re.search(r"^ near +elastic +exact +1\.000 +[\d.]+ +no +0 of 3 $", out, re.MULTILINE)
+    assert re.search(r"^ .* near +A \| B +elastic +exact +1\.000 +[\d.]+ +no +0 of 3 $", out, re.MULTILINE)
     assert "Case near, A | B: gap 2 mm: elastic not enough (0 of 3 motions)" in out
     _, out, _ = pound("show", "results/two-gap.h5", "gap_cases")
     assert "required [mm]" in out
@@ -466,8 +448,8 @@ def test_property_line_of_an_oscillator(tmp_path):
 def test_property_line_is_printed_and_exported(pound):
     code, out, _ = pound("gap", "two.yaml")
     assert code == 0
-    assert "Distance to a property line, at the floors that move most, buildings.B.period = 0.4 s" in out
-    assert re.search(r"^ B +right +2 +elastic +exact +[\d.]+ ", out, re.MULTILINE)
+    assert "Distance to a property line, at the floors that move most" in out
+    assert re.search(r"^ 0.400\d* +B +right +2 +elastic +exact +[\d.]+ ", out, re.MULTILINE)
     results = open_results("results/two-gap.h5")
     line, floor = results.table("property_line"), results.floor()
     assert len(line) == 2 * 2 * (3 + 2) * 2
@@ -504,11 +486,11 @@ def test_no_interval_of_few_motions(pound, motions):
         assert exact[["contact_10_low", "contact_10_high"]].isna().all(axis=None)
         assert why in said
         assert why in page
-        assert "(90% confidence: " not in page
+        assert "In brackets" not in page
         assert re.search(r"\([\d.]+ to [\d.]+\)", said) is None
     else:
         assert (exact["contact_10_low"] < exact["contact_10"]).all()
         assert (exact["contact_10"] < exact["contact_10_high"]).all()
         assert "In brackets: 90% confidence." in said
         assert "No confidence interval" not in said + page
-        assert "(90% confidence: " in page
+        assert "In brackets: 90% confidence." in page

@@ -73,7 +73,7 @@ def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path,
 def test_a_unit_that_is_assumed_is_said_wherever_the_motion_is_shown(motion, pound, tmp_path) -> None:
     motion("a.csv")
     assert "a                user, unit g assumed, first 3.98 s" in pound("check", "[a.csv]").stdout
-    assert "Motions, user, unit g assumed: a\n" in pound("run", "[a.csv]").stdout
+    assert "Motions, user, unit g assumed: a." in pound("run", "[a.csv]").stdout
     results = pounding_cli.open_results(tmp_path / "results" / "study.h5")
     assert list(results.records()["source"]) == ["user, unit g assumed"]
     shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output

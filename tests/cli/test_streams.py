@@ -50,7 +50,7 @@ def test_an_ascii_terminal_gets_what_stands_for_a_character(done):
     process = command("run", "two.yaml", stdout=subprocess.PIPE, env=environment)
     said = process.communicate(timeout=60)[0].decode("ascii")
     assert process.returncode == 0
-    assert "V/V0 at roof" in said
+    assert "V/V0 elastic, roof" in said
 
 
 def test_a_full_disk_behind_the_output_is_told(done):

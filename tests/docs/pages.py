@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import io
 import os
 import re
@@ -10,6 +11,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import types
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,6 +47,21 @@ def blocks(page: Path) -> list[Block]:
         line = text.count("\n", 0, fence.start()) + 1
         found.append(Block(line, fence["word"], fence["text"], mark["reason"] if mark else ""))
     return found
+
+
+def hook(name: str) -> types.ModuleType:
+    """A module of docs/hooks/, which writes pages from the code."""
+    spec = importlib.util.spec_from_file_location(f"hook_{name}", ROOT / "docs" / "hooks" / f"{name}.py")
+    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def generated() -> set[Path]:
+    """The pages that the site has besides those of docs/."""
+    text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    named = {ROOT / "docs" / name for name in re.findall(r"^ +- (.+\.md)$", text, re.MULTILINE)}
+    return {path for path in named if not path.exists()}
 
 
 def loose_commands(page: Path) -> list[str]:

@@ -29,7 +29,7 @@ def reader(tmp_path, monkeypatch):
     monkeypatch.delenv("POUND_RECORDS", raising=False)
     for name, value in environment(tmp_path).items():
         monkeypatch.setenv(name, value)
-    monkeypatch.setattr("pounding_cli.report.build.FORMATS", ("png",))  # one of three is enough to see that it works
+    monkeypatch.setattr("pounding_cli.report.style.FORMATS", ("png",))  # one of three is enough to see that it works
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

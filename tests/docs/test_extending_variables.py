@@ -29,8 +29,9 @@ changed = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(changed)
 
 import pounding_cli as pound
-from pounding_cli.report.quantity import Choice, over_sweep
-from pounding_cli.report.web.data import charted
+from pounding_cli.report.evidence import nominal
+from pounding_cli.report.explorer import explored
+from pounding_cli.report.sweep import Choice, over_sweep
 from pounding_cli.study.expression import read_expression
 
 results = pound.run("study.yaml", engine="serial")
@@ -45,7 +46,7 @@ print(json.dumps({
     "worst": float(over_sweep(results, Choice("mean_force", case="touching")).mean),
     "largest": float(link["mean_force"].max()),
     "unit": read_expression("largest mean_force", ["stiff", "soft"]).unit,
-    "charted": "mean_force" in charted("height")["link"],
+    "charted": "mean_force" in [each["key"] for each in explored(results, nominal(results))["quantities"]],
 }))
 """
 

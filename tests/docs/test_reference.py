@@ -1,32 +1,22 @@
-"""What is written from the code: tables in pages, and the pages of commands and of the API."""
+"""The pages that are written from the code: commands, the API, keys, methods and laws."""
 
 from __future__ import annotations
 
-import importlib.util
 import pydoc
-import subprocess
-import sys
+import re
 
 import click
 import pytest
-from pages import ROOT
+import yaml
+from pages import hook as hook_named
 
+import pounding_cli
 from pounding_cli.cli.main import cli
 
 
 @pytest.fixture(scope="module")
 def hook():
-    spec = importlib.util.spec_from_file_location("reference", ROOT / "docs" / "hooks" / "reference.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_tables_are_written_anew():
-    """Stale? `python docs/hooks/tables.py` writes them."""
-    command = [sys.executable, "docs/hooks/tables.py", "--check"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+    return hook_named("reference")
 
 
 def test_every_command_and_option_is_told(hook):
@@ -44,3 +34,31 @@ def test_the_api_exists_and_is_documented(hook):
         found = pydoc.locate(name)
         assert found is not None, name
         assert found.__doc__, name
+
+
+def test_every_law_has_a_page_a_loop_and_an_example_that_runs(tmp_path):
+    """Fails if a law declares no example or one that `pound check` refuses, or has no loop."""
+    pages = dict(hook_named("laws").pages())
+    words = [name for name in pages if name.endswith(".md") and name != "laws/index.md"]
+    assert len(words) == 16
+    for name in words:
+        assert f"]({name.removeprefix('laws/')})" in pages["laws/index.md"]
+        assert len(pages[name.replace(".md", ".svg")]) > 5_000
+        example = yaml.safe_load(re.search(r"```yaml\n(.*?)```", pages[name], re.DOTALL)[1])
+        study = {
+            "title": "x",
+            "records": {"use": ["elcentro"], "duration": "5 s"},
+            "buildings": {"stiff": {"storeys": 5, "period": "0.36 s"}, **example.get("buildings", {})},
+            "group": ["stiff", *example.get("buildings", {"stiff": {}})],
+            "cases": example.get("cases", {"gap": {"link": "pounding", "gap": "1 cm"}}),
+        }
+        path = tmp_path / "study.yaml"
+        path.write_text(yaml.safe_dump(study), encoding="utf-8")
+        pounding_cli.load_study(path)
+
+
+def test_keys_and_methods_are_told(hook):
+    page = hook.keys_page()
+    assert all(f"| `{key}` |" in page for key in ("gap", "restitution", "base_shear", "limits", "wen_gamma"))
+    assert "base yield shear over weight" in page
+    assert all(f"`{name}`" in hook.methods_page() for name in ("taylor", "dop853", "newmark"))

@@ -101,13 +101,14 @@ def test_killed_and_run_again_it_gives_the_same_tables(workflow, engine, wanted,
 
 def test_a_worker_process_that_is_killed_costs_nothing(wanted, tmp_path):
     def kill() -> None:
-        workers = set(psutil.Process().children()) - before
+        workers = [each for each in me.children(recursive=True) if each.ppid() != me.pid and each not in before]
         dead.append(workers.pop())
         dead[0].kill()
 
-    before, dead = set(psutil.Process().children()), []
+    me = psutil.Process()
+    before, dead = set(me.children(recursive=True)), []
     study = written("run", tmp_path)
-    results = answered("run", "processes", study, tmp_path / "r.h5", progress=Interrupting(20, kill))
+    results = answered("run", "processes", study, tmp_path / "r.h5", progress=Interrupting(40, kill))
     assert dead
     assert same(tables(results), wanted("run"))
 
@@ -116,6 +117,6 @@ def test_a_dask_worker_that_is_killed_costs_nothing(wanted, machines, scheduler,
     address = scheduler("dask")
     (doomed,) = machines.workers(address, 1)
     study = written("run", tmp_path)
-    results = answered("run", "dask", study, tmp_path / "r.h5", address, Interrupting(20, doomed.kill))
+    results = answered("run", "dask", study, tmp_path / "r.h5", address, Interrupting(40, doomed.kill))
     assert doomed.wait(20) == -signal.SIGKILL
     assert same(tables(results), wanted("run"))

@@ -36,11 +36,9 @@ STUDIES = {
 }
 
 THRESHOLDS = {
-    "pounding_cli.batch.runner.WORTH_WORKERS": 1e-9,
-    "pounding_cli.batch.runner.CHUNK_SECONDS": 0.0,
-    "pounding_cli.batch.bundles.CHUNK_SECONDS": 0.02,
-    "pounding_cli.batch.cluster.WORK": 0.02,
-    "pounding_cli.batch.cluster.PATIENCE": 180.0,
+    "pounding_cli.batch.solve.WORTH_WORKERS": 1e-9,
+    "pounding_cli.batch.solve.GROUP_SECONDS": 0.02,
+    "pounding_cli.batch.pool.PATIENCE": 180.0,
 }
 """What the program keeps to one process and off the disk unless it takes long: here nothing, for these studies take no
 time; and how long a busy machine may take to answer [s]. Nothing else of the inside is named in these tests."""

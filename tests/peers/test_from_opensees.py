@@ -1,8 +1,9 @@
-"""docs/from-opensees.md: its script runs, and its table says what comes out."""
+"""docs/from-opensees.md: its script (docs/examples/opensees_pair.py) runs, and its table says what comes out."""
 
 from __future__ import annotations
 
 import re
+import runpy
 import shutil
 from pathlib import Path
 
@@ -19,15 +20,15 @@ SHOWN = (0, 4, 5, 9)
 
 @pytest.fixture(scope="module")
 def scripts(tmp_path_factory):
-    """What the page's two Python blocks define, run in a folder that holds the motions."""
+    """What the script and the page's study define, run in a folder that holds the motions."""
     folder = tmp_path_factory.mktemp("opensees")
     shutil.copytree(ROOT / "records", folder / "records")
-    names: dict = {}
+    names: dict = runpy.run_path(str(ROOT / "docs" / "examples" / "opensees_pair.py"))
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.delenv("POUND_RECORDS", raising=False)
-        for block in re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL):
-            exec(compile(block, "docs/from-opensees.md", "exec"), names)
+        (block,) = re.findall(r"```python\n(from pounding_cli.*?)```", PAGE, flags=re.DOTALL)
+        exec(compile(block, "docs/from-opensees.md", "exec"), names)
         yield names
 
 

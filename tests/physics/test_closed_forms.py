@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import DOP853
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import gamma
 
+import pounding_cli
 from tests.adapter import Run, Scene, solve
 from tests.physics.cases import ROCK, SWAY, formula, shake
 from tests.reference.branches import jankowski_damping
@@ -454,3 +458,10 @@ def test_a_stiff_base_is_a_fixed_one(base: Mapping[str, float]) -> None:
         run = solve(Scene(({"storeys": 3, "period": 0.36, "foundation": stiffer},), shake(0.6), 0.02), 1e-11)
         differences.append(np.abs(run.shear / fixed.shear - 1).max())
     assert differences[1] == pytest.approx(0.1 * differences[0], rel=0.35)
+
+
+def test_the_coefficients_of_dop853_are_those_of_scipy():
+    """Fails if one digit of pounding_cli/solver/dop853.json is another."""
+    found = json.loads((Path(pounding_cli.__file__).parent / "solver" / "dop853.json").read_text())
+    assert set(found) == {"A", "A_EXTRA", "B", "C", "C_EXTRA", "D", "E3", "E5"}
+    assert all(np.array_equal(values, getattr(DOP853, name)) for name, values in found.items())

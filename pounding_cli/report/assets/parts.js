@@ -1,0 +1,85 @@
+// Elements, numbers as text, and the looks of the cases.
+
+const RAISED = { '-': '⁻', 0: '⁰', 1: '¹', 2: '²', 3: '³', 4: '⁴', 5: '⁵', 6: '⁶', 7: '⁷', 8: '⁸', 9: '⁹' };
+
+/** A number with `digits` digits; a dash where there is none. */
+function asText(value, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '–';
+  if (value === 0) return '0';
+  const [mantissa, power] = value.toExponential(digits - 1).split('e');
+  const size = Number(power);
+  if (size >= -3 && size < 6) return value.toFixed(Math.max(digits - 1 - size, 0)).replace('-', '−');
+  return `${mantissa}×10${[...String(size)].map((sign) => RAISED[sign]).join('')}`.replace('-', '−');
+}
+
+/** A number that changes with time, with as many decimals as give the largest one four digits: it does not flicker. */
+function asSteady(value, most) {
+  const decimals = most > 0 ? Math.min(Math.max(3 - Math.floor(Math.log10(most)), 0), 12) : 0;
+  return value.toFixed(decimals).replace(/^-(0\.?0*)$/, '$1').replace('-', '−');
+}
+
+function filled(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    else if (name === 'style') element.style.cssText = value; // allowed where the page's policy refuses the attribute
+    else if (value === true) element.setAttribute(name, '');
+    else if (value !== false && value !== null && value !== undefined) element.setAttribute(name, value);
+  }
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+/** An HTML element: `h('p', {class: 'note'}, 'text')`; text is never read as markup. */
+const h = (tag, attributes = {}, ...children) => filled(document.createElement(tag), attributes, children);
+
+/** The same in SVG. */
+const s = (tag, attributes = {}, ...children) =>
+  filled(document.createElementNS('http://www.w3.org/2000/svg', tag), attributes, children);
+
+let fields = 0;
+/** A labelled choice; `options` are [value, text] pairs. */
+function choice(label, options, chosen, changed) {
+  const select = h('select', { id: `field-${++fields}`, onchange: () => changed(select.value) });
+  for (const [value, text] of options) select.append(h('option', { value, selected: String(value) === String(chosen) }, text));
+  return h('div', { class: 'field' }, h('label', { for: select.id }, label), select);
+}
+
+/** Draw now, and again whenever the width of the box changes. */
+function drawnToWidth(box, draw) {
+  let width = 0;
+  new ResizeObserver(() => {
+    if (Math.abs(box.clientWidth - width) < 2) return;
+    width = box.clientWidth;
+    draw();
+  }).observe(box);
+}
+
+const NAMED = { touching: 0, gap: 1, infill: 2, connected: 3 };
+const DASHES = ['', '7 3', '', '7 2.5 1.5 2.5', '2 2.5', '', '7 3', '7 2.5 1.5 2.5', '4 2', ''];
+const SHAPES = ['circle', 'square', 'up', 'diamond', 'down', 'plus', 'cross', 'left', 'right', 'up'];
+const CORNERS = {
+  square: [[-0.85, -0.85], [0.85, -0.85], [0.85, 0.85], [-0.85, 0.85]],
+  up: [[0, -1.1], [1, 0.8], [-1, 0.8]],
+  down: [[0, 1.1], [1, -0.8], [-1, -0.8]],
+  left: [[-1.1, 0], [0.8, 1], [0.8, -1]],
+  right: [[1.1, 0], [-0.8, 1], [-0.8, -1]],
+  diamond: [[0, -1.2], [1.1, 0], [0, 1.2], [-1.1, 0]],
+  plus: [[-0.35, -1.1], [0.35, -1.1], [0.35, -0.35], [1.1, -0.35], [1.1, 0.35], [0.35, 0.35], [0.35, 1.1], [-0.35, 1.1], [-0.35, 0.35], [-1.1, 0.35], [-1.1, -0.35], [-0.35, -0.35]],
+  cross: [[-1, -0.6], [-0.6, -1], [0, -0.4], [0.6, -1], [1, -0.6], [0.4, 0], [1, 0.6], [0.6, 1], [0, 0.4], [-0.6, 1], [-1, 0.6], [-0.4, 0]],
+};
+
+/** Colour, dash and marker of every case: the paper's four have theirs, others take the rest in turn. */
+function caseLooks(cases) {
+  let other = 0;
+  return cases.map((name) => {
+    const number = name in NAMED ? NAMED[name] : 4 + (other++ % 6);
+    return { color: `var(--case-${number})`, dash: DASHES[number], shape: SHAPES[number] };
+  });
+}
+
+/** A marker of a look around (x, y). */
+function marker(look, x, y, size = 4.3) {
+  const style = `fill:${look.color};stroke:${look.color}`;
+  if (look.shape === 'circle') return s('circle', { cx: x, cy: y, r: size * 0.95, style });
+  return s('polygon', { points: CORNERS[look.shape].map(([dx, dy]) => `${(x + dx * size).toFixed(1)},${(y + dy * size).toFixed(1)}`).join(' '), style });
+}

@@ -1,0 +1,242 @@
+"""What stands behind every answer: what limits it, motions, what was simulated, accuracy, tables, study."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from pounding_cli.model.effects import EXPECTED, others
+from pounding_cli.model.links import APART
+from pounding_cli.numbers import Unit, counted
+from pounding_cli.report.document import PAGE, Picture, Section
+from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, split
+from pounding_cli.report.figures import sketch
+from pounding_cli.report.motions import draw_spectra
+from pounding_cli.report.table import NOTHING, Column, Table, answer_table, columns_of, digits, from_rows
+from pounding_cli.results.bracket import advice, depends, spreads
+from pounding_cli.results.flags import failed_scenes, flag_groups_of
+
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
+
+MOST_REASONS = 4
+"""Reasons given for one effect; further ones are counted."""
+
+_TITLES = {
+    "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "link": "Links",
+    "struck": "Struck columns", "scene": "Runs", "flagged": "Flags", "records": "Motions", "buildings": "Buildings",
+}  # fmt: skip
+
+
+def frame_of(results: Results, shown: Evidence, scene: pd.DataFrame, samples: int = 0) -> dict[str, Any]:
+    """Title, lead, sketch and study of a report.
+
+    scene : the scenes of the whole study; samples : how many different ones there are, of a study of samples
+    """
+    points = len(scene[keys].drop_duplicates()) if (keys := axis_keys(scene)) else 1
+    lead = [
+        counted(len(shown.group), "building"),
+        counted(len(shown.cases), "case"),
+        " and ".join(shown.analyses),
+        counted(len(shown.records), "motion"),
+        *([f"{points} points of a sweep"] if points > 1 and not samples else []),
+        *([counted(samples, "different sample")] if samples else []),
+    ]
+    assumed = results.assumed_heights
+    more = f" The study writes no storey height for {', '.join(assumed)}: 3 m." if assumed else ""
+    return {
+        "title": results.title,
+        "lead": f"{', '.join(lead)}: {counted(len(scene), 'run')}.{more}",
+        "sketch": partial(sketch, shown),
+        "study": results.study_text,
+    }
+
+
+def background(results: Results, shown: Evidence, scene: pd.DataFrame, tables: Sequence[str]) -> list[Section]:
+    """The sections behind the answer.
+
+    scene : the scenes of the whole study
+    tables : names of the tables of scenes that the report has, those of the answer besides
+    """
+    limited = limits(results)
+    return [
+        *([limited] if limited else []),
+        _motions(results, shown),
+        _simulated(results, shown, scene),
+        _accuracy(results, scene if len(tables) == 1 else shown.scene),
+        _tables(results, tables),
+        _study(results),
+    ]
+
+
+def limits(results: Results) -> Section | None:
+    """What limits the numbers: warnings about the study, how far results depend on brackets; None without either."""
+    said = [
+        f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
+        for each in results.warnings
+    ]
+    tables, found = [], spreads(results.data)
+    for key in dict.fromkeys(spread.key for spread in found):
+        mine = [spread for spread in found if spread.key == key]
+        heads = ["result", *(f"at {end.value}" for end in mine[0].ends)]
+        rows = [[spread.quantity, *map(str, spread.ends)] for spread in mine]
+        what = f"Bracket of {key}: results at both ends over those at {mine[0].middle}, median (smallest to largest)"
+        tables.append(from_rows(what, heads, rows))
+        said += depends(mine)
+    said += [text] if (text := advice(results.data)) else []
+    return Section("What limits these numbers", said, tables) if said or tables else None
+
+
+def _motions(results: Results, shown: Evidence) -> Section:
+    names = [
+        name for name in ("record", "source", "scale", "window", "pga", "arias", "digest") if name in shown.records
+    ]
+    frame = shown.records[names].assign(digest=shown.records["digest"].astype(str).str[:12])
+    columns = columns_of(frame, results.units) | {"record": Column("motion"), "window": Column("duration", "s")}
+    said, pictures = [motion_sentence(shown.records)], []
+    if (match := results.spectrum_match) is not None:
+        said.append(match.words)
+        draw = partial(draw_spectra, match, results.title, shown.unit("acceleration"))
+        text = "The target, the mean of the spectra of the motions as used, and each of them."
+        pictures.append(Picture("target-spectrum", "Target spectrum", text, draw))
+    return Section("Motions", said, [Table("Ground motions as used", frame, columns)], pictures)
+
+
+def _simulated(results: Results, shown: Evidence, scene: pd.DataFrame) -> Section:
+    scenes = results.attrs.get("scenes")
+    solved = f"; {counted(int(scenes), 'different scene was', 'different scenes were')} solved, " if scenes else ""
+    said = [f"{counted(len(scene), 'run')}{solved}{'buildings alone included, each once' if solved else ''}."]
+    tables = []
+    failed = failed_scenes(scene)
+    if len(failed):
+        said.append("The means and tables leave failed runs out.")
+        rows = [[run_label(row, results.units), row["status"], row["advice"]] for row in failed.to_dict("records")]
+        tables.append(from_rows("Runs that failed", ("run", "status", "advice"), rows))
+    tables += [_cases(shown), _effects(scene)]
+    flags = flag_groups_of(scene, results.units)
+    notes = [f"{'Not meaningful: ' if group.meaningless else ''}{group}." for group in flags]
+    return Section("What was simulated", said, tables, notes=notes or ["No run raised a flag."])
+
+
+def run_label(row: Mapping[Any, Any], units: Mapping[str, Unit]) -> str:
+    """The point, case, analysis and motion of a scene in words, in the units of the study."""
+    place = {key: value for key, value in row.items() if key in units or key in ("case", "analysis", "record")}
+    return ", ".join(f"{k} = {units[k].text(v)}" if k in units else str(v) for k, v in place.items())
+
+
+def _cases(shown: Evidence) -> Table:
+    """Every case with its links in words."""
+    unit, rows = shown.unit("gap"), []
+    for case in shown.cases:
+        links = shown.link[shown.link["case"] == case].drop_duplicates("link")
+        between = links[links["kind"] != APART]
+        kinds = Counter((row["kind"], row["gap"]) for row in between.to_dict("records"))
+        words = [f"{count} × {kind}, gap {unit.text(gap)}" for (kind, gap), count in kinds.items()]
+        rows.append([case, "; ".join(words) or "none: the buildings stand alone", _floors(between)])
+    return from_rows("Cases", ("case", "links", "at floors"), rows)
+
+
+def _floors(links: pd.DataFrame) -> str:
+    pairs = sorted(set(zip(links["floor"], links["right_floor"], strict=True)))
+    floors = [str(left) if left == right else f"{left}|{right}" for left, right in pairs]
+    if len(floors) > 8 and all(name.isdigit() for name in floors):
+        return f"{floors[0]} to {floors[-1]}, {len(floors)} in all"
+    return ", ".join(floors) or NOTHING
+
+
+def _effects(scene: pd.DataFrame) -> Table:
+    """The effects: in how many runs each was simulated, in how many left out, and why; those that no run has and nobody
+    expects in one row."""
+    kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in split(cell))
+    dropped: dict[str, Counter[str]] = {}
+    for cell in scene["dropped"]:
+        for line in split(cell):
+            effect, _, reason = line.partition(": ")
+            dropped.setdefault(effect, Counter())[reason] += 1
+    every = dict.fromkeys((*kept, *dropped))
+    told, rows = [effect for effect in every if kept[effect] or effect in EXPECTED], []
+    for effect in told:
+        reasons = dropped.get(effect, Counter())
+        words = [f"{reason} ({n})" if len(reasons) > 1 else reason for reason, n in reasons.most_common(MOST_REASONS)]
+        more = len(reasons) - MOST_REASONS
+        words += [f"and {counted(more, 'further reason')}"] if more > 0 else []
+        rows.append([effect, str(kept[effect] or NOTHING), str(sum(reasons.values()) or NOTHING), "; ".join(words)])
+    if rest := others([effect for effect in every if effect not in told]):
+        rows.append(["all others", NOTHING, str(len(scene)), rest])
+    return from_rows("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
+
+
+def _accuracy(results: Results, scene: pd.DataFrame) -> Section:
+    """Median and largest of what was measured of the runs' accuracy, case by case."""
+    words = {"error_estimate": "error", "sensitivity": "sensitivity", "energy_residual": "energy imbalance"}
+    rows = []
+    for (case, analysis), here in scene.groupby(["case", "analysis"], sort=False):
+        row = {"case": case, "analysis": analysis, "runs": len(here)}
+        for name, word in words.items():
+            if scene[name].notna().any():
+                sizes = here[name].abs()
+                row |= {f"{word}, median": sizes.median(), f"{word}, largest": sizes.max()}
+        row |= {"steps": here["steps"].sum(), "events": here["events"].sum(), "seconds": here["seconds"].mean()}
+        rows.append(row)
+    columns = {"seconds": Column("solver time a run", "ms", 1e3)}
+    said = [
+        "The numerical error comes from the solver and decreases with the accuracy asked, relative to each peak. The "
+        "sensitivity is a property of the scene: at 4, a motion that grows by 1 % changes a peak by 4 %.",
+        _cost(results.path, Path(str(results.attrs.get("study_file", ""))).name),
+    ]
+    return Section("Accuracy and cost", said, [Table("Accuracy of the runs", pd.DataFrame(rows), columns)])
+
+
+def _cost(path: Path, study: str) -> str:
+    """Where the answer of `pound accuracy` stands beside a results file, or how to ask."""
+    folder = path.parent / f"{path.stem}-accuracy"
+    if (folder / PAGE).is_file():
+        return f"What accuracy costs with every method: `{folder.name}/{PAGE}` beside the results file."
+    return f"What accuracy costs with every method: `pound accuracy {study or f'{path.stem}.yaml'} -o {folder}`."
+
+
+def _tables(results: Results, tables: Sequence[str]) -> Section:
+    """Every table of the file, for the page and as CSV."""
+    found = [answer_table(results, name) for name in results.answers]
+    for name in tables:
+        frame = results.table(name)
+        if len(frame) or name not in ("struck", "flagged"):
+            found.append(Table(_TITLES[name], frame, columns_of(frame, results.units), name))
+    said = [
+        "A table opens when it is clicked; a head of a column sorts. All rows with all digits, in SI units, are in "
+        "`tables/` beside this page and in `pound show FILE.h5 TABLE --format csv`.",
+    ]
+    return Section("Tables", said, found, folded=True)
+
+
+def _study(results: Results) -> Section:
+    """The study as written, software and machine."""
+    rows = [[k.removeprefix("software_"), str(v)] for k, v in results.attrs.items() if k.startswith("software_")]
+    for name in ("created", "method", "accuracy", "engine", "workers", "scenes", "scenes_failed", "solver_seconds"):
+        if (value := results.attrs.get(name)) is not None:
+            rows.append([name.replace("_", " "), digits(value, 3) if isinstance(value, float) else str(value)])
+    said = [f"Save the study as `STUDY.yaml`; `pound {results.workflow} STUDY.yaml` runs it again."]
+    return Section("Study and versions", said, [from_rows("Software and run", ("what", "value"), rows)], widget="study")
+
+
+def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
+    """How far the numbers go, in one line: runs, worst error, sensitivity and energy balance."""
+    failed = len(failed_scenes(scene))
+    said = [f"{counted(len(scene), 'run')}, {f'{failed} failed' if failed else 'all done'}"]
+    error = scene["error_estimate"].dropna()
+    if len(error):
+        of = "all" if len(error) == len(scene) else f"{len(error)}"
+        said.append(f"no peak has a numerical error above {digits(error.max(), 1)} ({of} assessed)")
+    else:
+        said.append("errors and sensitivities were not estimated (estimate: none)")
+    if scene["sensitivity"].notna().any():
+        row = scene.iloc[int(scene["sensitivity"].argmax())]
+        said.append(f"sensitivity up to {digits(row['sensitivity'], 2)} ({run_label(row.to_dict(), units)})")
+    if (residual := scene["energy_residual"].abs().max()) == residual:
+        said.append(f"the energy balance closes to {digits(residual, 1)} of the input")
+    return f"{'; '.join(said)}."

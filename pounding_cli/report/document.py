@@ -1,0 +1,142 @@
+"""A report: sections of sentences, tables and figures; the terminal, the page and a notebook show the same one."""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pounding_cli.numbers import counted
+from pounding_cli.outputs import check_folder
+from pounding_cli.report.table import TERMINAL_ROWS, Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PIPE_WIDTH = 250
+"""Characters of a line where no terminal sets them: nothing is cut or wrapped."""
+
+PAGE = "report.html"
+"""File name of the page."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure that is drawn when it is wanted.
+
+    name : of its files
+    heading : above it on the page
+    text : what it shows, for readers who do not see it
+    has_scale : whether its colours stand for numbers, so that a dark page leaves them as they are
+    """
+
+    name: str
+    heading: str
+    text: str
+    draw: Callable[[], Figure]
+    has_scale: bool = False
+
+
+@dataclass(frozen=True)
+class Section:
+    """One part of a report.
+
+    title : its heading; "" of the first, which answers what was asked
+    sentences : what is said, one paragraph each
+    notes : what a reader should know of the numbers
+    folded : whether its tables are closed on the page until they are opened
+    widget : what else stands on the page: "explorer", "player", "study", or "" for nothing
+    data : what the script of that widget draws
+    """
+
+    title: str
+    sentences: Sequence[str] = ()
+    tables: Sequence[Table] = ()
+    pictures: Sequence[Picture] = ()
+    notes: Sequence[str] = ()
+    folded: bool = False
+    widget: str = ""
+    data: Mapping[str, Any] | None = None
+
+    @property
+    def key(self) -> str:
+        """Its address on the page."""
+        return "-".join(self.title.lower().replace("’", "").split()) or "answer"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What is said of a results file.
+
+    answer : the first section, which is all that a terminal prints
+    more : () -> the other sections
+    lead : what was computed, in one line
+    sketch : of the group
+    study : the text of the study file
+    beside : (folder) -> further files that it writes there
+    """
+
+    title: str
+    answer: Section
+    more: Callable[[], Sequence[Section]] = list
+    lead: str = ""
+    sketch: Callable[[], Figure] | None = None
+    study: str = ""
+    beside: Callable[[Path], list[Path]] | None = None
+
+    @cached_property
+    def sections(self) -> list[Section]:
+        """All sections, the answer first."""
+        return [self.answer, *self.more()]
+
+    @property
+    def pictures(self) -> Iterator[Picture]:
+        """Every figure."""
+        return (picture for section in self.sections for picture in section.pictures)
+
+    def print(self) -> None:
+        """Print title and answer."""
+        answer = self.answer
+        width = None if sys.stdout.isatty() else PIPE_WIDTH
+        print(self.title)
+        for table in answer.tables:
+            print(table.to_text(width), end="")
+            left = len(table.frame) - TERMINAL_ROWS
+            if left > 0:
+                print(f"{counted(left, 'more row')}: pound report, or pound show")
+        for sentence in (*answer.sentences, *answer.notes):
+            print(textwrap.fill(sentence, 118, break_long_words=False, break_on_hyphens=False))
+
+    def save(self, folder: Path, formats: Sequence[str] = ("png", "svg", "pdf"), page: bool = True) -> list[Path]:
+        """Write figures, tables as CSV and the page into a folder; returns the files, the page last.
+
+        formats : of the figures; none leaves them out
+
+        Raises
+        ------
+        InputError : the folder cannot be written to
+        """
+        from pounding_cli.report.page import write_page
+        from pounding_cli.report.style import save, unwritable
+
+        self.sections  # noqa: B018 - what is asked for may be refused, before anything is written
+        check_folder(folder)
+        drawn = {picture.name: picture.draw() for picture in self.pictures} if formats else {}
+        files = save(drawn, folder, formats)
+        try:
+            (folder / "tables").mkdir(exist_ok=True)
+            named = [table for section in self.sections for table in section.tables if table.name]
+            files += [table.to_csv(folder / "tables") for table in named]
+            files += self.beside(folder) if self.beside else []
+            return [*files, write_page(self, folder / PAGE, drawn)] if page else files
+        except OSError as error:
+            raise unwritable(folder, error) from error
+
+    def _repr_html_(self) -> str:
+        from pounding_cli.report.page import in_notebook
+
+        return in_notebook(self)

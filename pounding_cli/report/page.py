@@ -1,0 +1,87 @@
+"""A report as one self-contained HTML page, and as a part of a notebook."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Mapping
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pounding_cli import __version__
+from pounding_cli.report.document import Report
+from pounding_cli.report.style import data_address
+from pounding_cli.report.table import PAGE_ROWS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_FIGURES = 60
+"""Figures that a page carries; the others stand beside it."""
+SCRIPTS = ("parts.js", "explorer.js", "stage.js", "player.js", "main.js")
+"""In the order they are needed."""
+
+
+def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
+    """Write the page; `drawn` : the figures by name, none where none are wanted."""
+    sketch = {"group": report.sketch()} if report.sketch else {}
+    kept = dict(list(drawn.items())[:MOST_FIGURES]) | sketch
+    style, theme = _asset("style.css"), _asset("theme.js")
+    scripts = "(() => {\n'use strict';\n" + "\n".join(map(_asset, SCRIPTS)) + "\n})();"
+    text = _template("page.html.j2").render(
+        report=report, images={name: data_address(figure) for name, figure in kept.items()},
+        sizes={name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in kept.items()},
+        most=PAGE_ROWS, figures_left=max(0, len(drawn) - MOST_FIGURES), version=__version__,
+        data=as_json({each.widget: each.data for each in report.sections if each.data}),
+        style=style, theme=theme, scripts=scripts,
+        allowed_style=_allowed(style), allowed_scripts=_allowed(theme, scripts),
+    )  # fmt: skip
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def in_notebook(report: Report) -> str:
+    """Title and answer as HTML, with the figures."""
+    answer = report.answer
+    drawn = {picture.name: data_address(picture.draw()) for picture in answer.pictures}
+    return str(_template("notebook.html.j2").render(report=report, answer=answer, images=drawn, most=PAGE_ROWS))
+
+
+def as_json(data: Any) -> str:
+    """JSON that may stand in a script element: no markup can end it early."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+def _allowed(*sources: str) -> str:
+    """Sources of a content security policy: these texts by their hashes, and no others."""
+    digests = (base64.b64encode(hashlib.sha256(source.encode()).digest()).decode() for source in sources)
+    return " ".join(f"'sha256-{digest}'" for digest in digests)
+
+
+def _asset(name: str) -> str:
+    """The text of a file in `assets/`."""
+    return resources.files("pounding_cli.report").joinpath("assets", name).read_text(encoding="utf-8")
+
+
+@cache
+def _template(name: str) -> Any:
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(_asset), autoescape=True, trim_blocks=True, lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )  # fmt: skip
+    environment.filters["keys_as_code"] = _keys_as_code
+    return environment.get_template(name)
+
+
+def _keys_as_code(text: str) -> Any:
+    """A sentence whose keys of a study stand in backticks, as HTML."""
+    import markupsafe
+
+    return markupsafe.Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(markupsafe.escape(text))))

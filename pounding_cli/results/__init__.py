@@ -1,0 +1,1 @@
+"""Results: responses as arrays, one Dataset a study, its file, its tables."""

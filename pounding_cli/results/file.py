@@ -1,0 +1,244 @@
+"""The results file: written whole or not at all, sealed, and checked before it is read."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import Unit
+from pounding_cli.results.keys import FORMAT, FORMAT_VERSION
+from pounding_cli.results.tables import Table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SEAL = b"pound seal 2\n\0\0\0"
+"""Stands behind the HDF5 content, and behind it the SHA-256 of that."""
+
+SMALL = 1 << 20
+"""Bytes that any variable of a file may have."""
+
+AT_ONCE = 32 << 20
+"""Bytes up to which a file is read into memory when it is opened; of a larger one variables are when asked for."""
+
+MOST_COMPRESSED = 1100
+"""Deflate makes data smaller by this factor at most."""
+
+_END = len(SEAL) + 32
+_HINT = "give a file that a pound command wrote, or run the study again"
+
+
+def write(path: Path, found: xr.Dataset, tables: Iterable[Table] = (), histories: Iterable[xr.Dataset] = ()) -> None:
+    """Write a results file in the place of `path` in one step.
+
+    Raises
+    ------
+    InputError : the disk is full, or the folder went away; `path` is as it was
+    """
+    from pounding_cli.results.netcdf import content  # here: a file that is current is not read
+
+    groups = {"/": found} | {f"answer/{table.name}": _of_table(table) for table in tables}
+    groups |= {f"histories/{number}": each for number, each in enumerate(histories)}
+    made = content(groups)  # in memory: where a disk is full, HDF5 ends the process
+    hidden = path.with_name(f".{path.name}.new")  # one run at a time has it
+    try:
+        with hidden.open("wb") as stream:
+            stream.write(made)
+            stream.write(SEAL + hashlib.sha256(made).digest())
+            stream.flush()
+            os.fsync(stream.fileno())
+        hidden.replace(path)
+    except OSError as error:
+        hint = "free some space or choose another place; what was solved is kept, and the same command goes on"
+        raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None
+    finally:
+        hidden.unlink(missing_ok=True)
+
+
+def opened(path: Path, group: str = "/", version: int | None = FORMAT_VERSION) -> xr.Dataset:
+    """A results file; of a large one numbers are read when they are asked for.
+
+    Parameters
+    ----------
+    group : of the file
+    version : format version that it must have; None: any, only attributes are to be read
+
+    Raises
+    ------
+    InputError : missing, no results file, damaged, of another format version; one that would read other files or
+        declares more than it holds
+    """
+    facts(path, version, group)
+    import xarray as xr  # here: it takes longer to load than most commands need
+
+    from pounding_cli.results.netcdf import read
+
+    try:
+        if path.stat().st_size < AT_ONCE:
+            return read(path, group)
+        return xr.open_dataset(path, engine="h5netcdf", group=group, decode_times=False, cache=True)
+    except Exception as error:
+        raise _bad(path, f"cannot be read ({error})") from None
+
+
+def facts(path: Path, version: int | None = FORMAT_VERSION, group: str = "/") -> dict[str, Any]:
+    """The attributes of a results file, which is checked; parameters and errors as those of `opened`."""
+    if path.is_dir():
+        raise _bad(path, "is a folder, not a results file", "name the .h5 file in it")
+    try:
+        sound = _is_sealed(path)
+        with h5py.File(path) as file:
+            _check_kind(file, path, version)
+            if not sound:
+                again = "run the study again: what its cache holds is not solved again"
+                raise _bad(path, "is damaged, or was changed by another program", again)
+            _check(file.id, path, path.stat().st_size)
+            if group.strip("/") and group not in file:
+                raise KeyError(group)
+            return dict(file.attrs)
+    except (InputError, KeyError):
+        raise
+    except FileNotFoundError:
+        raise _bad(path, "there is no such results file", "make one with: pound run STUDY -o FILE.h5") from None
+    except Exception as error:
+        raise _bad(
+            path, f"cannot be read as HDF5 ({str(error).splitlines()[0] if str(error) else type(error).__name__})"
+        ) from None
+
+
+def is_results(path: Path) -> bool:
+    """Whether a pound command wrote this file as its results, damaged since or not."""
+    if has_seal(path):
+        return True
+    try:
+        with h5py.File(path) as file:
+            return _is_ours(file)
+    except (OSError, ValueError):
+        return False
+
+
+def has_seal(path: Path) -> bool:
+    """Whether a seal stands at the end of a file, right or wrong."""
+    try:
+        with path.open("rb") as stream:
+            stream.seek(-_END, os.SEEK_END)
+            return stream.read(len(SEAL)) == SEAL
+    except (OSError, ValueError):
+        return False
+
+
+def groups(path: Path, below: str) -> list[str]:
+    """Names of the groups below a group of a sound file: "answer", "histories"."""
+    with h5py.File(path) as file:
+        return list(file[below]) if below in file else []
+
+
+def _of_table(table: Table) -> xr.Dataset:
+    """A table as a Dataset over `row`, its columns by number; `columns` names them in their order."""
+    import xarray as xr
+
+    found = {}
+    for number, name in enumerate(table.frame.columns):
+        values = table.frame[name].to_numpy()
+        values = np.array(list(map(str, values)), object) if values.dtype.kind in "OU" else values
+        values = values.astype(np.int8) if values.dtype.kind == "b" else values
+        unit, text = table.meanings[name]
+        shown = unit_attributes(table.units[name], values.dtype) if name in table.units else {}
+        found[f"column_{number}"] = xr.Variable(
+            "row", values, ({"units": unit} if unit else {}) | {"long_name": text} | shown
+        )
+    return xr.Dataset(found, attrs={"columns": json.dumps(list(table.frame.columns))})
+
+
+def read_table(path: Path, name: str) -> Table:
+    """A table of the group `answer`.  Raises KeyError: there is none of that name; InputError as `opened`."""
+    import pandas as pd
+
+    with opened(path, f"answer/{name}") as found:
+        data = {column: found[f"column_{number}"] for number, column in enumerate(json.loads(found.attrs["columns"]))}
+        meanings = {column: (str(v.attrs.get("units", "")), str(v.attrs["long_name"])) for column, v in data.items()}
+        units = {column: written(v.attrs) for column, v in data.items() if "unit_factor" in v.attrs}
+        return Table(name, pd.DataFrame({column: v.values for column, v in data.items()}), meanings, units)
+
+
+def unit_attributes(unit: Unit, dtype: np.dtype) -> dict[str, Any]:
+    """How a variable says its unit: SI, and as the study writes it."""
+    found: dict[str, Any] = {"units": unit.si} if unit.si and dtype.kind == "f" else {}
+    return found | {"unit_written": unit.name, "unit_factor": unit.factor}
+
+
+def written(attrs: Mapping[Any, Any]) -> Unit:
+    """The unit the study wrote a quantity in; SI where a file does not say."""
+    si = str(attrs.get("units", ""))
+    return Unit(str(attrs.get("unit_written", si)), float(attrs.get("unit_factor", 1.0)), si)
+
+
+def _is_sealed(path: Path) -> bool:
+    """Whether the seal stands at the end, and the bytes before it are those it was made for."""
+    left = path.stat().st_size - _END
+    if left < 0:
+        return False
+    sha = hashlib.sha256()
+    with path.open("rb") as stream:
+        while left:
+            piece = stream.read(min(left, 1 << 20))
+            sha.update(piece)
+            left -= len(piece)
+        return stream.read() == SEAL + sha.digest()
+
+
+def _is_ours(file: h5py.File) -> bool:
+    """`kind` stands in what `pound connector` and `pound wall` write."""
+    return file.attrs.get("format") == FORMAT or file.attrs.get("kind") in ("connector", "wall")
+
+
+def _check_kind(file: h5py.File, path: Path, version: int | None) -> None:
+    """Refuse what is no results file of a study, or one of another format version.  Raises InputError."""
+    if not _is_ours(file):
+        raise _bad(path, "is HDF5 but not a results file of pound")
+    if version is None:
+        return
+    if kind := file.attrs.get("kind"):
+        hint = "its table, figures and page are in the folder of its name; xarray.open_dataset opens the file"
+        raise _bad(path, f"holds results of `pound {kind}`", hint)
+    its = int(file.attrs["format_version"])
+    if its < version:
+        command = file.attrs.get("workflow", "run")
+        hint = f"run the study again with this program: pound {command} STUDY -o {path.name} --replace"
+        raise _bad(path, f"has the older format version {its} (now {version})", hint)
+    if its > version:
+        hint = "install the pounding_cli that wrote it, or a newer one"
+        raise _bad(path, f"has the newer format version {its}; this program reads version {version}", hint)
+
+
+def _check(group: h5py.h5g.GroupID, path: Path, size: int) -> None:
+    """Refuse what leads out of the file, or declares more than it can hold.  Raises InputError."""
+    names: list[bytes] = []
+    group.links.iterate(names.append)
+    for name in names:
+        if group.links.get_info(name).type != h5py.h5l.TYPE_HARD:
+            raise _bad(path, f"has a link to elsewhere: {name!r}")
+        item = h5py.h5o.open(group, name)
+        if isinstance(item, h5py.h5g.GroupID):
+            _check(item, path, size)
+        elif isinstance(item, h5py.h5d.DatasetID):
+            plan, stored = item.get_create_plist(), item.get_storage_size()
+            if plan.get_external_count() or plan.get_layout() == h5py.h5d.VIRTUAL:
+                raise _bad(path, f"takes the values of {name!r} from elsewhere")
+            most = max(SMALL, stored * (MOST_COMPRESSED if plan.get_nfilters() else 1))
+            if stored > size or item.get_space().get_simple_extent_npoints() * item.get_type().get_size() > most:
+                raise _bad(path, f"declares more values of {name!r} than it can hold")
+        else:
+            raise _bad(path, f"has something odd: {name!r}")
+
+
+def _bad(path: Path, what: str, hint: str = _HINT) -> InputError:
+    return InputError(Problem(what, hint, str(path)))

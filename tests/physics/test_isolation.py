@@ -1,0 +1,107 @@
+"""Isolated buildings: published prototypes, the same building with the isolators as its lowest storey, energy."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.adapter import Bearings, FrictionPendulum, Scene, refused, solve
+from tests.physics.cases import shake
+
+G = 9.80665
+MASS, FLOOR, STIFFNESS, H = 3e5, 2e5, 1e8, 3.0
+WEIGHT = G * (MASS + 2 * FLOOR)
+PENDULUM = {"radius": 3.122, "friction": 0.0659}
+LEAD = {"strength": 4e5, "stiffness": 4e6, "yield_displacement": 0.01}
+
+
+def isolated(isolation: dict[str, Any], **keys: Any) -> dict[str, Any]:
+    """Two elastic storeys on isolators."""
+    usual = {"storeys": 2, "mass": FLOOR, "stiffness": [STIFFNESS] * 2, "height": H, "yield_shear": "never"}
+    return usual | {"foundation": {"mass": MASS, "isolation": isolation}} | keys
+
+
+@pytest.mark.parametrize(("amplitude", "period", "damping"), [(12.7, 2.77, 0.248), (24.3, 3.07, 0.159)])
+def test_a_prototype(amplitude: float, period: float, damping: float) -> None:
+    """Effective period and damping of a friction pendulum at an amplitude [in]."""
+    law, d = FrictionPendulum(**PENDULUM).bilinear(WEIGHT), 0.0254 * amplitude
+    force = law.yield_shear + law.hardening * law.stiffness * (d - law.yield_drift)
+    cycle = 4 * (1 - law.hardening) * law.yield_shear * (d - law.yield_drift)
+    assert 2 * math.pi * math.sqrt(WEIGHT / G / (force / d)) == pytest.approx(period, abs=0.005)
+    assert cycle / (2 * math.pi * force * d) == pytest.approx(damping, abs=0.0006)
+    mu, radius = PENDULUM["friction"], PENDULUM["radius"]
+    exact = 2 / math.pi * mu / (mu + d / radius)  # of a slider that sticks: the spring costs its share of the amplitude
+    assert cycle / (2 * math.pi * force * d) == pytest.approx(exact, rel=1.1 * law.yield_drift / d)
+
+
+def test_sliding_period() -> None:
+    law = FrictionPendulum(radius=30 * 0.0254, friction=0.05).bilinear(WEIGHT)
+    assert 2 * math.pi * math.sqrt(WEIGHT / G / (law.hardening * law.stiffness)) == pytest.approx(1.7514, abs=5e-5)
+
+
+@pytest.mark.parametrize("isolation", [PENDULUM, LEAD], ids=["pendulum", "bearings"])
+@pytest.mark.parametrize("analysis", ["elastic", "inelastic"])
+def test_isolators_are_a_lowest_storey(isolation: dict[str, float], analysis: str) -> None:
+    """In both analyses; the storeys above have the shears of those of a building of three."""
+    law = (FrictionPendulum if "radius" in isolation else Bearings)(**isolation).bilinear(WEIGHT)
+    undamped = {"rayleigh": {"alpha": 0.0, "beta": 0.0}}
+    three = {
+        "storeys": 3, "mass": [MASS, FLOOR, FLOOR], "stiffness": [law.stiffness, STIFFNESS, STIFFNESS], "height": H,
+        "yield_shear": [law.yield_shear, 1e12, 1e12], "hardening": [law.hardening, 0.0, 0.0], **undamped,
+    }  # fmt: skip
+    ground = shake(3.0)
+    one = solve(Scene((isolated(isolation, **undamped),), ground, 0.02, analysis=analysis), 1e-10)
+    other = solve(Scene((three,), ground, 0.02, analysis="inelastic"), 1e-10)
+    assert one.sway[0] == pytest.approx(other.drift[0], rel=1e-7)
+    assert one.sway[0] > 2 * law.yield_drift
+    np.testing.assert_allclose(one.shear[:2], other.shear[1:3], rtol=1e-7)
+    np.testing.assert_allclose(one.acceleration[:2], other.acceleration[1:3], rtol=1e-7)
+    for name in ("input", "hysteresis", "kinetic", "stored"):
+        assert one.energy[name] == pytest.approx(other.energy[name], rel=1e-6)
+    assert abs(one.energy["residual"]) < 1e-9
+
+
+def test_damping_of_the_building_does_not_reach_its_isolators() -> None:
+    """A stiff building on isolators loses all energy in them, whatever its damping ratio."""
+    stiff = isolated(PENDULUM, stiffness=[1e12, 1e12], damping=0.1)
+    run = solve(Scene((stiff,), shake(3.0), 0.02), 1e-8)
+    assert run.energy["damping"] < 1e-4 * run.energy["hysteresis"]
+
+
+def test_a_base_that_moves_beyond_its_isolators() -> None:
+    far = solve(Scene((isolated(PENDULUM),), shake(3.0), 0.02)).sway[0]
+    runs = [solve(Scene((isolated(PENDULUM | {"capacity": part * far}),), shake(3.0), 0.02)) for part in (0.9, 1.1)]
+    (said,), none = (run.flags for run in runs)
+    assert said.startswith("isolators moved beyond their capacity: b0")
+    assert said.endswith(f"by {100 * far:.3g} mm")
+    assert none == ()
+
+
+STUDY = """\
+records: {use: [elcentro]}
+buildings:
+  A: {storeys: 2, period: 0.3 s}
+  B: {like: A, foundation: FOUNDATION}
+group: [A, B]
+cases: {near: {link: pounding, gap: 1 cm}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("foundation", "word"),
+    [
+        ("{mass: 100 t, isolation: {radius: 3 m}}", "complete"),
+        ("{mass: 100 t, isolation: {strength: 800 kN, stiffness: 5 kN/mm}}", "complete"),
+        ("{mass: 100 t, isolation: {radius: 3 m, friction: 6 %, strength: 800 kN}}", "friction pendulum"),
+        ("{mass: 100 t, sway_stiffness: 5 kN/mm, isolation: {radius: 3 m, friction: 6 %}}", "both"),
+        ("{isolation: {radius: 3 m, friction: 6 %}}", "mass"),
+        ("{mass: 100 t, isolation: {radius: 3, friction: 600 %}}", "friction"),
+    ],
+)
+def test_isolators_that_are_refused(foundation: str, word: str) -> None:
+    problems = refused(STUDY.replace("FOUNDATION", foundation))
+    assert {line for line, _, _ in problems} == {4}
+    assert any(word in words for _, _, words in problems), problems
