@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import stat
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -91,9 +92,11 @@ def opened(path: Path, group: str = "/", version: int | None = FORMAT_VERSION) -
 
 def facts(path: Path, version: int | None = FORMAT_VERSION, group: str = "/") -> dict[str, Any]:
     """The attributes of a results file, which is checked; parameters and errors as those of `opened`."""
-    if path.is_dir():
-        raise _bad(path, "is a folder, not a results file", "name the .h5 file in it")
     try:
+        if path.is_dir():
+            raise _bad(path, "is a folder, not a results file", "name the .h5 file in it")
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise _bad(path, "cannot be read: it is not a regular file")
         sound = _is_sealed(path)
         with h5py.File(path) as file:
             _check_kind(file, path, version)
@@ -108,9 +111,12 @@ def facts(path: Path, version: int | None = FORMAT_VERSION, group: str = "/") ->
         raise
     except FileNotFoundError:
         raise _bad(path, "there is no such results file", "make one with: pound run STUDY -o FILE.h5") from None
+    except OSError as error:
+        what = f": {os.strerror(error.errno)}" if error.errno else f" as HDF5 ({error})"
+        raise _bad(path, f"cannot be read{what}") from None
     except Exception as error:
         raise _bad(
-            path, f"cannot be read as HDF5 ({str(error).splitlines()[0] if str(error) else type(error).__name__})"
+            path, f"cannot be read as HDF5 ({str(error).partition(chr(10))[0] or type(error).__name__})"
         ) from None
 
 
