@@ -136,8 +136,8 @@ def _flag_baselines(flags: np.ndarray, plan: Plan, solved: Solved, scene: np.nda
     for place, building in enumerate(plan.buildings):
         here = np.where(solved.there[scene], status[alone[:, place]], "")
         for word in np.unique(here[(here != DONE) & (here != "")].astype(str)):
-            said = "collapsed: its ratios are left out" if word == COLLAPSED else f": {word}, ratios refused"
-            _flag(flags, here == word, f"{building} alone{' ' if word == COLLAPSED else ''}{said}")
+            said = " collapsed, its ratios are left out" if word == COLLAPSED else f": {word}, ratios refused"
+            _flag(flags, here == word, f"{building} alone{said}")
 
 
 def _flag_columns(flags: np.ndarray, plan: Plan, found: Variables) -> None:
