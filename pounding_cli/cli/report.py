@@ -87,7 +87,7 @@ def command(
     from pounding_cli.report import report
     from pounding_cli.report.claims import compare_claims, verdicts
     from pounding_cli.report.style import FORMATS, for_paper
-    from pounding_cli.report.sweep import Asked, Choice
+    from pounding_cli.report.sweep import Asked
     from pounding_cli.results.results import open_results
 
     if figures_for_paper and no_figures:
@@ -96,8 +96,12 @@ def command(
     usual = tuple(name for name in FORMATS if name != "png") if figures_for_paper else FORMATS
     chosen = () if no_figures else formats or usual
     opened = {path: open_results(path) for path in files}
-    choice = Choice("", case, analysis, building, storey, floor, link, record)
-    asked = {path: Asked(quantities, choice, points_at(results, at)) for path, results in opened.items()}
+    places = {
+        "case": case, "analysis": analysis, "building": building, "storey": storey, "floor": floor, "link": link,
+        "record": record,
+    }  # fmt: skip
+    places = {name: value for name, value in places.items() if value is not None}
+    asked = {path: Asked(quantities, places, points_at(results, at)) for path, results in opened.items()}
     folders = _folders(files, output)
     for path, results in opened.items():
         with for_paper() if figures_for_paper else nullcontext():

@@ -163,7 +163,7 @@ def draw_curves(answer: Answer, asked: Asked, rows: pd.DataFrame, motions: pd.Da
     shared_legend(figure, axes.flat)
     entitle(figure, shown.title)
     kept = {key: value for key, value in shown.point.items() if key in rows}
-    where = ", ".join(f"{key} = {shown.units[key].text(value)}" for key, value in kept.items())
+    where = ", ".join(f"{key} = {shown.results.value_label(key, value)}" for key, value in kept.items())
     left_out = f" Of {len(cases)} cases the first {MOST_CASES} are drawn." if len(cases) > MOST_CASES else ""
     caption(
         figure,
