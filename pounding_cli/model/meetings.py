@@ -55,8 +55,9 @@ def meetings(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ..
     A slab reaches half its thickness up and down from the elevation of its floor. Slabs above the neighbour's roof have
     nothing beside them.
     """
-    if isinstance(left, Wall) or isinstance(right, Wall):
-        return _at_wall(left, right) if isinstance(left, Wall) else _at_wall(right, left), ()
+    for wall, building in ((left, right), (right, left)):
+        if isinstance(wall, Wall):
+            return _at_wall(wall, building), ()
     both = tuple((b.elevation.tobytes(), b.slab) for b in (left, right))
     return _meetings(*both)
 

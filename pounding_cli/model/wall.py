@@ -37,11 +37,10 @@ class Wall(Building):
         ------
         ValueError : a value is outside its range
         """
-        moves = bool(np.isfinite(stiffness))
-        mass, stiffness, beta = (mass, stiffness, damping / stiffness) if moves else (1.0, 1.0, 0.0)
-        one = np.ones(1)
-        never, height = np.inf * one, max(height, LEAST_HEIGHT) * one
-        return cls(name, mass * one, height, stiffness * one, never, 0.0 * one, 0.0, beta, moves=moves)
+        moves, one = bool(np.isfinite(stiffness)), np.ones(1)
+        k, m, beta = (stiffness, mass, damping / stiffness) if moves else (1.0, 1.0, 0.0)
+        high = max(height, LEAST_HEIGHT)
+        return cls(name, m * one, high * one, k * one, np.inf * one, 0.0 * one, 0.0, beta, moves=moves)
 
     @cached_property
     def periods(self) -> np.ndarray:
