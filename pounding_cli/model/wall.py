@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,9 @@ from pounding_cli.model.building import Building
 
 LEAST_HEIGHT = 1e-3
 """Height of a wall that ends at the ground [m]."""
+
+ENDLESS = 1e6
+"""Height of a wall that has none of its own [m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,11 +27,14 @@ class Wall(Building):
     moves: bool = True
 
     @classmethod
-    def of(cls, name: str, height: float, mass: float = 0.0, stiffness: float = np.inf, damping: float = 0.0) -> Wall:
-        """A wall of a height above the ground [m], and what stands behind it.
+    def of(
+        cls, name: str, height: float = ENDLESS, mass: float = 0.0, stiffness: float = np.inf, damping: float = 0.0
+    ) -> Wall:
+        """A wall, and what stands behind it.
 
         Parameters
         ----------
+        height : above the ground [m]; ENDLESS: as high as its neighbours (`up_to`)
         mass : with the soil that moves along [kg], > 0 unless it moves as the ground does
         stiffness : of the soil [N/m], > 0; inf for a wall that moves as the ground does
         damping : dashpot of the soil [N s/m], >= 0
@@ -42,10 +48,19 @@ class Wall(Building):
         high = max(height, LEAST_HEIGHT)
         return cls(name, m * one, high * one, k * one, np.inf * one, 0.0 * one, 0.0, beta, moves=moves)
 
+    def up_to(self, roof: float) -> Wall:
+        """The wall up to the highest roof [m] of its row, where it has no height of its own."""
+        return replace(self, height=np.array([roof])) if self.height[0] == ENDLESS else self
+
     @cached_property
     def periods(self) -> np.ndarray:
         """The period of the wall on the soil [s], shape (1,); NaN where it moves as the ground does."""
         return super().periods if self.moves else np.full(1, np.nan)
+
+    def known(self, name: str) -> np.ndarray:
+        """Its mass, height or stiffness, shape (1,); NaN of what says nothing."""
+        given = self.height[0] != ENDLESS if name == "height" else self.moves
+        return getattr(self, name) if given or name == "yield_shear" else np.full(1, np.nan)
 
     def has_floor(self, floor: int) -> bool:
         """Whatever floor of its neighbour."""

@@ -27,8 +27,8 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
     direction : Pelicun's number of the direction in which the buildings move
 
     The columns are called TYPE-FLOOR-DIRECTION: `PFA-0-1` is the peak acceleration of the ground, `PID-2-1` the drift
-    of the second storey over its height (Zsarnoczay, A. and Deierlein, G. G. (2020). PELICUN - A computational framework
-    for estimating damage, loss and community resilience. 17th World Conference on Earthquake Engineering).
+    of the second storey over its height (Zsarnoczay, A. and Deierlein, G. G. (2020). PELICUN - A computational
+    framework for estimating damage, loss and community resilience. 17th World Conference on Earthquake Engineering).
 
     Raises
     ------
@@ -50,8 +50,8 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
         PFA=rows["acceleration"], PID=rows["drift_ratio"], RID=rows["residual_drift"].abs() * over_height
     )
     done = rows[rows["status"] == "done"]
-    wide = done.set_index([*scene, "storey"])[list(UNITS)].unstack("storey")
-    wide.columns = [f"{kind}-{storey}-{direction}" for kind, storey in wide.columns]
+    wide = done.pivot_table(list(UNITS), scene, "storey")
+    wide.columns = [f"{kind}-{storey}-{direction}" for kind, storey in wide.columns.to_list()]  # type: ignore[str-unpack]
     records = results.records()
     ground = wide.index.to_frame(index=False).merge(records[[*(k for k in scene if k in records), "pga"]], how="left")
     wide.insert(0, f"PFA-0-{direction}", ground["pga"].to_numpy())
