@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.adapter import Bearings, FrictionPendulum, Scene, refused, solve
+from tests.adapter import Bearings, FrictionPendulum, Rubber, Scene, refused, solve
 from tests.physics.cases import shake
 
 G = 9.80665
@@ -27,14 +27,24 @@ def isolated(isolation: dict[str, Any], **keys: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(("amplitude", "period", "damping"), [(12.7, 2.77, 0.248), (24.3, 3.07, 0.159)])
 def test_a_prototype(amplitude: float, period: float, damping: float) -> None:
     """Effective period and damping of a friction pendulum at an amplitude [in]."""
-    law, d = FrictionPendulum(**PENDULUM).bilinear(WEIGHT), 0.0254 * amplitude
-    force = law.yield_shear + law.hardening * law.stiffness * (d - law.yield_drift)
-    cycle = 4 * (1 - law.hardening) * law.yield_shear * (d - law.yield_drift)
-    assert 2 * math.pi * math.sqrt(WEIGHT / G / (force / d)) == pytest.approx(period, abs=0.005)
-    assert cycle / (2 * math.pi * force * d) == pytest.approx(damping, abs=0.0006)
+    law, d = FrictionPendulum(**PENDULUM), 0.0254 * amplitude
+    found = law.effective(WEIGHT, d)
+    assert found == (pytest.approx(period, abs=0.005), pytest.approx(damping, abs=0.0006))
     mu, radius = PENDULUM["friction"], PENDULUM["radius"]
+    assert found[0] == pytest.approx(2 * math.pi / math.sqrt(G * (1 / radius + mu / d)), rel=1e-9)
     exact = 2 / math.pi * mu / (mu + d / radius)  # of a slider that sticks: the spring costs its share of the amplitude
-    assert cycle / (2 * math.pi * force * d) == pytest.approx(exact, rel=1.1 * law.yield_drift / d)
+    assert found[1] == pytest.approx(exact * (1 - law.yield_displacement / d), rel=1e-9)
+
+
+def test_high_damping_rubber_is_a_spring_and_a_dashpot() -> None:
+    rubber = {"stiffness": 6e6, "damping_ratio": 0.12}
+    c = 2 * 0.12 * math.sqrt(6e6 * WEIGHT / G)
+    one = solve(Scene((isolated(rubber),), shake(3.0), 0.02), 1e-10)
+    same = isolated(LEAD) | {"foundation": {"mass": MASS, "sway_stiffness": 6e6, "sway_damping": c}}
+    other = solve(Scene((same,), shake(3.0), 0.02), 1e-10)
+    assert one.sway[0] == pytest.approx(other.sway[0], rel=1e-12)
+    np.testing.assert_allclose(one.shear, other.shear, rtol=1e-12)
+    assert Rubber(**rubber).effective(WEIGHT, 0.3) == (2 * math.pi * math.sqrt(WEIGHT / G / 6e6), 0.12)
 
 
 def test_sliding_period() -> None:
@@ -96,6 +106,8 @@ cases: {near: {link: pounding, gap: 1 cm}}
         ("{mass: 100 t, isolation: {radius: 3 m}}", "complete"),
         ("{mass: 100 t, isolation: {strength: 800 kN, stiffness: 5 kN/mm}}", "complete"),
         ("{mass: 100 t, isolation: {radius: 3 m, friction: 6 %, strength: 800 kN}}", "friction pendulum"),
+        ("{mass: 100 t, isolation: {damping_ratio: 10 %}}", "complete"),
+        ("{mass: 100 t, isolation: {stiffness: 5 kN/mm, damping_ratio: 10 %, strength: 1 kN}}", "no key of"),
         ("{mass: 100 t, sway_stiffness: 5 kN/mm, isolation: {radius: 3 m, friction: 6 %}}", "both"),
         ("{isolation: {radius: 3 m, friction: 6 %}}", "mass"),
         ("{mass: 100 t, isolation: {radius: 3, friction: 600 %}}", "friction"),
