@@ -55,7 +55,7 @@ class FrictionPendulum(Isolation):
 
     radius: float = parameter("radius R of the sliding surface of a friction pendulum", "m", open_low=True)
     friction: float = parameter("its friction coefficient mu", "-", high=1.0, open_low=True)
-    yield_displacement: float = parameter("displacement at which it slides", "m", default=1e-4, open_low=True)
+    yield_displacement: float = parameter("displacement at which it slides", "m", default=1e-5, open_low=True)
     capacity: float = parameter("displacement that it can take", "m", default=math.inf, open_low=True)
 
     def bilinear(self, weight: float) -> Bilinear:

@@ -309,7 +309,7 @@ class Isolation(Model):
     strength: Annotated[float, _of(Bearings, "strength", "800 kN")] | None = key(None, _about(Bearings, "strength"))
     stiffness: Annotated[float, _of(Bearings, "stiffness", "5 kN/mm")] | None = key(None, _about(Bearings, "stiffness"))
     yield_displacement: Annotated[float, _of(Bearings, "yield_displacement", "1 cm")] | None = key(
-        None, "displacement at which they slide or yield [m]; default of a friction pendulum: 0.1 mm"
+        None, "displacement at which they slide or yield [m]; default of a friction pendulum: 0.01 mm"
     )
 
     damping_ratio: Annotated[float, RATIO] | None = key(None, _about(Rubber, "damping_ratio"))
