@@ -17,7 +17,8 @@ from pounding_cli.report.claims import CLAIMS, Finding
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.style import caption, entitle, new_figure, styled
-from pounding_cli.report.table import NOTHING, Table, from_rows
+from pounding_cli.report.table import NOTHING, from_rows
+from pounding_cli.results.tables import Table
 from pounding_cli.workflows.indices import FOUND
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from scipy.stats import binomtest
 
 from pounding_cli.report.claims import CLAIMS, Claim, Verdict, verdict
 from pounding_cli.report.evidence import Evidence
-from pounding_cli.results.tables import Column, Table, place_columns
+from pounding_cli.results.tables import Filled, Table, column, place_columns
 from pounding_cli.solver.response import DONE
 from pounding_cli.workflows.indices import FOUND, independent_samples, indices
 from pounding_cli.workflows.sensitivity import Series, sample_columns, stacked, texts
@@ -250,25 +250,25 @@ def _decides(question: Question, y: np.ndarray) -> tuple[str, float, float, floa
     return question.factors[most].key, found[name], found[f"{name}_low"], found[f"{name}_high"]
 
 
-def _decided_columns(found: Sequence[tuple[str, float, float, float]], question: Question, what: str) -> list[Column]:
+def _decided_columns(found: Sequence[tuple[str, float, float, float]], question: Question, what: str) -> list[Filled]:
     measure = "total index" if question.spec.method == "sobol" else "mean elementary effect"
     interval = f"end of its {question.spec.confidence:.4g} bootstrap interval"
     return [
-        Column("decided_by", texts([each[0] for each in found]), f"key that decides {what} most; empty: none"),
-        Column("share", np.array([each[1] for each in found]), f"its {measure}", "1"),
-        Column("share_low", np.array([each[2] for each in found]), f"low {interval}", "1"),
-        Column("share_high", np.array([each[3] for each in found]), f"high {interval}", "1"),
+        column("decided_by", texts([each[0] for each in found]), f"key that decides {what} most; empty: none"),
+        column("share", np.array([each[1] for each in found]), f"its {measure}", "1"),
+        column("share_low", np.array([each[2] for each in found]), f"low {interval}", "1"),
+        column("share_high", np.array([each[3] for each in found]), f"high {interval}", "1"),
     ]
 
 
-def _odds_columns(plan: Plan, question: Question, judged: Sequence[Judged]) -> list[Column]:
+def _odds_columns(plan: Plan, question: Question, judged: Sequence[Judged]) -> list[Filled]:
     some, confidence = independent_samples(question), question.spec.confidence
     known = [each.verdicts[some][np.isin(each.verdicts[some], list(OUTCOMES.values()))] for each in judged]
     columns = [
         *place_columns(plan.axes[:-1], [each.point for each in judged]),
-        Column("claim", texts([each.claim.key for each in judged]), "statement of the paper"),
-        Column("samples", np.array([verdicts.size for verdicts in known]), "independent samples with a verdict", "1"),
-        Column("failed", np.array([int((each.verdicts == "").sum()) for each in judged]), "samples that failed", "1"),
+        column("claim", texts([each.claim.key for each in judged]), "statement of the paper"),
+        column("samples", np.array([verdicts.size for verdicts in known]), "independent samples with a verdict", "1"),
+        column("failed", np.array([int((each.verdicts == "").sum()) for each in judged]), "samples that failed", "1"),
     ]
     for name, outcome in OUTCOMES.items():
         shares = [_share(int((verdicts == outcome).sum()), verdicts.size, confidence) for verdicts in known]
@@ -276,12 +276,12 @@ def _odds_columns(plan: Plan, question: Question, judged: Sequence[Judged]) -> l
         interval = f"end of its {confidence:.4g} interval (Clopper-Pearson)"
         for number, end in enumerate(("", "_low", "_high")):
             said = f"{end[1:]} {interval}: {words}" if end else words
-            columns.append(Column(f"{name}{end}", np.array([share[number] for share in shares]), said, "1"))
+            columns.append(column(f"{name}{end}", np.array([share[number] for share in shares]), said, "1"))
     decided = [_decides(question, each.series.values) for each in judged]
     return [*columns, *_decided_columns(decided, question, "its verdict")]
 
 
-def _threshold_columns(plan: Plan, question: Question, judged: Sequence[Judged]) -> list[Column]:
+def _threshold_columns(plan: Plan, question: Question, judged: Sequence[Judged]) -> list[Filled]:
     some, confidence = independent_samples(question), question.spec.confidence
     rows = [(each, words) for each in judged for words in each.passed]
     numbers = [each.numbers[words] for each, words in rows]
@@ -289,22 +289,22 @@ def _threshold_columns(plan: Plan, question: Question, judged: Sequence[Judged])
     shares = [_share(int(np.nansum(y)), int(np.isfinite(y).sum()), confidence) for y in passed]
     columns = [
         *place_columns(plan.axes[:-1], [each.point for each, _ in rows]),
-        Column("claim", texts([each.claim.key for each, _ in rows]), "statement of the paper"),
-        Column("number", texts([words for _, words in rows]), "a number of it that has a threshold"),
-        Column("unit", texts([each.units[words] for each, words in rows]), "unit of the number; - of a ratio"),
-        Column("met", np.array([share[0] for share in shares]), "probability that it meets its threshold", "1"),
-        Column("met_low", np.array([share[1] for share in shares]), "low end of the interval", "1"),
-        Column("met_high", np.array([share[2] for share in shares]), "high end of the interval", "1"),
+        column("claim", texts([each.claim.key for each, _ in rows]), "statement of the paper"),
+        column("number", texts([words for _, words in rows]), "a number of it that has a threshold"),
+        column("unit", texts([each.units[words] for each, words in rows]), "unit of the number; - of a ratio"),
+        column("met", np.array([share[0] for share in shares]), "probability that it meets its threshold", "1"),
+        column("met_low", np.array([share[1] for share in shares]), "low end of the interval", "1"),
+        column("met_high", np.array([share[2] for share in shares]), "high end of the interval", "1"),
     ]
     for part in (5, 50, 95):
         found = [np.percentile(y[some], part) if np.isfinite(y[some]).all() else np.nan for y in numbers]
-        columns.append(Column(f"percentile_{part}", np.array(found), f"percentile {part} of the number"))
+        columns.append(column(f"percentile_{part}", np.array(found), f"percentile {part} of the number"))
     return [*columns, *_decided_columns([_decides(question, y) for y in numbers], question, "the number")]
 
 
-def _verdict_columns(plan: Plan, question: Question, judged: Sequence[Judged]) -> Iterator[list[Column]]:
+def _verdict_columns(plan: Plan, question: Question, judged: Sequence[Judged]) -> Iterator[list[Filled]]:
     """All samples with their verdicts; a block for each point of the other axes."""
     for point in dict.fromkeys(each.point for each in judged):
         mine = [each for each in judged if each.point == point]
-        said = [Column(f"claim {each.claim.key}", each.verdicts, "verdict; empty: a scene failed") for each in mine]
+        said = [column(f"claim {each.claim.key}", each.verdicts, "verdict; empty: a scene failed") for each in mine]
         yield [*sample_columns(plan, question, point), *said]

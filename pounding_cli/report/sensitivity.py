@@ -14,20 +14,20 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.claim_odds import ODDS, odds_pictures, odds_sentences, odds_tables
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, nominal
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, key_words, name_axis, new_figure, shared_legend, styled
-from pounding_cli.report.table import NOTHING, Table, from_rows
+from pounding_cli.report.table import NOTHING, from_rows
+from pounding_cli.results.tables import Table
 from pounding_cli.workflows.indices import FOUND
 from pounding_cli.workflows.sensitivity import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
-    from pounding_cli.results.tables import Table as Answer
 
 MOST_OUTPUTS, MOST_KEYS = 6, 6
 """Outputs in one figure, and keys whose samples are drawn; of more, the first and those that decide most."""
@@ -92,7 +92,7 @@ def _at(frame: pd.DataFrame, shown: Evidence) -> pd.DataFrame:
 
 
 @styled
-def draw_indices(answer: Answer, drawn: list[Part], shown: Evidence) -> Figure:
+def draw_indices(answer: Table, drawn: list[Part], shown: Evidence) -> Figure:
     """A line of panels for each output: the output at both ends of each key, and the indices of the key."""
     keys = len(drawn[0].rows)
     is_sobol = method_of(answer) == "sobol"
@@ -150,7 +150,7 @@ def _dots(ax: Axes, rows: pd.DataFrame, y: np.ndarray, name: str, color: str, la
 
 
 @styled
-def draw_samples(samples: Answer, frame: pd.DataFrame, drawn: list[Part], shown: Evidence) -> Figure:
+def draw_samples(samples: Table, frame: pd.DataFrame, drawn: list[Part], shown: Evidence) -> Figure:
     """The outputs over the keys: a line of panels for each output, a panel for each of the keys that decide most."""
     wide = min(MOST_KEYS, len(drawn[0].rows))
     figure = new_figure(1.9 * wide + 0.8, 1.75 * len(drawn) + 0.8)
@@ -163,7 +163,7 @@ def draw_samples(samples: Answer, frame: pd.DataFrame, drawn: list[Part], shown:
         values = here[f"output {part.output}"].to_numpy(float)
         for ax, key in zip(line, part.rows["key"], strict=False):
             _scatter(ax, samples, here[key], values)
-            name_axis(ax, "x", [key], [samples.units.get(key, Unit())], shown.resolved, 7, 28)
+            name_axis(ax, "x", [key], [samples.columns[key].unit], shown.resolved, 7, 28)
             ax.tick_params(labelsize=7)
         words = f"\n{part.words}" if part.words else ""
         line[0].set_ylabel(f"{part.output}{f' [{part.unit}]' if part.unit else ''}{words}", fontsize=7)
@@ -172,7 +172,7 @@ def draw_samples(samples: Answer, frame: pd.DataFrame, drawn: list[Part], shown:
     return figure
 
 
-def _scatter(ax: Axes, samples: Answer, column: pd.Series, values: np.ndarray) -> None:
+def _scatter(ax: Axes, samples: Table, column: pd.Series, values: np.ndarray) -> None:
     if not pd.api.types.is_numeric_dtype(column):
         names = list(dict.fromkeys(column))
         x = column.map({name: n for n, name in enumerate(names)}).to_numpy(float)
@@ -182,8 +182,7 @@ def _scatter(ax: Axes, samples: Answer, column: pd.Series, values: np.ndarray) -
         ax.plot(range(len(names)), means, ls="", marker="_", ms=14, mew=2, color=_LOW)
         ax.set_xticks(range(len(names)), [name[:14] for name in names], rotation=35, ha="right")
         return
-    unit = samples.units.get(str(column.name))
-    x = column.to_numpy(float) / (unit.factor if unit else 1.0)
+    x = column.to_numpy(float) / samples.columns[str(column.name)].unit.factor
     order = np.argsort(x, kind="stable")
     ax.plot(x, values, ls="", marker=".", ms=2, color="0.6")
     bins = np.array_split(order, max(2, min(10, x.size // 8)))
@@ -226,7 +225,7 @@ class Part:
         return str(self.rows["unit"].iloc[0])
 
 
-def method_of(answer: Answer) -> str:
+def method_of(answer: Table) -> str:
     """sobol or morris."""
     return "sobol" if "total" in answer.frame else "morris"
 
@@ -246,7 +245,7 @@ def parts(results: Results, frame: pd.DataFrame) -> Iterator[Part]:
         yield Part(str(first["output"]), words, rows.sort_values(by, ascending=False, kind="stable"))
 
 
-def _indices(results: Results, answer: Answer, frame: pd.DataFrame) -> Table:
+def _indices(results: Results, answer: Table, frame: pd.DataFrame) -> Table:
     """The indices of every output, those that decide most first, with the intervals in brackets."""
     rows = []
     for part in parts(results, frame):
@@ -325,7 +324,7 @@ def spread_sentence(row: dict[Any, Any]) -> str:
     return f"{what}: mean {interval(row, 'mean')}{unit}; {high - low} % of the samples from {between}{unit}."
 
 
-def _legend(results: Results, answer: Answer) -> list[str]:
+def _legend(results: Results, answer: Table) -> list[str]:
     """What the columns of `cells` mean."""
     spec = results.resolved.get("sensitivity") or {}
     first = answer.frame.iloc[0]
