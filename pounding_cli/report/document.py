@@ -78,7 +78,6 @@ class Report:
     lead : what was computed, in one line
     sketch : of the group
     study : the text of the study file
-    beside : (folder) -> further files that it writes there
     """
 
     title: str
@@ -87,7 +86,6 @@ class Report:
     lead: str = ""
     sketch: Callable[[], Figure] | None = None
     study: str = ""
-    beside: Callable[[Path], list[Path]] | None = None
 
     @cached_property
     def sections(self) -> list[Section]:
@@ -132,7 +130,6 @@ class Report:
             (folder / "tables").mkdir(exist_ok=True)
             named = [table for section in self.sections for table in section.tables if table.name]
             files += [to_csv(table, folder / "tables") for table in named]
-            files += self.beside(folder) if self.beside else []
             return [*files, write_page(self, folder / PAGE, drawn)] if page else files
         except OSError as error:
             raise unwritable(folder, error) from error
