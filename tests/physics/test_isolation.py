@@ -39,8 +39,8 @@ def test_a_prototype(amplitude: float, period: float, damping: float) -> None:
 
 
 def with_sticking(ground: np.ndarray, dt: float) -> float:
-    """Largest displacement [m] of the base of a house of one storey on a slider that sticks, by an integrator of its own: two
-    degrees of freedom, the base held while the friction that this takes is below mu W."""
+    """Largest displacement [m] of the base of a house of one storey on a slider that sticks, by an integrator of its
+    own: two degrees of freedom, the base held while the friction that this takes is below mu W."""
     mu, w_r = PENDULUM["friction"] * G * (MASS + FLOOR), G * (MASS + FLOOR) / PENDULUM["radius"]
     k = STIFFNESS
 
@@ -52,15 +52,14 @@ def with_sticking(ground: np.ndarray, dt: float) -> float:
         base = (pull(t, y, a0, slope) - sign * mu) / MASS if sign else 0.0
         return [y[1], base, y[3], -k * (y[2] - y[0]) / FLOOR - a0 - slope * t]
 
+    def turns(t: float, y: np.ndarray, a0: float, slope: float, sign: float) -> float:
+        return y[1] if sign else abs(pull(t, y, a0, slope)) - mu
+
     y, sign, largest = np.zeros(4), 0.0, 0.0
     for a0, a1 in pairwise(ground):
         t, slope = 0.0, (a1 - a0) / dt
         while t < dt * (1 - 1e-12):
-
-            def turns(t: float, y: np.ndarray, *_: float) -> float:
-                return y[1] if sign else abs(pull(t, y, a0, slope)) - mu
-
-            turns.terminal, turns.direction = True, -sign if sign else 1.0
+            turns.terminal, turns.direction = True, -sign if sign else 1.0  # type: ignore[attr-defined]
             run = solve_ivp(rates, (t, dt), y, "DOP853", events=turns, args=(a0, slope, sign), rtol=1e-11, atol=1e-14)
             t, y = run.t[-1], run.y[:, -1]
             largest = max(largest, float(np.abs(run.y[0]).max()))
