@@ -78,7 +78,7 @@ def _quantity(
     """One quantity, in the unit it is shown in."""
     *_, where, level = map(str, values.dims)
     how = column_of(name, results.units)
-    values = values.reset_coords(drop=True) * how.factor
+    values = values.reset_coords(drop=True) / how.unit.factor
     found = {"mean": values.mean("record"), "low": values.min("record"), "high": values.max("record")}
     if not heights:
         place = abs(found["mean"]).fillna(-1.0).argmax(level)

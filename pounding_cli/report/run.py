@@ -18,8 +18,9 @@ from pounding_cli.report.explorer import explored
 from pounding_cli.report.figures import RESPONSES, drawn_part, profiles
 from pounding_cli.report.player import players
 from pounding_cli.report.sweep import Asked, sweep_pictures
-from pounding_cli.report.table import NOTHING, Table, column_of, digits, from_rows
+from pounding_cli.report.table import NOTHING, column_of, digits, from_rows
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
+from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import NEVER_CLOSES
 
 if TYPE_CHECKING:
@@ -143,8 +144,8 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
         where = [row["building"], f"{level} {row[level]}", *([row["record"]] if several else [])]
         point = ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes)
         mark = f" {MARK}" if tuple(row[key] for key in void.names) in void else ""
-        unit = f" {how.unit}" if how.unit not in ("", "–") else ""
-        number = f"{digits(how.factor * row[name], 3)}{unit}{mark}"
+        unit = f" {how.unit.name}" if how.unit.name else ""
+        number = f"{digits(row[name] / how.unit.factor, 3)}{unit}{mark}"
         found[row["case"], row["analysis"]] = "\n".join(filter(None, (number, ", ".join(where), point)))
     return found
 

@@ -169,7 +169,7 @@ def over_sweep(
     reasons = tuple(dict.fromkeys(flag for flag in flags if is_meaningless(flag))) if voids.any() else ()
     look = column_of(quantity, results.units)
     return OverSweep(
-        axes, look.head, look.factor * means, look.factor * spreads, named[worst.values],
+        axes, look.head, means / look.unit.factor, spreads / look.unit.factor, named[worst.values],
         np.where(np.isnan(means), 0, voids), reasons,
     )  # fmt: skip
 

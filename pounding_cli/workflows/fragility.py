@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pounding_cli.results.tables import Column, Table, place_columns
+from pounding_cli.results.tables import Filled, Table, column, place_columns
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
 from pounding_cli.workflows import curves
@@ -390,11 +390,11 @@ def _samples(plan: Plan, solved: Solved, question: Question, layout: Layout) -> 
 # The tables
 
 
-def _where(plan: Plan, question: Question, layout: Layout, samples: Sequence[_Samples]) -> list[Column]:
+def _where(plan: Plan, question: Question, layout: Layout, samples: Sequence[_Samples]) -> list[Filled]:
     """The columns that say where a curve stands."""
     columns = place_columns(plan.axes, [layout.points[each.point] for each in samples])
     if question.axis is not None:
-        columns = [column for column in columns if column.name != plan.axes[question.axis].names[0]]
+        columns = [each for each in columns if each.name != plan.axes[question.axis].names[0]]
     texts = {
         "case": ([plan.cases[each.case] for each in samples], "case of the study"),
         "analysis": ([plan.analyses[each.analysis] for each in samples], "elastic or inelastic storeys"),
@@ -404,7 +404,7 @@ def _where(plan: Plan, question: Question, layout: Layout, samples: Sequence[_Sa
             "building that passes it, or the pair in contact",
         ),
     }
-    return [*columns, *(Column(name, np.array(values, object), text) for name, (values, text) in texts.items())]
+    return [*columns, *(column(name, np.array(values, object), text) for name, (values, text) in texts.items())]
 
 
 _MEANINGS = {
@@ -428,7 +428,7 @@ _INTENSITIES = ("median", "low", "high")
 _WITH_INTERVAL = ("median", "spread", "ratio")
 
 
-def _curve_columns(plan: Plan, question: Question, samples: Sequence[_Samples]) -> Iterator[Column]:
+def _curve_columns(plan: Plan, question: Question, samples: Sequence[_Samples]) -> Iterator[Filled]:
     """The columns of fits."""
     spec, unit = question.spec, intensity_unit(plan, question)
     times = curves.resamples(len(plan.records), spec.draws)
@@ -451,14 +451,14 @@ def _curve_columns(plan: Plan, question: Question, samples: Sequence[_Samples]) 
                 meaning = f"{end[1:]} end of the {spec.confidence:.4g} bootstrap interval: {text}" if end else text
                 meaning += ", buildings alone" if suffix else ""
                 if stem == "outcome":
-                    yield Column(name, np.array([row.get(name, "") for row in rows], object), meaning)
+                    yield column(name, np.array([row.get(name, "") for row in rows], object), meaning)
                     continue
                 values = np.array([row.get(name, np.nan) for row in rows], dtype=float)
                 is_intensity = stem in _INTENSITIES
                 yield (
-                    Column(name, values, meaning, unit.si or "1", unit)
+                    column(name, values, meaning, unit.si or "1", unit)
                     if is_intensity
-                    else Column(name, values, meaning, "1")
+                    else column(name, values, meaning, "1")
                 )
 
 
@@ -486,18 +486,18 @@ def _fitted(sample: Sample, times: np.ndarray, confidence: float) -> tuple[dict[
 
 
 def _motion_columns(
-    plan: Plan, question: Question, where: Sequence[Column], samples: Sequence[_Samples]
-) -> list[Column]:
+    plan: Plan, question: Question, where: Sequence[Filled], samples: Sequence[_Samples]
+) -> list[Filled]:
     """What each motion said: of `ida` the bracket of its capacity, otherwise its demand at each intensity."""
     motions, levels = samples[0].linked.demand.shape
     is_ida, unit = question.spec.method == "ida", intensity_unit(plan, question)
     each = 1 if is_ida else levels  # rows of a motion
-    columns = [dataclasses.replace(column, data=np.repeat(column.data, motions * each)) for column in where]
+    columns = [of._replace(data=np.repeat(of.data, motions * each)) for of in where]
     names = np.repeat(np.array(plan.records, dtype=object), each)
-    columns.append(Column("record", np.tile(names, len(samples)), "ground motion"))
+    columns.append(column("record", np.tile(names, len(samples)), "ground motion"))
     if not is_ida:
         whole = np.concatenate([sample.linked.intensity.ravel() for sample in samples])
-        columns.append(Column("intensity", whole, "", unit.si or "1", unit))
+        columns.append(column("intensity", whole, "", unit.si or "1", unit))
     said = {
         "held": "highest intensity below `passed` at which the motion holds; 0 where there is none",
         "passed": "lowest intensity at which the motion passes the limit; inf where there is none",
@@ -515,7 +515,7 @@ def _motion_columns(
         for name, text in said.items():
             values = np.concatenate([one[name] for one in told])
             shown = (unit.si or "1", unit) if name in ("held", "passed") else ("1", None)
-            columns.append(Column(name + suffix, values, text + ", building alone" * bool(suffix), *shown))
+            columns.append(column(name + suffix, values, text + ", building alone" * bool(suffix), *shown))
     return columns
 
 

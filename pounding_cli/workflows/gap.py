@@ -25,7 +25,7 @@ from pounding_cli.model.separation import (
     gb50011_width,
     root_of_squares,
 )
-from pounding_cli.results.tables import Column, Table, place_columns
+from pounding_cli.results.tables import Filled, Table, column, place_columns
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.file import Items, Map
@@ -118,26 +118,26 @@ def _points_first(values: np.ndarray, axes: int) -> np.ndarray:
     return values.reshape(-1, *values.shape[axes + 1 :])
 
 
-def _required(plan: Plan, points: Points, facts: _Facts, rules: Sequence[Rule]) -> list[Column]:
+def _required(plan: Plan, points: Points, facts: _Facts, rules: Sequence[Rule]) -> list[Filled]:
     """What floors that face each other require."""
 
-    def of_places(place: np.ndarray, point: np.ndarray) -> list[Column]:
+    def of_places(place: np.ndarray, point: np.ndarray) -> list[Filled]:
         return [
             *_place_columns(plan.buildings, [facts.places[number] for number in place]),
-            Column("height", facts.heights[point, place], "of the slabs above the ground", "m"),
+            column("height", facts.heights[point, place], "of the slabs above the ground", "m"),
         ]
 
     return _rows(plan, points, rules, facts.faces, of_places)
 
 
-def _place_columns(names: Sequence[str], places: Sequence[LinkPlace]) -> list[Column]:
+def _place_columns(names: Sequence[str], places: Sequence[LinkPlace]) -> list[Filled]:
     """Which floors, of which buildings."""
     return [
-        Column("left", _texts(names[left] for left, *_ in places), "building left of the gap"),
-        Column("right", _texts(names[left + 1] for left, *_ in places), "building right of the gap"),
-        Column("floor", np.array([floor for _, floor, *_ in places], int), "floor of the left building", "1"),
-        Column("right_floor", np.array([floor for *_, floor, _ in places], int), "floor of the right building", "1"),
-        Column("columns", _texts(name.removesuffix(" columns") for *_, name in places), _OF_COLUMNS),
+        column("left", _texts(names[left] for left, *_ in places), "building left of the gap"),
+        column("right", _texts(names[left + 1] for left, *_ in places), "building right of the gap"),
+        column("floor", np.array([floor for _, floor, *_ in places], int), "floor of the left building", "1"),
+        column("right_floor", np.array([floor for *_, floor, _ in places], int), "floor of the right building", "1"),
+        column("columns", _texts(name.removesuffix(" columns") for *_, name in places), _OF_COLUMNS),
     ]
 
 
@@ -150,9 +150,9 @@ def _rows(
     points: Points,
     rules: Sequence[Rule],
     faces: np.ndarray,
-    of_places: Callable[[np.ndarray, np.ndarray], list[Column]],
+    of_places: Callable[[np.ndarray, np.ndarray], list[Filled]],
     is_line: bool = False,
-) -> list[Column]:
+) -> list[Filled]:
     """A row for every point, analysis, place and rule, with the statistics over the motions.
 
     faces : whether a place is there, shape (points, places)
@@ -170,19 +170,19 @@ def _rows(
     point, analysis, place, rule = np.nonzero(there)
     columns = place_columns(plan.axes, [points[number] for number in point])
     columns += [
-        Column("analysis", np.array(plan.analyses, object)[analysis], "elastic or inelastic storeys"),
+        column("analysis", np.array(plan.analyses, object)[analysis], "elastic or inelastic storeys"),
         *of_places(place, point),
-        Column("rule", np.array([part["name"] for part in parts], object)[rule], "exact, or the rule"),
+        column("rule", np.array([part["name"] for part in parts], object)[rule], "exact, or the rule"),
     ]
     width = plan.study.unit("gap")
     for name, text in _meanings(wanted, is_line).items():
         values = np.stack([part[name] for part in parts], axis=-1)[point, analysis, place, rule]
         is_length = name not in ("motions", "dispersion", "over_exact")
-        columns.append(Column(name, values, text, "m" if is_length else "1", width if is_length else None))
+        columns.append(column(name, values, text, "m" if is_length else "1", width if is_length else None))
     return columns
 
 
-def _of_cases(plan: Plan, points: Points, facts: _Facts, rules: Sequence[Rule]) -> list[Column]:
+def _of_cases(plan: Plan, points: Points, facts: _Facts, rules: Sequence[Rule]) -> list[Filled]:
     """Whether the gaps of the cases are enough: a row for every point, case, analysis, pair of neighbours and rule."""
     places = facts.places
     rows: list[tuple[int, str, int, str, _Enough]] = []
@@ -200,25 +200,25 @@ def _of_cases(plan: Plan, points: Points, facts: _Facts, rules: Sequence[Rule]) 
     chosen = [places[each.place] for each in here]
     return [
         *place_columns(plan.axes, [points[number] for number, *_ in rows]),
-        Column("case", _texts(case for _, case, *_ in rows), "case of the study"),
-        Column("analysis", _texts(plan.analyses[analysis] for _, _, analysis, *_ in rows), "elastic or inelastic"),
+        column("case", _texts(case for _, case, *_ in rows), "case of the study"),
+        column("analysis", _texts(plan.analyses[analysis] for _, _, analysis, *_ in rows), "elastic or inelastic"),
         *_place_columns(plan.buildings, chosen),
-        Column("gap", np.array([each.gap for each in here], float), "of the case at these floors", "m", unit),
-        Column("rule", _texts(name for *_, name, _ in rows), "exact, or the rule"),
-        Column(
+        column("gap", np.array([each.gap for each in here], float), "of the case at these floors", "m", unit),
+        column("rule", _texts(name for *_, name, _ in rows), "exact, or the rule"),
+        column(
             "required",
             np.array([each.required for each in here], float),
             "by the rule at these floors, which lack most or have least to spare; largest of the motions",
             "m",
             unit,
         ),
-        Column(
+        column(
             "enough",
             _texts(each.word for each in here),
             "whether the gap is wide enough at all floors of the pair, under all motions; unknown where scenes failed",
         ),
-        Column("enough_for", np.array([each.count for each in here], int), "motions for which it is", "1"),
-        Column(
+        column("enough_for", np.array([each.count for each in here], int), "motions for which it is", "1"),
+        column(
             "motions", np.array([each.motions for each in here], int), "motions; 0 where the rule depends on none", "1"
         ),
     ]
@@ -257,7 +257,7 @@ def _enough(rule: Rule, point: int, analysis: int, gap: np.ndarray, own: np.ndar
     return _Enough(place, float(gap[place]), float(largest[worst]), word, count, motions)
 
 
-def _of_lines(plan: Plan, points: Points, found: Mapping[str, np.ndarray]) -> list[Column]:
+def _of_lines(plan: Plan, points: Points, found: Mapping[str, np.ndarray]) -> list[Filled]:
     """How far every floor moves to either side, and what codes ask of the distance to a property line."""
     names, floors = plan.buildings, found["displacement"].shape[-1]
     sides = [(building, floor, side) for building in range(len(names)) for floor in range(floors) for side in (0, 1)]
@@ -267,11 +267,11 @@ def _of_lines(plan: Plan, points: Points, found: Mapping[str, np.ndarray]) -> li
     for number, point in enumerate(points):
         row = [plan.study.building(point, place) for place in range(len(names))]
         expected = [plan.study.code_displacements(point, name) for name in plan.study.model.group]
-        for column, (building, floor, _) in enumerate(sides):
+        for side, (building, floor, _) in enumerate(sides):
             if floor < row[building].storeys:
-                heights[number, column] = row[building].elevation[floor]
+                heights[number, side] = row[building].elevation[floor]
                 for name, whole in expected[building].items():
-                    codes[name][number, column] = whole[floor]
+                    codes[name][number, side] = whole[floor]
     both = np.stack([-found["displacement_min"], found["displacement_max"]], axis=-1)
     relative = found["error_estimate"][..., None, None]
     reach = relative * np.nanmax(found["displacement"], axis=-1, keepdims=True, initial=0.0)
@@ -280,15 +280,15 @@ def _of_lines(plan: Plan, points: Points, found: Mapping[str, np.ndarray]) -> li
     rules = [Rule(EXACT, exact, errors)]
     rules += [_of_no_motion(name, widths, len(plan.analyses)) for name, widths in codes.items()]
 
-    def of_places(place: np.ndarray, point: np.ndarray) -> list[Column]:
+    def of_places(place: np.ndarray, point: np.ndarray) -> list[Filled]:
         chosen = [sides[number] for number in place]
         return [
-            Column("building", _texts(names[building] for building, *_ in chosen), "building, left to right"),
-            Column(
+            column("building", _texts(names[building] for building, *_ in chosen), "building, left to right"),
+            column(
                 "side", _texts(("left", "right")[side] for *_, side in chosen), "of the building that faces the line"
             ),
-            Column("floor", np.array([floor + 1 for _, floor, _ in chosen], int), "floor, from 1 at the ground", "1"),
-            Column("height", heights[point, place], "of the floor above the ground", "m"),
+            column("floor", np.array([floor + 1 for _, floor, _ in chosen], int), "floor, from 1 at the ground", "1"),
+            column("height", heights[point, place], "of the floor above the ground", "m"),
         ]
 
     return _rows(plan, points, rules, np.isfinite(heights), of_places, is_line=True)
@@ -361,20 +361,20 @@ class _Facts:
             for strike in strikes:
                 name = f"{('left', 'right')[strike.side]} columns"
                 there[left, strike.left_floor, strike.right_floor, name] = strike.left_at, strike.right_at
-        for column, place in enumerate(self.places):
+        for facing, place in enumerate(self.places):
             if place not in there:
                 continue
             left, left_floor, right_floor, _ = place
             a, b = row[left], row[left + 1]
             slab = a.elevation[left_floor - 1] if there[place][0] == 1.0 else b.elevation[right_floor - 1]
-            self.heights[number, column] = slab
-            self.upper[:, number, column] = [at * at * (3.0 - 2.0 * at) for at in there[place]]
-            self.lower[number, column] = min(a.elevation[-1], b.elevation[-1])
+            self.heights[number, facing] = slab
+            self.upper[:, number, facing] = [at * at * (3.0 - 2.0 * at) for at in there[place]]
+            self.lower[number, facing] = min(a.elevation[-1], b.elevation[-1])
             if damping[left] > 0 and damping[left + 1] > 0:
-                self.correlations[number, column] = cross_correlation(
+                self.correlations[number, facing] = cross_correlation(
                     float(a.periods[0]), float(b.periods[0]), damping[left], damping[left + 1]
                 )
-            upper = self.upper[:, number, column]
+            upper = self.upper[:, number, facing]
             for name in expected[left].keys() & expected[left + 1].keys():
                 one, other = (
                     part * d[floor - 1] + (1.0 - part) * (d[floor - 2] if floor > 1 else 0.0)
@@ -382,7 +382,7 @@ class _Facts:
                         (expected[left][name], expected[left + 1][name]), (left_floor, right_floor), upper, strict=True
                     )
                 )
-                self.codes[name][number, column] = {
+                self.codes[name][number, facing] = {
                     _UBC: one + other,
                     ASCE7: float(root_of_squares(one, other)),
                     EN1998: float(en1998_separation(one, other, level[left])),

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from pounding_cli.results.tables import Column
+from pounding_cli.results.tables import Filled, column
 from pounding_cli.study.vary import choice_of
 from pounding_cli.workflows.sensitivity_question import Question
 
@@ -121,17 +121,17 @@ def decides(question: Question, y: np.ndarray) -> tuple[str, float, float, float
     return "", np.nan, np.nan, np.nan
 
 
-def decided_columns(question: Question, numbers: Sequence[np.ndarray], what: str) -> list[Column]:
+def decided_columns(question: Question, numbers: Sequence[np.ndarray], what: str) -> list[Filled]:
     """The columns that say which key decides each number most."""
     keys, *shares = zip(*(decides(question, y) for y in numbers), strict=True) if numbers else ((),) * 4
     measure = "total index" if question.spec.method == "sobol" else "mean elementary effect"
     interval = f"end of its {question.spec.confidence:.4g} bootstrap interval"
-    columns = [Column("decided_by", np.array(keys, object), f"key that decides {what} most; empty: none")]
+    columns = [column("decided_by", np.array(keys, object), f"key that decides {what} most; empty: none")]
     for name, text, values in zip(
         ("share", "share_low", "share_high"), (f"its {measure}", f"low {interval}", f"high {interval}"), shares,
         strict=True,
     ):  # fmt: skip
-        columns.append(Column(name, np.array(values, float), text, "1"))
+        columns.append(column(name, np.array(values, float), text, "1"))
     return columns
 
 

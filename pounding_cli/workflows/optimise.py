@@ -9,7 +9,7 @@ import xarray as xr
 
 from pounding_cli.results.dataset import dataset
 from pounding_cli.results.flags import counts_of_flags, parted
-from pounding_cli.results.tables import Column, Table
+from pounding_cli.results.tables import Filled, Table, column
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study
 from pounding_cli.study.expression import Expression, Quantity
@@ -135,7 +135,7 @@ def _void(question: Question, plan: Plan, data: xr.Dataset) -> np.ndarray:
     return np.asarray(found.reshape(-1, len(plan.axes[-1].values)).any(axis=0))
 
 
-def _design(plan: Plan, hunt: Hunt, data: xr.Dataset) -> list[Column]:
+def _design(plan: Plan, hunt: Hunt, data: xr.Dataset) -> list[Filled]:
     """What the buildings do at the optimum, and with the study as it is written: a row for each quantity."""
     question, search, points = hunt.question, hunt.search, len(plan.axes[-1].values)
     get = getter(plan, data)
@@ -174,11 +174,11 @@ def _design(plan: Plan, hunt: Hunt, data: xr.Dataset) -> list[Column]:
         has = np.array([any(flag == each for each, _ in parted(cell)) for cell in flags.flat]).reshape(flags.shape)
         add(f"scenes flagged: {flag}", "1", has.sum(axis=(0, 2)).astype(float), of)
     return [
-        Column("quantity", _text([name for name, *_ in rows]), "what is compared; largest over the storeys"),
-        Column("unit", _text([unit for _, unit, *_ in rows]), "its unit"),
-        Column("optimum", np.array([values[0] for *_, values in rows]), "at the optimum"),
-        Column("as_written", np.array([values[1] for *_, values in rows]), "with the study as it is written"),
-        Column("of", np.array([of for _, _, of, _ in rows], int), "scenes, where scenes are counted; otherwise 0", "1"),
+        column("quantity", _text([name for name, *_ in rows]), "what is compared; largest over the storeys"),
+        column("unit", _text([unit for _, unit, *_ in rows]), "its unit"),
+        column("optimum", np.array([values[0] for *_, values in rows]), "at the optimum"),
+        column("as_written", np.array([values[1] for *_, values in rows]), "with the study as it is written"),
+        column("of", np.array([of for _, _, of, _ in rows], int), "scenes, where scenes are counted; otherwise 0", "1"),
     ]
 
 
@@ -200,7 +200,7 @@ def _over_sweep(question: Question, plan: Plan, get: Get, quantity: Quantity | N
     return sign * (sign * values).max(axis=0)  # NaN where one is
 
 
-def _optimum(hunt: Hunt, built: tuple[float | str, ...] | None) -> list[Column]:
+def _optimum(hunt: Hunt, built: tuple[float | str, ...] | None) -> list[Filled]:
     """A row for each key; `built` : what the study says of the keys, where that is no point of the search."""
     question, search = hunt.question, hunt.search
     best, sign, unit = search.best, question.sign, question.expression.unit or "1"
@@ -233,30 +233,30 @@ def _optimum(hunt: Hunt, built: tuple[float | str, ...] | None) -> list[Column]:
     with_text = "among all points that were tried"
     bottom = "range over which the number stays within its tolerance"
     return [
-        Column("sought", same(f"{'least' if sign > 0 else 'most'} {question.expression}"), "number that is optimised"),
-        Column("optimum", same(None if best is None else sign * search.values[best]), "its best value", unit),
-        Column("error", same(None if best is None else search.error), "numerical error of that, at most", unit),
-        Column("tolerance", same(None if best is None else search.tolerance), "its error, or 1 % of it", unit),
-        Column("as_written", same(sign * hunt.built), "value of the file as written", unit),
-        Column("outcome", same(outcome), "outcome, or why there is no answer"),
-        Column("points", np.full(keys, values.size), "points that were tried", "1"),
-        Column("failed", np.full(keys, int(np.isnan(values).sum()) - len(hunt.void)), "points without a number", "1"),
-        Column("meaningless", np.full(keys, len(hunt.void)), "points whose number has no meaning", "1"),
-        Column("key", _text([factor.key for factor in question.factors]), "key that varies"),
-        Column("unit", _text([factor.unit.si or factor.unit.name for factor in question.factors]), "its unit"),
-        Column("value", np.array([number for number, _ in at_best]), "of the key at the optimum; NaN of a choice"),
-        Column("place", np.array(place), "of the optimum in what was searched, 0 to 1", "1"),
-        Column("option", _text([text for _, text in at_best]), "chosen at the optimum; empty of a number"),
-        Column("flat_from", flat[0], f"lower end: {bottom}, {flat_text}"),
-        Column("flat_to", flat[1], f"upper end: {bottom}, {flat_text}"),
-        Column("together_from", together[0], f"lower end: {bottom}, {with_text}"),
-        Column("together_to", together[1], f"upper end: {bottom}, {with_text}"),
-        Column("range_from", ends[0], "lower end of what was searched"),
-        Column("range_to", ends[1], "upper end of what was searched"),
-        Column("spacing", _text([factor.spacing for factor in question.factors]), "linear or log; empty of a choice"),
-        Column("written", np.array([number for number, _ in at_written]), "of the key as written"),
-        Column("written_option", _text([text for _, text in at_written]), "option as written"),
-        Column("mapped", np.array([row in (search.mapped or ()) for row in rows], int), "1 of a key of the map", "1"),
+        column("sought", same(f"{'least' if sign > 0 else 'most'} {question.expression}"), "number that is optimised"),
+        column("optimum", same(None if best is None else sign * search.values[best]), "its best value", unit),
+        column("error", same(None if best is None else search.error), "numerical error of that, at most", unit),
+        column("tolerance", same(None if best is None else search.tolerance), "its error, or 1 % of it", unit),
+        column("as_written", same(sign * hunt.built), "value of the file as written", unit),
+        column("outcome", same(outcome), "outcome, or why there is no answer"),
+        column("points", np.full(keys, values.size), "points that were tried", "1"),
+        column("failed", np.full(keys, int(np.isnan(values).sum()) - len(hunt.void)), "points without a number", "1"),
+        column("meaningless", np.full(keys, len(hunt.void)), "points whose number has no meaning", "1"),
+        column("key", _text([factor.key for factor in question.factors]), "key that varies"),
+        column("unit", _text([factor.unit.si or factor.unit.name for factor in question.factors]), "its unit"),
+        column("value", np.array([number for number, _ in at_best]), "of the key at the optimum; NaN of a choice"),
+        column("place", np.array(place), "of the optimum in what was searched, 0 to 1", "1"),
+        column("option", _text([text for _, text in at_best]), "chosen at the optimum; empty of a number"),
+        column("flat_from", flat[0], f"lower end: {bottom}, {flat_text}"),
+        column("flat_to", flat[1], f"upper end: {bottom}, {flat_text}"),
+        column("together_from", together[0], f"lower end: {bottom}, {with_text}"),
+        column("together_to", together[1], f"upper end: {bottom}, {with_text}"),
+        column("range_from", ends[0], "lower end of what was searched"),
+        column("range_to", ends[1], "upper end of what was searched"),
+        column("spacing", _text([factor.spacing for factor in question.factors]), "linear or log; empty of a choice"),
+        column("written", np.array([number for number, _ in at_written]), "of the key as written"),
+        column("written_option", _text([text for _, text in at_written]), "option as written"),
+        column("mapped", np.array([row in (search.mapped or ()) for row in rows], int), "1 of a key of the map", "1"),
     ]  # fmt: skip
 
 
@@ -278,27 +278,27 @@ def _value(factor: Factor, point: Point | None, number: int) -> tuple[float, str
     return (np.nan, factor.labels[int(value)]) if factor.options else (value, "")
 
 
-def _points(hunt: Hunt) -> list[Column]:
+def _points(hunt: Hunt) -> list[Filled]:
     """Every point that was tried, in the order in which the search asked for it."""
     question, search = hunt.question, hunt.search
     cube, unit = np.array(list(search.values)), question.expression.unit or "1"
     columns = [
-        Column("point", np.arange(1, len(cube) + 1), "number of the point", "1"),
-        Column("stage", _text([search.stages[point] for point in search.values]), "what it was tried for"),
+        column("point", np.arange(1, len(cube) + 1), "number of the point", "1"),
+        column("stage", _text([search.stages[point] for point in search.values]), "what it was tried for"),
     ]
     for number, factor in enumerate(question.factors):
         values = factor.number(cube[:, number])
         if factor.options:
             labels = _text([factor.labels[int(value)] for value in values])
-            columns.append(Column(factor.key, labels, f"varies: {factor.key}"))
+            columns.append(column(factor.key, labels, f"varies: {factor.key}"))
         else:
-            columns.append(Column(factor.key, values, f"varies: {factor.key}", factor.unit.si or "1", factor.unit))
+            columns.append(column(factor.key, values, f"varies: {factor.key}", factor.unit.si or "1", factor.unit))
     found = question.sign * np.array(list(search.values.values()))
-    columns.append(Column("value", found, f"{question.expression}; NaN where it has none or no meaning", unit))
-    columns.append(Column("error", np.array(list(search.errors.values())), "numerical error of that, at most", unit))
+    columns.append(column("value", found, f"{question.expression}; NaN where it has none or no meaning", unit))
+    columns.append(column("error", np.array(list(search.errors.values())), "numerical error of that, at most", unit))
     void = [point in hunt.void for point in search.values]
     columns.append(
-        Column("meaningless", np.array(void, int), "1 where a link left the range in which its law has a meaning", "1")
+        column("meaningless", np.array(void, int), "1 where a link left the range in which its law has a meaning", "1")
     )
     return columns
 

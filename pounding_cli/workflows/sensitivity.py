@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.results.tables import Column, Table, place_columns
+from pounding_cli.results.tables import Filled, Table, column, place_columns
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.expression import LINK, Expression, Statement
 from pounding_cli.study.vary import MOTION
@@ -153,18 +153,18 @@ def _of_samples(output: Expression, get: Get, question: Question, others: int) -
     return found
 
 
-def where_columns(plan: Plan, series: Sequence[Series]) -> list[Column]:
+def where_columns(plan: Plan, series: Sequence[Series]) -> list[Filled]:
     """The columns that say where a row stands."""
     return [
         *place_columns(plan.axes[:-1], [each.point for each in series]),
-        Column("case", texts([each.case for each in series]), "case of the study; empty: all of them"),
-        Column("analysis", texts([each.analysis for each in series]), "elastic or inelastic storeys; empty: both"),
-        Column("output", texts([each.name for each in series]), "number looked at"),
-        Column("unit", texts([each.unit for each in series]), "SI unit of the output"),
+        column("case", texts([each.case for each in series]), "case of the study; empty: all of them"),
+        column("analysis", texts([each.analysis for each in series]), "elastic or inelastic storeys; empty: both"),
+        column("output", texts([each.name for each in series]), "number looked at"),
+        column("unit", texts([each.unit for each in series]), "SI unit of the output"),
     ]
 
 
-def _index_columns(plan: Plan, question: Question, series: Sequence[Series]) -> list[Column]:
+def _index_columns(plan: Plan, question: Question, series: Sequence[Series]) -> list[Filled]:
     names = (
         [f"{name}{end}" for name in ("first", "total") for end in ("", "_low", "_high")]
         + ["mean"]
@@ -182,10 +182,10 @@ def _index_columns(plan: Plan, question: Question, series: Sequence[Series]) -> 
     failed = [int(np.isnan(each.values).sum()) for each, *_ in rows]
     columns = [
         *where_columns(plan, [each for each, *_ in rows]),
-        Column("key", texts([key for *_, key, _ in rows]), "key that varies, the first of those that move together"),
-        Column("outcome", texts([outcome for _, outcome, *_ in rows]), "outcome, or why there is no index"),
-        Column("failed", np.array(failed), "samples without a number", "1"),
-        Column("samples", np.full(len(rows), len(question.cube)), "samples of the index", "1"),
+        column("key", texts([key for *_, key, _ in rows]), "key that varies, the first of those that move together"),
+        column("outcome", texts([outcome for _, outcome, *_ in rows]), "outcome, or why there is no index"),
+        column("failed", np.array(failed), "samples without a number", "1"),
+        column("samples", np.full(len(rows), len(question.cube)), "samples of the index", "1"),
     ]
     for name in names:
         stem = name.removesuffix("_error")
@@ -196,11 +196,11 @@ def _index_columns(plan: Plan, question: Question, series: Sequence[Series]) -> 
         elif name != stem:
             meaning = f"{'low' if name.endswith('_low') else 'high'} end of the {confidence}: {meaning}"
         data = np.array([numbers.get(name, np.nan) for *_, numbers in rows])
-        columns.append(Column(name, data, meaning, "1" if stem in ("first", "total") else ""))
+        columns.append(column(name, data, meaning, "1" if stem in ("first", "total") else ""))
     return columns
 
 
-def _output_columns(plan: Plan, question: Question, series: Sequence[Series]) -> list[Column]:
+def _output_columns(plan: Plan, question: Question, series: Sequence[Series]) -> list[Filled]:
     """Mean, standard deviation and percentiles of every output, with intervals, over the independent samples."""
     spec, some = question.spec, independent_samples(question)
     tails = 50 * (1 - spec.confidence)
@@ -220,18 +220,18 @@ def _output_columns(plan: Plan, question: Question, series: Sequence[Series]) ->
         rows.append(numbers)
     columns = where_columns(plan, series)
     failed = [int(np.isnan(each.values).sum()) for each in series]
-    columns.append(Column("failed", np.array(failed), "samples without a number", "1"))
-    columns.append(Column("samples", np.full(len(rows), some.size), "independent samples", "1"))
+    columns.append(column("failed", np.array(failed), "samples without a number", "1"))
+    columns.append(column("samples", np.full(len(rows), some.size), "independent samples", "1"))
     for name in names:
         for end in ("", "_low", "_high"):
             words = name.replace("deviation", "standard deviation").replace("_", " ")
             interval = f"{end[1:]} end of the {spec.confidence:.4g} bootstrap interval: " if end else ""
             data = np.array([row[f"{name}{end}"] for row in rows])
-            columns.append(Column(f"{name}{end}", data, f"{interval}{words} of the output"))
+            columns.append(column(f"{name}{end}", data, f"{interval}{words} of the output"))
     return columns
 
 
-def _probability_columns(plan: Plan, question: Question, series: Sequence[Series]) -> list[Column]:
+def _probability_columns(plan: Plan, question: Question, series: Sequence[Series]) -> list[Filled]:
     """How likely every statement holds, over the independent samples, and which key decides that."""
     some, confidence = independent_samples(question), question.spec.confidence
     shares = np.array([probability(each.values[some], confidence) for each in series])
@@ -240,12 +240,12 @@ def _probability_columns(plan: Plan, question: Question, series: Sequence[Series
     interval = f"end of its {confidence:.4g} interval (Clopper-Pearson)"
     return [
         *where_columns(plan, series)[:-2],
-        Column("statement", texts([each.name for each in series]), "what holds"),
-        Column("failed", np.array(failed), "samples without a number", "1"),
-        Column("samples", np.array(known), "independent samples with a number", "1"),
-        Column("probability", shares[:, 0], "part of these samples in which it holds", "1"),
-        Column("probability_low", shares[:, 1], f"low {interval}", "1"),
-        Column("probability_high", shares[:, 2], f"high {interval}", "1"),
+        column("statement", texts([each.name for each in series]), "what holds"),
+        column("failed", np.array(failed), "samples without a number", "1"),
+        column("samples", np.array(known), "independent samples with a number", "1"),
+        column("probability", shares[:, 0], "part of these samples in which it holds", "1"),
+        column("probability_low", shares[:, 1], f"low {interval}", "1"),
+        column("probability_high", shares[:, 2], f"high {interval}", "1"),
         *decided_columns(question, [each.values for each in series], "whether it holds"),
     ]
 
@@ -255,7 +255,7 @@ def _statistics(y: np.ndarray) -> np.ndarray:
     return np.stack([y.mean(axis=0), y.std(axis=0, ddof=1), *np.percentile(y, PERCENTILES, axis=0)])
 
 
-def sample_columns(plan: Plan, question: Question, point: tuple[int, ...]) -> list[Column]:
+def sample_columns(plan: Plan, question: Question, point: tuple[int, ...]) -> list[Filled]:
     """All samples in the order of the method: number, whether independent, the values of the keys.
 
     point : on the other swept axes
@@ -264,35 +264,35 @@ def sample_columns(plan: Plan, question: Question, point: tuple[int, ...]) -> li
     independent = np.isin(np.arange(count), independent_samples(question)).astype(int)
     columns = [
         *place_columns(plan.axes[:-1], [point] * count),
-        Column("sample", np.arange(1, count + 1), "number of the sample", "1"),
-        Column("independent", independent, "1 where independent", "1"),
+        column("sample", np.arange(1, count + 1), "number of the sample", "1"),
+        column("independent", independent, "1 where independent", "1"),
     ]
     for number, factor in enumerate(question.factors):
         if factor.key == MOTION:
             labels = [question.motion_label(n) for n in question.motion_set]
-            columns.append(Column(MOTION, texts(labels), "ground motions"))
+            columns.append(column(MOTION, texts(labels), "ground motions"))
             continue
         for member in factor.members:
             u = question.cube[:, number]
             if member.options:
                 labels = [member.labels[int(n)] for n in member.number(u)]
-                columns.append(Column(member.key, texts(labels), f"varies: {member.key}"))
+                columns.append(column(member.key, texts(labels), f"varies: {member.key}"))
             else:
                 unit = member.unit
-                columns.append(Column(member.key, member.number(u), f"varies: {member.key}", unit.si or "1", unit))
+                columns.append(column(member.key, member.number(u), f"varies: {member.key}", unit.si or "1", unit))
     return columns
 
 
-def stacked(blocks: Iterable[Sequence[Column]]) -> list[Column]:
+def stacked(blocks: Iterable[Sequence[Filled]]) -> list[Filled]:
     """Columns of tables one below the other."""
     each = [list(block) for block in blocks]
     return [
-        dataclasses.replace(first, data=np.concatenate([block[number].data for block in each]))
+        first._replace(data=np.concatenate([block[number].data for block in each]))
         for number, first in enumerate(each[0])
     ]
 
 
-def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Iterator[list[Column]]:
+def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Iterator[list[Filled]]:
     """All samples with their outputs; a block for each point, case and analysis."""
     blocks: dict[tuple, list[Series]] = {}
     for each in series:
@@ -302,10 +302,10 @@ def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Iterat
         swept = sum(len(axis.names) for axis in plan.axes[:-1])
         yield [
             *keys[:swept],
-            Column("case", texts([case] * count), "case of the study"),
-            Column("analysis", texts([analysis] * count), "elastic or inelastic storeys"),
+            column("case", texts([case] * count), "case of the study"),
+            column("analysis", texts([analysis] * count), "elastic or inelastic storeys"),
             *keys[swept:],
-            *(Column(f"output {each.name}", each.values, "output", each.unit or "1") for each in mine),
+            *(column(f"output {each.name}", each.values, "output", each.unit or "1") for each in mine),
         ]
 
 
