@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 
 from pounding_cli.numbers import Unit
@@ -133,8 +134,7 @@ class Evidence:
     def only(self, cases: Sequence[str]) -> Evidence:
         """The same with some of its cases alone."""
         results = copy(self.results)
-        for kept in ("_scene",):
-            results.__dict__.pop(kept, None)
+        results.__dict__.pop("_scene", None)  # of all cases
         results.data = results.data.sel(case=list(cases))
         return Evidence(results, self.point)
 
@@ -172,12 +172,16 @@ def at_point(results: Results, index: Mapping[str, int]) -> Evidence:
 
 
 def nominal(results: Results) -> Evidence:
-    """The evidence where every axis has the value of the study without its sweep, its first value where none has."""
+    """The evidence where every axis has the value of the study without its sweep, or its first value where none has; at
+    the first point that was solved where that one was not."""
     index = {}
     for keys in results.swept:
         points = list(zip(*(results.axes[key] for key in keys), strict=True))
         written = tuple(_at(results.resolved, key) for key in keys)
         index[keys[0]] = points.index(written) if written in points else 0
+    solved = (results.data["status"] != "").any(("case", "analysis", "record"))
+    if not solved.isel(index) and solved.any():
+        index = dict(zip(map(str, solved.dims), np.argwhere(solved.values)[0].tolist(), strict=True))
     return at_point(results, index)
 
 
