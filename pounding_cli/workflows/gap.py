@@ -144,7 +144,7 @@ def statistics(
     known = separations[separations["value"].notna()]
     known = known.assign(log=np.log(known["value"].where(known["value"] > 0)))
     groups = known.groupby(keys)
-    found = groups["value"].agg(motions="size", mean="mean", std="std")
+    found = pd.DataFrame(groups["value"].agg(motions="size", mean="mean", std="std"))
     found["mean_plus_std"] = found["mean"] + found["std"]
     found["largest"] = groups["value"].max()
     for share in percentiles:
@@ -482,8 +482,8 @@ def _with_nothing_between(study: Study) -> Study:
             given, marks = (
                 [tuple(each[place][n] for n in kept) for place in first] for each in (axis.given, axis.marks)
             )
-            names, units = (tuple(each[n] for n in kept) for each in (axis.names, axis.units))
-            axes.append(SweepAxis(names, given, marks, units))
+            units = tuple(axis.units[n] for n in kept)
+            axes.append(SweepAxis(tuple(axis.names[n] for n in kept), given, marks, units))
     apart.narrow(axes)
     return apart
 

@@ -181,20 +181,23 @@ class Search:
 
     def _evolve(self) -> None:
         """Differential evolution until all points of a generation are nearly as good."""
-        size, random = len(self.options), np.random.default_rng(self.spec.seed)
-        first = qmc.LatinHypercube(size, rng=random).random(self.spec.population or max(20, 12 * size))
-        if not np.isfinite(self._look(first, SEARCH)).any():
-            return
-        try:
-            found = differential_evolution(
-                lambda x: self._look(x.T, SEARCH), [(0.0, 1.0)] * size, init=first, maxiter=self.spec.generations,
-                tol=_SPREAD, atol=0.0, polish=False, updating="deferred", vectorized=True, rng=random,
-            )  # fmt: skip
-        except RuntimeError as error:  # SciPy takes every ValueError for a fault of its own caller's
-            if isinstance(error.__cause__, InputError):
-                raise error.__cause__ from None
-            raise
-        self.is_settled = bool(found.success)
+        size, seed = len(self.options), self.spec.seed
+        first = qmc.LatinHypercube(size, rng=np.random.default_rng(seed))
+        population = first.random(self.spec.population or max(20, 12 * size))
+        values = self._look(population, SEARCH)
+        for generation in range(self.spec.generations):  # its random numbers follow from the seed and its number
+            if not np.isfinite(values).any() or _is_close(values):
+                return
+            try:
+                found = differential_evolution(
+                    lambda x: self._look(x.T, SEARCH), [(0.0, 1.0)] * size, init=population, maxiter=1, polish=False,
+                    tol=0.0, atol=0.0, updating="deferred", vectorized=True,
+                    rng=np.random.default_rng([seed, generation]),
+                )  # fmt: skip
+            except RuntimeError as error:  # SciPy takes every ValueError for a fault of its own caller's
+                raise error.__cause__ if isinstance(error.__cause__, InputError) else error from None
+            population, values = found.population, found.population_energies
+        self.is_settled = _is_close(values)
 
     def _polish(self) -> None:
         """The simplex method from the best point, choices kept."""
@@ -209,7 +212,9 @@ class Search:
             }  # fmt: skip
 
             def of(x: np.ndarray, best: Point = best) -> float:
-                return float(self._look([self.moved(best, dict(zip(self.continuous, x.tolist(), strict=True)))], POLISH)[0])
+                return float(
+                    self._look([self.moved(best, dict(zip(self.continuous, x.tolist(), strict=True)))], POLISH)[0]
+                )
 
             minimize(of, begin, method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
             assert self.best is not None
@@ -246,9 +251,15 @@ class Search:
         infinite where there is none."""
         line = [
             (point[number], self.value(point) <= self.value(best) + self.tolerance) for point in self.tried
-            if self.moved(point, {number: best[number]}) == best
+            if (point[:number], point[number + 1 :]) == (best[:number], best[number + 1 :])
         ]  # fmt: skip
         here, outside = best[number], [u for u, is_in in line if not is_in]
-        low, high = max((u for u in outside if u < here), default=-np.inf), min((u for u in outside if u > here), default=np.inf)
+        low = max((u for u in outside if u < here), default=-np.inf)
+        high = min((u for u in outside if u > here), default=np.inf)
         inside = [u for u, _ in line if low < u < high]
         return [(min(inside), low), (max(inside), high)]
+
+
+def _is_close(values: np.ndarray) -> bool:
+    """Whether a population has found its valley."""
+    return bool(np.isfinite(values).all() and values.std() <= _SPREAD * abs(values.mean()))

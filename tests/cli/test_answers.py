@@ -10,6 +10,7 @@ import pytest
 from scipy import stats
 
 import pounding_cli
+from pounding_cli.study.questions import OptimiseSpec
 from tests.adapter import search
 
 STUDY = """\
@@ -108,7 +109,7 @@ def test_a_point_that_is_refused_ends_a_search():
         raise pounding_cli.InputError("this point is not sound")
 
     with pytest.raises(pounding_cli.InputError, match="not sound"):
-        search.Search(refuses, [0, 0]).run()
+        search.Search(refuses, [0, 0], OptimiseSpec()).run()
 
 
 def test_bad_questions_are_refused_and_write_nothing(folder, pound):
