@@ -25,6 +25,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import log_ndtr, ndtr
 
 DRAWS = 1000
@@ -131,10 +132,11 @@ def fit(low: np.ndarray, high: np.ndarray, motions: int) -> Curve:
     return Curve(found, float(last_held), float(first_passed))
 
 
-def counted(intensity: np.ndarray, motions: np.ndarray, passed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def of_counts(intensity: ArrayLike, motions: ArrayLike, passed: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """The brackets of counts: at each intensity so many motions of which so many pass; shape (intensities,) each."""
-    x, held = np.asarray(intensity, float), np.asarray(motions) - np.asarray(passed)
-    low = np.concatenate([np.repeat(x, held), np.zeros(np.sum(passed))])
+    x, passed = np.asarray(intensity, float), np.asarray(passed)
+    held = np.asarray(motions) - passed
+    low = np.concatenate([np.repeat(x, held), np.zeros(passed.sum())])
     return low, np.concatenate([np.full(held.sum(), np.inf), np.repeat(x, passed)])
 
 
