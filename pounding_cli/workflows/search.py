@@ -87,9 +87,9 @@ class Search:
     """
 
     def __init__(
-        self, function: Function, options: Sequence[int], spec: OptimiseSpec, written: Point | None = None
+        self, function: Function, options: Sequence[int], spec: OptimiseSpec | None = None, written: Point | None = None
     ) -> None:
-        self.function, self.options, self.spec = function, tuple(options), spec
+        self.function, self.options, self.spec = function, tuple(options), spec or OptimiseSpec()
         self.written = None if written is None else self.key(written)
         self.continuous = [number for number, many in enumerate(options) if not many]
         self.tried: dict[Point, Tried] = {}
