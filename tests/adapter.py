@@ -19,6 +19,7 @@ from pounding_cli.cli.main import cli
 from pounding_cli.laws.connector import Connector as Connector
 from pounding_cli.laws.isolation import Bearings as Bearings
 from pounding_cli.laws.isolation import FrictionPendulum as FrictionPendulum
+from pounding_cli.laws.isolation import Rubber as Rubber
 from pounding_cli.report import report as report
 from pounding_cli.report.table import interval as interval
 from pounding_cli.solver import estimate as estimates

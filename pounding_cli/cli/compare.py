@@ -74,11 +74,11 @@ def _study(found: Comparison) -> str:
 
 def _numbers(found: Comparison, everything: bool) -> list[str]:
     """Every changed number, or of each column how many and the worst."""
-    from pounding_cli.results.columns import meaning
+    from pounding_cli.results.tables import column_of
 
     said = []
     for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
-        unit = meaning(str(table), str(column))[0].replace("1", "").rstrip()
+        unit = column_of(str(column), str(table)).unit.name
         head = f"  {table} {column}: {len(rows)} differ" if not everything else f"  {table} {column}:"
         said.append(head + ("" if everything else ", most:"))
         for row in rows.itertuples() if everything else rows.head(1).itertuples():

@@ -6,6 +6,7 @@ import json
 import os
 import platform
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache, partial
 from importlib import metadata
@@ -57,7 +58,7 @@ def dataset(plan: Plan, solved: Solved) -> xr.Dataset:
         v.attrs = {**unit, "long_name": VARIABLES[name].text}
     for name, quantity in WRITTEN.items():
         if name in found:
-            found[name].attrs |= unit_attributes(plan.study.unit(quantity), np.dtype(float))
+            found[name].attrs |= unit_attributes(plan.study.unit(quantity))
     beside = {v.name: found.pop(v.name) for v in RECORDS}
     coords = _coordinates(plan, solved.values["building.shear"].shape[-1]) | beside
     return xr.Dataset(found | _study(plan), coords, _attributes(plan, solved))
@@ -170,7 +171,8 @@ def _coordinates(plan: Plan, storeys: int) -> dict[str, xr.Variable]:
             is_numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
             array = np.array(values, float) if is_numeric else np.array(list(map(str, values)), object)
             text = f"swept with {axis.names[0]}" if column else f"swept: {name}"
-            attrs = {"long_name": text} | unit_attributes(axis.unit(column), array.dtype)
+            unit = axis.unit(column)
+            attrs = {"long_name": text} | unit_attributes(unit if is_numeric else replace(unit, si=""))
             found[name] = _variable(axis.names[0], array, attrs)
     names = {"case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": plan.buildings}
     arrays = {name: (name, np.array(values, object)) for name, values in names.items()}
@@ -186,8 +188,8 @@ def _coordinates(plan: Plan, storeys: int) -> dict[str, xr.Variable]:
         }
         arrays |= {name: ("link", array) for name, array in of_links.items()}
     for name, (dim, array) in arrays.items():
-        unit, text = COORDINATES[name]
-        found[name] = _variable(dim, array, ({"units": unit} if unit else {}) | {"long_name": text})
+        si, text = COORDINATES[name]
+        found[name] = _variable(dim, array, ({"units": si} if si else {}) | {"long_name": text})
     return found
 
 

@@ -104,9 +104,11 @@ def dictionary(results: Results, frames: dict[str, pd.DataFrame]) -> pd.DataFram
     """Table, column, unit, meaning: one row for every column of every table."""
     import pandas as pd
 
-    rows = [
-        (table, column, *results.meaning(table, column)) for table, frame in frames.items() for column in frame.columns
-    ]
+    rows = []
+    for table, frame in frames.items():
+        for name in frame.columns:
+            column = results.column(table, name)
+            rows.append((table, name, column.unit.si, column.text))
     return pd.DataFrame(rows, columns=["table", "column", "unit", "meaning"])
 
 
@@ -159,8 +161,8 @@ def _parquet(results: Results, frames: dict[str, pd.DataFrame]) -> _Writer:
         table = pyarrow.Table.from_pandas(frames[name], preserve_index=False)
         fields = []
         for field in table.schema:
-            unit, text = results.meaning(name, field.name)
-            fields.append(field.with_metadata({"units": unit, "long_name": text}))
+            column = results.column(name, field.name)
+            fields.append(field.with_metadata({"units": column.unit.si, "long_name": column.text}))
         about = {"title": results.title, "study": results.study_text}
         schema = pyarrow.schema(fields, {**(table.schema.metadata or {}), **about})
         parquet.write_table(table.cast(schema), path)

@@ -6,6 +6,7 @@ import copy
 import functools
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,11 +16,10 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.records.scaling import SpectrumMatch
-from pounding_cli.results.columns import ANSWERS, TABLES, meaning
 from pounding_cli.results.file import groups, opened, read_table, written
 from pounding_cli.results.flags import counts_of_flags, flagged_scenes
 from pounding_cli.results.histories import chosen_place, kept_places, read_history
-from pounding_cli.results.tables import Table
+from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
 from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.texts import plain, plain_tree
 from pounding_cli.variables import FLOOR, LINK, OF_COLUMNS, PLACE, RATIOS, RESPONSES, SCENES, STOREY, WRITTEN
@@ -169,9 +169,12 @@ class Results:
     def _read_answer(self, name: str) -> Table:
         return read_table(self.path, name)
 
-    def meaning(self, table: str, column: str) -> tuple[str, str]:
-        """Unit (SI; "1" for a pure number, "" for text and swept keys) and meaning of a column of a table."""
-        return self.answer(table).meanings[column] if table in self.answers else meaning(table, column)
+    def column(self, table: str, name: str) -> Column:
+        """What a column of a table means, and the unit that people read it in: that of the study, otherwise SI."""
+        if table in self.answers:
+            return self.answer(table).columns[name]
+        found = column_of(name, table)
+        return replace(found, unit=self.units[name]) if name in self.units else found
 
     def storey(self) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios."""

@@ -172,7 +172,7 @@ def _add_building(made: _Elements, b: Building, inelastic: bool, collapses: bool
 def _base(b: Building, f: Foundation) -> dict[str, Any]:
     """The element under a base that sways."""
     if b.isolators is None:
-        return _element(JOINED, (f.sway_stiffness, f.sway_damping), c=f.sway_damping)
+        return _element(JOINED, b.base_spring, c=b.base_spring[1])
     return _element(b.isolators.behaviour, b.isolators.numbers(), c=f.sway_damping, yields=1)
 
 

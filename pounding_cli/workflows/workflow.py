@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from pounding_cli.numbers import Unit
-from pounding_cli.results.tables import Table
+from pounding_cli.results.tables import Column, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -107,10 +107,16 @@ def tabled(
     axes : of the sweep
     units : units that people read some columns in, with those of swept keys
     """
-    keys = {key: axis.unit(number) for axis in axes for number, key in enumerate(axis.names) if key in frame}
-    meanings = {key: ("" if frame[key].dtype == object else unit.si, f"swept: {key}") for key, unit in keys.items()}
-    meanings |= {str(column): _meant(str(column), columns) for column in frame.columns if column not in keys}
-    return Table(name, frame, meanings, keys | dict(units or {}))
+    shown = {key: axis.unit(number) for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
+    swept_keys, found = {key for axis in axes for key in axis.names}, {}
+    for key in map(str, frame.columns):
+        if key in swept_keys:
+            si, text = "" if frame[key].dtype == object else shown[key].si, f"swept: {key}"
+        else:
+            si, text = _meant(key, columns)
+        unit = shown.get(key, Unit("" if si == "1" else si))
+        found[key] = Column(text, replace(unit, si=si), key)
+    return Table(name, frame, found, name.replace("_", " ").capitalize())
 
 
 def _meant(column: str, columns: Columns) -> tuple[str, str]:
