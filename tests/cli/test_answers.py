@@ -11,7 +11,7 @@ from scipy import stats
 
 import pounding_cli
 from pounding_cli.report.table import interval
-from tests.adapter import search
+from tests.adapter import interval, search
 
 STUDY = """\
 title: Two small buildings
