@@ -246,8 +246,9 @@ def draw_group(
         for below, height in zip(levels[name], scale * rows["height"], strict=False):
             face, edge = ("black", "0.75") if filled else ("white", "black")
             ax.add_patch(Rectangle((left, below), WIDTH, height, facecolor=face, edgecolor=edge, linewidth=0.8))
-            top = below + height - slab / 2
-            ax.add_patch(Rectangle((left, top), WIDTH, slab, color="0.75" if filled else "0.4", linewidth=0))
+            if slab:
+                top = (left, below + height - slab / 2)
+                ax.add_patch(Rectangle(top, WIDTH, slab, color="0.75" if filled else "0.4", linewidth=0))
         period = evidence.periods[name]
         words = "" if name in unwritten else f"{period:.2f}" if many else f"T = {period:.2f} s"
         ax.annotate(

@@ -28,7 +28,7 @@ from pounding_cli.report.style import Look, caption, key_words, looks, name_axis
 from pounding_cli.report.table import column_of, digits
 from pounding_cli.results.flags import parted
 from pounding_cli.solver.flags import is_meaningless
-from pounding_cli.variables import LINK, OF_COLUMNS, RESPONSES
+from pounding_cli.variables import OF_COLUMNS, RESPONSES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -111,23 +111,19 @@ class OverSweep:
 
     title : the quantity with its unit
     mean, std : over the motions, at the place whose mean is largest at that point; NaN where nothing is
-    place : that place in words ("stiff, storey 5")
-    meaningless : number of motions whose scene carries a flag that takes the meaning from its numbers
-    reasons : those flags
+    void : whether the scene of a motion carries a flag that takes the meaning from these numbers
     """
 
     axes: tuple[SweptAxis, ...]
     title: str
     mean: np.ndarray
     std: np.ndarray
-    place: np.ndarray
-    meaningless: np.ndarray
-    reasons: tuple[str, ...]
+    void: np.ndarray
 
     @property
     def is_ratio(self) -> bool:
         """Whether 1 stands for the building alone."""
-        return self.title in [column_of(name).head for _, name, _ in (*PANELS, ("", "acceleration_ratio", ""))]
+        return "₀" in self.title
 
 
 Places = Mapping[str, Any]
@@ -148,30 +144,19 @@ def over_sweep(
     ------
     InputError : a quantity, case, analysis, building, storey, floor, link or motion that is not there
     """
-    axes = tuple(axes) if axes is not None else swept_axes(results)
-    dims, places = tuple(axis.dim for axis in axes), places or {}
-    cut = {
-        keys[0]: results.axes[key].index((at or {})[key]) for keys in results.swept for key in keys if key in (at or {})
-    }
-    values = _chosen(_variable(results, quantity), quantity, places).isel(cut, missing_dims="ignore", drop=True)
-    void = meaningless(results.data["flags"]).isel(cut, missing_dims="ignore", drop=True)
-    void = void.sel({name: values[name] for name in ("case", "analysis", "record")})
-    over = [str(dim) for dim in values.dims if dim not in (*dims, "record")] or ["case"]
+    axes, at = swept_axes(results) if axes is None else tuple(axes), at or {}
+    dims = [axis.dim for axis in axes]
+    cut = {keys[0]: results.axes[key].index(at[key]) for keys in results.swept for key in keys if key in at}
+    values = _chosen(_variable(results, quantity), quantity, places or {}).isel(cut, missing_dims="ignore", drop=True)
     mean, std = values.mean("record"), values.std("record", ddof=1)
-    each = [
-        part.broadcast_like(mean).stack(place=over).transpose(*dims, "place")
-        for part in (mean, std, void.sum("record"))
-    ]
-    worst = abs(each[0]).fillna(-1.0).argmax("place")
-    means, spreads, voids = (part.isel(place=worst).values for part in each)
-    named = np.array([_place(over, place, places) for place in each[0]["place"].values], object)
-    flags = [flag for cell in np.unique(results.data["flags"].values) for flag, _ in parted(cell)]
-    reasons = tuple(dict.fromkeys(flag for flag in flags if is_meaningless(flag))) if voids.any() else ()
+    flags = meaningless(results.data["flags"]).isel(cut, missing_dims="ignore", drop=True)
+    void = flags.sel({name: values[name] for name in ("case", "analysis", "record")}).any("record")
+    of_places = [of.broadcast_like(mean).transpose(*dims, ...).values for of in (mean, std, void)]
+    flat = [of.reshape(*(len(axis) for axis in axes), -1) for of in of_places]
+    worst = np.where(np.isfinite(flat[0]), np.abs(flat[0]), -1.0).argmax(-1)[..., None]
+    means, stds, voids = (np.take_along_axis(of, worst, -1)[..., 0] for of in flat)
     look = column_of(quantity, results.units)
-    return OverSweep(
-        axes, look.head, means / look.unit.factor, spreads / look.unit.factor, named[worst.values],
-        np.where(np.isnan(means), 0, voids), reasons,
-    )  # fmt: skip
+    return OverSweep(axes, look.head, means / look.unit.factor, stds / look.unit.factor, voids & np.isfinite(means))
 
 
 def _variable(results: Results, quantity: str) -> xr.DataArray:
@@ -208,12 +193,6 @@ def meaningless(flags: xr.DataArray) -> xr.DataArray:
     """Whether the numbers of every scene mean nothing."""
     void = [any(is_meaningless(flag) for flag, _ in parted(cell)) for cell in flags.values.flat]
     return flags.copy(data=np.array(void, bool).reshape(flags.shape))
-
-
-def _place(dims: Sequence[str], place: Any, places: Places) -> str:
-    """Where a number stands in words, without what was chosen."""
-    named = zip(dims, place, strict=True)
-    return ", ".join(f"{d} {v}" if d in ("storey", "floor") else str(v) for d, v in named if d not in places)
 
 
 # figures
@@ -259,8 +238,7 @@ def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None
     for name, wanted in _figures(shown, asked):
         panels = [_panels(results, shown, quantity, places, drawn, cut) for quantity, places in wanted]
         if panels := [panel for panel in panels if panel[1]]:
-            words = f"{motion_sentence(shown.records)} {_said(shown, *wanted[0], cut)}"
-            building = wanted[0][1].get("building")
+            words, building = _said(shown, wanted[0][1], cut), wanted[0][1].get("building")
             text = f"Means over the motions at their largest place, one {'map' if kind == 'map' else 'line'} per case."
             drawing = partial(draw, results, shown, [building] if building in shown.group else [], panels, words)
             heading = f"{name.replace('-', ', ')}: over the sweep"
@@ -302,17 +280,15 @@ def _panels(
     return str(places["analysis"]).capitalize(), by_case
 
 
-def _said(shown: Evidence, quantity: str, places: Places, cut: Mapping[str, Any]) -> str:
+def _said(shown: Evidence, places: Places, cut: Mapping[str, Any]) -> str:
     """What is drawn, in a sentence without its full stop."""
-    motions = counted(len(shown.records["record"].unique()), "motion")
-    what = f"Under {places['record']}" if "record" in places else f"Mean over the {motions}"
-    dims = shown.data[quantity].dims if quantity in shown.data else LINK
-    levels = [str(dim) for dim in dims if dim in ("building", "storey", "floor", "link")]
-    free = [name for name in ("case", *levels) if name not in places and not (name == "case" and levels)]
-    where = [f"at {name} {places[name]}" for name in ("storey", "floor", "link") if name in places]
-    where += [f"at the {' and '.join(free)} where it is largest"] if free else []
-    others = "; ".join(f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items())
-    return f"{what}{', ' if where else ''}{' '.join(where)}{f'; {others}' if others else ''}"
+    what = f"Mean over the {counted(len(shown.records['record'].unique()), 'motion')}"
+    if "record" in places:
+        what = f"Under {places['record']}"
+    where = [f"{name} {places[name]}" for name in ("storey", "floor", "link") if name in places]
+    at = f" at {', '.join(where)}" if where else ", at the place where it is largest"
+    others = "".join(f"; {key} = {shown.results.value_label(key, value)}" for key, value in cut.items())
+    return f"{motion_sentence(shown.records)} {what}{at}{others}"
 
 
 class Placed(NamedTuple):
@@ -321,14 +297,12 @@ class Placed(NamedTuple):
     order : numbers of the points, as they stand from the left (or upwards)
     positions : where they stand, in that order
     ticks : their names, in that order; None where the axis is a scale with ticks of its own
-    key : what numbered ticks stand for, as a sentence; "" where the ticks are names
     """
 
     axis: SweptAxis
     order: np.ndarray
     positions: np.ndarray
     ticks: list[str] | None
-    key: str
 
     def apply(self, ax: Axes, side: Literal["x", "y"], named: bool = True, room: int = 0) -> None:
         """Set scale, ticks and, where wanted, the title of one side of a panel; a side without a title has no names.
@@ -347,24 +321,16 @@ class Placed(NamedTuple):
 
 
 def placed(axis: SweptAxis, characters: int, *, cells: bool = False) -> Placed:
-    """Places and ticks of an axis: names in lines where they fit, else numbers with a key.
+    """Places and ticks of an axis; of texts their names in lines.
 
     characters : that fit beside each other along the axis
     cells : few points stand as cells of one size, whatever their distances
     """
     order = np.argsort(axis.coordinates, kind="stable")
     if axis.numeric and not (cells and len(axis) <= MOST_TICKS):
-        return Placed(axis, order, axis.coordinates[order], None, "")
-    names, positions = [axis.names[place] for place in order], np.arange(1.0, len(axis) + 1)
-    width = max(characters // len(names), 1)
-    wrapped = [textwrap.fill(name, width, break_long_words=False) for name in names]
-    if (
-        max(len(line) for name in wrapped for line in name.split("\n")) <= width
-        and len("".join(names)) < 3 * characters
-    ):
-        return Placed(axis, order, positions, wrapped, "")
-    key = "; ".join(f"({number}) {name}" for number, name in enumerate(names, 1))
-    return Placed(axis, order, positions, [str(n) for n in range(1, len(names) + 1)], f" {axis.words}: {key}.")
+        return Placed(axis, order, axis.coordinates[order], None)
+    width = max(characters // len(axis), 9)
+    return Placed(axis, order, np.arange(1.0, len(axis) + 1), [textwrap.fill(axis.names[n], width) for n in order])
 
 
 def _framed(
@@ -406,13 +372,13 @@ def draw_curves(
     for ax in flat[len(panels) :]:
         ax.axis("off")
     spread = "; bands: one standard deviation either way" if any(np.isfinite(over.std).any() for over in every) else ""
-    caption(figure, f"{words}{spread}.{_marks(every, 'Open grey markers')}{places.key}")
+    caption(figure, f"{words}{spread}.{_marks(every, 'Open grey markers')}")
     return figure
 
 
 def _curve(ax: Axes, over: OverSweep, places: Placed, look: Look) -> None:
     x, joined = places.positions, places.ticks is None
-    mean, std, void = (values[places.order] for values in (over.mean, over.std, over.meaningless > 0))
+    mean, std, void = (values[places.order] for values in (over.mean, over.std, over.void))
     if joined:
         ax.fill_between(x, mean - std, mean + std, color=look.color, alpha=0.13, lw=0, zorder=1.5)
     elif np.isfinite(std).any():
@@ -456,10 +422,7 @@ def draw_maps(results: Results, shown: Evidence, black: Sequence[str], panels: S
         if isinstance(norm, LogNorm):
             plain_log(bar.ax.yaxis)
     grey = " Grey: no number." if any(np.isnan(over.mean).any() for over in every) else ""
-    white = (
-        " White line: ratio 1." if any(over.is_ratio and max(over.mean.shape) > MOST_TICKS for over in every) else ""
-    )
-    caption(figure, f"{words}.{_marks(every, 'Hatched')}{grey}{white}{x.key}{y.key}")
+    caption(figure, f"{words}.{_marks(every, 'Hatched')}{grey}")
     return figure
 
 
@@ -473,7 +436,7 @@ def _norm(values: np.ndarray) -> Normalize:
 
 def _map(ax: Axes, over: OverSweep, x: Placed, y: Placed, norm: Normalize, *, first: bool) -> None:
     order = np.ix_(y.order, x.order)
-    values, void = over.mean[order], over.meaningless[order] > 0
+    values, void = over.mean[order], over.void[order]
     ax.grid(False)
     ax.set_facecolor("0.87")
     x.apply(ax, "x")
@@ -494,8 +457,6 @@ def _map(ax: Axes, over: OverSweep, x: Placed, y: Placed, norm: Normalize, *, fi
             box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[i, j] else None
             place, text = (x.positions[j], y.positions[i]), digits(float(values[i, j]), 3)
             ax.text(*place, text, ha="center", va="center", fontsize=7, color=ink, bbox=box)
-    elif over.is_ratio and min(values.shape) > 2 and np.nanmin(values) < 1 < np.nanmax(values):
-        ax.contour(x.positions, y.positions, values, levels=[1.0], colors="white", linewidths=1.2)
     ax.tick_params(length=3)
 
 
@@ -507,5 +468,4 @@ def _edges(places: np.ndarray) -> np.ndarray:
 
 def _marks(every: Sequence[OverSweep], mark: str) -> str:
     """What a mark of numbers without meaning says, in a sentence; "" where there are none."""
-    reasons = "; ".join(dict.fromkeys(reason for over in every for reason in over.reasons))
-    return f" {mark}: the numbers of some motions have no meaning, {reasons}." if reasons else ""
+    return f" {mark}: not meaningful for some motions." if any(over.void.any() for over in every) else ""

@@ -10,7 +10,6 @@ import pytest
 from scipy import stats
 
 import pounding_cli
-from pounding_cli.report.table import interval as told
 from tests.adapter import interval, search
 
 STUDY = """\
@@ -76,7 +75,7 @@ def test_sensitivity_indices(folder, pound):
     assert code == 0
     table = pounding_cli.open_results("results/uncertain-sensitivity.h5").table("sensitivity")
     for row in table[table["output"] == "largest mu in A"].to_dict("records"):
-        assert told(row, "total") in out
+        assert interval(row, "total") in out
     assert pound("report", "results/uncertain-sensitivity.h5", "-q", "--format", "png")[0] == 0
     written = Path("results/uncertain-sensitivity")
     for figure in ("sensitivity.png", "sensitivity-samples.png"):
