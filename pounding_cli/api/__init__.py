@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from pounding_cli.api.scenes import building, history, motion, scene
     from pounding_cli.api.studies import load_study, open_results, run
     from pounding_cli.errors import InputError
-    from pounding_cli.laws.connector import Connector
     from pounding_cli.laws.infill import Infill
+    from pounding_cli.laws.joints import Connector
     from pounding_cli.laws.pounding import Pounding
     from pounding_cli.model.building import Building
     from pounding_cli.model.links import Link
@@ -50,7 +50,7 @@ __all__ = [
 
 _HOMES = {
     "Building": "model.building",
-    "Connector": "laws.connector",
+    "Connector": "laws.joints",
     "History": "api.histories",
     "Infill": "laws.infill",
     "InputError": "errors",
