@@ -102,7 +102,7 @@ class Hunt:
 
     def dataset(self, plan: Plan, is_rough: bool) -> xr.Dataset:
         """What the scenes of a plan did; `is_rough`: their errors need not be known."""
-        return dataset(self.solver.asked(plan), self.solver.responses(plan, rough=is_rough))
+        return dataset(plan, self.solver.responses(plan, rough=is_rough))
 
     def note(self, plan: Plan, data: xr.Dataset) -> None:
         """Keep the number of the study as it is written."""
