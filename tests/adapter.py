@@ -21,6 +21,7 @@ from pounding_cli.laws.isolation import Bearings as Bearings
 from pounding_cli.laws.isolation import FrictionPendulum as FrictionPendulum
 from pounding_cli.laws.isolation import Rubber as Rubber
 from pounding_cli.report import report as report
+from pounding_cli.report.table import interval as interval
 from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
