@@ -207,14 +207,17 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
         """What `value` says at every combination of the values of the axes that touch a section of the study."""
         touched = [k for k, mine in enumerate(study.touching(section)) if mine]
         each = [value(at) for at in points(plan, section)]
+        arrays = {name: np.array([one[name] for one in each]) for name in dims}
         sizes = [len(plan.axes[k].values) for k in touched]
-        return {
-            name: _variable(
-                (*(axes[k] for k in touched), *own),
-                np.array([one[name] for one in each]).reshape((*sizes, *np.shape(each[0][name]))),
-            )
+        found = {
+            name: _variable((*(axes[k] for k in touched), *own), arrays[name].reshape(*sizes, *arrays[name].shape[1:]))
             for name, own in dims.items()
         }
+        for axis in (axes[k] for k in touched):  # without those that change nothing after all
+            first = {name: v.isel({axis: 0}) for name, v in found.items()}
+            if all(first[name].set_dims(v.sizes).transpose(*v.dims).equals(v) for name, v in found.items()):
+                found = first
+        return found
 
     def group(point: Any) -> dict[str, Any]:
         row = [study.building(point, place) for place in range(len(plan.buildings))]
