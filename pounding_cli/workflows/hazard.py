@@ -14,9 +14,17 @@ Emergency Management Agency steel moment frame guidelines. Journal of Structural
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from scipy.special import log_ndtr, ndtr
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.records.hazard import intensity_factor, measure_of, read_hazard
+from pounding_cli.study.file import Problems
+from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
+from pounding_cli.study.study import Study
+from pounding_cli.units import measure as unit_of
 
 YEARS = 50.0
 """Years of the probability that is told beside a rate."""
@@ -108,3 +116,57 @@ def _difference(u1: np.ndarray, u2: np.ndarray, size: np.ndarray) -> np.ndarray:
 def probability(rate: float, years: float = YEARS) -> float:
     """Probability [-] that what comes at an annual rate [1/year] comes within so many years (Poisson process)."""
     return float(-np.expm1(-rate * years))
+
+
+SI = {"pga": "m/s2", "sa": "m/s2", "pgv": "m/s", "factor": ""}
+"""Unit of every intensity measure."""
+
+
+def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
+    """The hazard curve that a section of a study gives; None without one.
+
+    Raises
+    ------
+    InputError : no hazard curve, or one of another intensity measure
+    """
+    spec, si = getattr(study.model, section).hazard, SI[measure.name]
+    if spec is None:
+        return None
+    problems, path = Problems(study.file), (section, "hazard")
+    try:
+        if isinstance(spec, PowerHazard):
+            one = intensity_factor(spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(si), si, "")
+            return Hazard.power_law(spec.k0 * one**spec.k, spec.k)
+        if isinstance(spec, HazardFile):
+            return Hazard.table(*_from_file(study.path.parent / spec.file, spec.unit, si, measure))
+        for level in spec:
+            if level.dimension != unit_of(si or "%")[1]:
+                what = f"'{level.text}' is no intensity of {measure}"
+                problems.at(study.root, path, what, f"write e.g. {'0.1 g' if si == 'm/s2' else si or '1.5'}")
+        points = sorted((level.value, rate) for level, rate in spec.items())
+        intensity, rate = np.array(points).T
+        if not problems.found and (
+            len(points) < 2 or intensity[0] <= 0 or (np.diff(intensity) <= 0).any() or (np.diff(rate) >= 0).any()
+        ):
+            hint = "give at least two intensities above 0, each once, with rates that fall as they rise"
+            problems.at(study.root, path, "this is not a hazard curve", hint)
+        problems.check()
+        return Hazard.table(intensity, rate)
+    except InputError as error:
+        for problem in error.problems:
+            if not problem.file:
+                problems.at(study.root, path, problem.message, problem.hint)
+        if problems.found:
+            problems.check()
+        raise
+
+
+def _from_file(path: Path, unit: str | None, si: str, measure: Measure) -> tuple[np.ndarray, np.ndarray]:
+    """The points of a file, unless it says that they are those of another measure."""
+    points = read_hazard(path, unit, si)
+    named = measure_of(path)
+    mine = f"SA({measure.period:g})" if measure.name == "sa" and measure.period else measure.name.upper()
+    if named and named != mine and not (mine == "SA" and named.startswith("SA")):
+        hint = f"write `intensity: {named.lower()}`, or take the curve of {measure}"
+        raise InputError(Problem(f"the hazard is that of {named}, the intensity is {measure}", hint, str(path)))
+    return points
