@@ -22,6 +22,7 @@ from pounding_cli.laws.isolation import FrictionPendulum as FrictionPendulum
 from pounding_cli.laws.isolation import Rubber as Rubber
 from pounding_cli.records.hazard import read_hazard as read_hazard
 from pounding_cli.report import report as report
+from pounding_cli.report.table import interval as interval
 from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver

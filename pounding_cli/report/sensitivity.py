@@ -20,8 +20,7 @@ from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, key_words, name_axis, new_figure, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
 from pounding_cli.results.tables import Table
-from pounding_cli.workflows.indices import FOUND
-from pounding_cli.workflows.sensitivity import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
+from pounding_cli.workflows.sensitivity import FOUND, INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results

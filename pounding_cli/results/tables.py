@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from pounding_cli.numbers import Unit
 from pounding_cli.variables import COORDINATES, VARIABLES
@@ -14,7 +12,6 @@ from pounding_cli.variables import COORDINATES, VARIABLES
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pounding_cli.study.plan import Axis
 
 TABLES = ("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "summary", "records", "buildings")
 """The tables of `Results`."""
@@ -52,29 +49,6 @@ class Column:
         return self.unit.label(self.label)
 
 
-class Filled(NamedTuple):
-    """A column of a table that is being made: its name, and numbers in SI units or texts, shape (rows,)."""
-
-    name: str
-    data: np.ndarray
-    column: Column
-
-
-def column(name: str, data: np.ndarray, text: str, si: str = "", shown: Unit | None = None) -> Filled:
-    """A column of a table.
-
-    Parameters
-    ----------
-    name : of the column
-    data : numbers in SI units, or texts; shape (rows,)
-    text : what it means
-    si : SI unit, "1" for a pure number, "" for a text
-    shown : unit that people read it in; SI unless given
-    """
-    shown = Unit("" if si == "1" else si) if shown is None else shown
-    return Filled(name, data, Column(text, replace(shown, si=si), name))
-
-
 @dataclass(frozen=True, eq=False)
 class Table:
     """A table.
@@ -89,32 +63,6 @@ class Table:
     frame: pd.DataFrame
     columns: Mapping[str, Column] = field(default_factory=dict)
     caption: str = ""
-
-    @classmethod
-    def of(cls, name: str, columns: Sequence[Filled]) -> Table:
-        """A table of columns of one length."""
-        import pandas as pd
-
-        frame = pd.DataFrame({each.name: each.data for each in columns})
-        return cls(name, frame, {each.name: each.column for each in columns}, name.replace("_", " ").capitalize())
-
-
-def place_columns(axes: Sequence[Axis], places: Sequence[tuple[int, ...]]) -> list[Filled]:
-    """The columns that say at which point of the sweep a row stands, one for each swept key.
-
-    axes : of the sweep
-    places : of every row its index on every axis
-    """
-    columns = []
-    for number, axis in enumerate(axes):
-        points = axis.values
-        for key, name in enumerate(axis.names):
-            values = [points[place[number]][key] for place in places]
-            is_text = any(isinstance(value, str) for value in values)
-            found = np.array([str(v) for v in values], dtype=object) if is_text else np.array(values, float)
-            unit = axis.unit(key)
-            columns.append(column(name, found, f"swept: {name}", "" if is_text else unit.si, unit))
-    return columns
 
 
 _OTHERS = {
