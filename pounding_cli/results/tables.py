@@ -18,7 +18,7 @@ TABLES = ("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "
 
 ANSWERS: dict[str, tuple[str, ...]] = {
     "gap": ("gap", "gap_cases", "property_line"),
-    "fragility": ("fragility", "fragility_motions"),
+    "fragility": ("fragility", "fragility_motions", "fragility_rates", "fragility_contributions"),
     "sensitivity": (
         "sensitivity",
         "sensitivity_outputs",

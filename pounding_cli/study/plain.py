@@ -26,7 +26,7 @@ def shown(value: Any) -> Any:
         # What one law alone takes is left out where it stands at its default.
         return {key: each for key, each in found.items() if each is not None} if isinstance(value, Case) else found
     if isinstance(value, dict):
-        return {str(shown(key)): shown(item) for key, item in value.items()}
+        return {str(key): shown(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [shown(item) for item in value]
     return value

@@ -13,7 +13,7 @@ from pounding_cli.model.separation import GB_SHARE, GB_STEP
 from pounding_cli.study.base import Model, Wrong, key, one_or_many
 from pounding_cli.study.expression import Limit, read_limit
 from pounding_cli.study.file import nearest
-from pounding_cli.study.quantity import TIME, Measured, Quantity, Text, Whole, measured, refuse, written_unit
+from pounding_cli.study.quantity import TIME, Quantity, Text, Whole, refuse, written_unit
 
 ALL = "all"
 """Every claim about the figure of the study."""
@@ -79,11 +79,10 @@ def _hazard_kind(value: Any) -> str:
     )
 
 
-_LEVEL = Annotated[Measured, Text(measured, "intensity", ("0.1 g",))]
 Hazards = Annotated[
     Annotated[PowerHazard, Tag("(power)")]
     | Annotated[HazardFile, BeforeValidator(lambda v: {"file": v} if isinstance(v, str) else v), Tag("(file)")]
-    | Annotated[dict[_LEVEL, Annotated[float, RATE]], Field(max_length=1000), Tag("(table)")],
+    | Annotated[dict[str, Annotated[float, RATE]], Field(max_length=1000), Tag("(table)")],
     Discriminator(_hazard_kind),
 ]
 """How often an intensity is exceeded a year: a table {0.1 g: 0.02, 0.4 g: 1/475}, a power law, or a file."""

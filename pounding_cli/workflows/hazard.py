@@ -17,14 +17,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from pydantic_core import PydanticCustomError
 from scipy.special import log_ndtr, ndtr
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.hazard import intensity_factor, measure_of, read_hazard
 from pounding_cli.study.file import Problems
+from pounding_cli.study.quantity import ACCELERATION, Quantity
 from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
 from pounding_cli.study.study import Study
-from pounding_cli.units import measure as unit_of
 
 YEARS = 50.0
 """Years of the probability that is told beside a rate."""
@@ -81,11 +82,15 @@ class Hazard:
         rates = _piece(cuts[:-1], cuts[1:], self.k0[piece], self.k[piece], intercept[part], slope[part])
         return np.bincount(part, rates, edges.size - 1)
 
+    def of_share(self, share: float) -> float:
+        """Annual rate of what comes with one probability [-] at all intensities [1/year]."""
+        return share * float(self.rate(np.zeros(1))[0]) if share > 0 else 0.0
+
     def of_lognormal(self, median: float, spread: float) -> float:
         """Annual rate at which a limit with a lognormal fragility curve is passed [1/year]; with a spread of 0 that at
         which the median is exceeded."""
-        if not spread > 0:
-            return float(self.rate(np.array(median)))
+        if not spread > 0 or median in (0.0, np.inf):
+            return 0.0 if median == np.inf else float(self.rate(np.array(median)))
         slope = np.array([1.0 / spread])
         whole = np.array([self.edges[0], np.inf])
         return float(self.contributions(whole, -slope * np.log(median), slope).sum())
@@ -118,8 +123,10 @@ def probability(rate: float, years: float = YEARS) -> float:
     return float(-np.expm1(-rate * years))
 
 
-SI = {"pga": "m/s2", "sa": "m/s2", "pgv": "m/s", "factor": ""}
-"""Unit of every intensity measure."""
+_VELOCITY = Quantity("velocity", "m/s", "20 cm/s", 0.0, open_low=True)
+_FACTOR = Quantity("scale factor", "", "1.5", 0.0, open_low=True)
+INTENSITIES = {"pga": ACCELERATION, "sa": ACCELERATION, "pgv": _VELOCITY, "factor": _FACTOR}
+"""How every intensity measure is written."""
 
 
 def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
@@ -129,7 +136,7 @@ def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
     ------
     InputError : no hazard curve, or one of another intensity measure
     """
-    spec, si = getattr(study.model, section).hazard, SI[measure.name]
+    spec, si = getattr(study.model, section).hazard, INTENSITIES[measure.name].si
     if spec is None:
         return None
     problems, path = Problems(study.file), (section, "hazard")
@@ -139,16 +146,18 @@ def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
             return Hazard.power_law(spec.k0 * one**spec.k, spec.k)
         if isinstance(spec, HazardFile):
             return Hazard.table(*_from_file(study.path.parent / spec.file, spec.unit, si, measure))
-        for level in spec:
-            if level.dimension != unit_of(si or "%")[1]:
-                what = f"'{level.text}' is no intensity of {measure}"
-                problems.at(study.root, path, what, f"write e.g. {'0.1 g' if si == 'm/s2' else si or '1.5'}")
-        points = sorted((level.value, rate) for level, rate in spec.items())
+        points = []
+        for level, rate in spec.items():
+            try:
+                points.append((INTENSITIES[measure.name].read(level), rate))
+            except PydanticCustomError as refused:
+                told = refused.context or {}
+                problems.at(study.root, (*path, level), f"{level}: {told['message']}", told["hint"], key=True)
+        problems.check()
+        points.sort()
         intensity, rate = np.array(points).T
-        if not problems.found and (
-            len(points) < 2 or intensity[0] <= 0 or (np.diff(intensity) <= 0).any() or (np.diff(rate) >= 0).any()
-        ):
-            hint = "give at least two intensities above 0, each once, with rates that fall as they rise"
+        if len(points) < 2 or (np.diff(intensity) <= 0).any() or (np.diff(rate) >= 0).any():
+            hint = "give at least two intensities, each once, with rates that fall as they rise"
             problems.at(study.root, path, "this is not a hazard curve", hint)
         problems.check()
         return Hazard.table(intensity, rate)
