@@ -12,6 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding_cli.model.links import BASE
 from pounding_cli.model.separation import ASCE7, EN1998
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
@@ -127,7 +128,7 @@ def _floors(row: Mapping[Any, Any]) -> str:
     """Which floors of both buildings face each other, in words."""
     one, other, side = row["floor"], row["right_floor"], row["columns"]
     if not side:
-        return f"floor {one}" if one == other else f"floors {one} and {other}"
+        return f"floor {one}" if one == other > 0 else BASE if one == other else f"floors {one} and {other}"
     slab, storey = (other, one) if side == "left" else (one, other)
     return f"floor {slab} beside columns of {row[side]} in storey {storey}"
 
