@@ -385,23 +385,19 @@ def _rate(
     """Annual rates of a limit with pounding and alone, their ratio, and their intervals over the same draws; NaN where
     there is no curve."""
     found, draws = dict[str, float](), list[np.ndarray]()
+    names = ("rate", "rate_low", "rate_high", "probability", "beyond")
     for suffix, each in (("", linked), (ALONE, alone)):
         row, fits = each or ({}, None)
         if fits is None or "median" not in row:
-            names = ("rate", "rate_low", "rate_high", "probability", "beyond")
             found |= dict.fromkeys([name + suffix for name in names], np.nan)
             continue
-        rate = hazard.of_lognormal(row["median"], row["spread"])
-        draws.append(np.array([
-            hazard.of_share(share) if spread == np.inf else hazard.of_lognormal(median, spread)
-            for median, spread, share in zip(fits.median, fits.spread, fits.share, strict=True)
-        ]))  # fmt: skip
+        rate = float(hazard.of_lognormal(row["median"], row["spread"]))
+        beyond = float(hazard.of_lognormal(row["median"], row["spread"], above=hazard.last)) if rate > 0 else 0.0
+        at_all = np.where(fits.share > 0, fits.share * hazard.rate(np.zeros(1)), 0.0)  # of draws without a trend
+        draws.append(np.where(np.isinf(fits.spread), at_all, hazard.of_lognormal(fits.median, fits.spread)))
         low, high = interval(draws[-1], confidence)
-        ends, slope = np.array([hazard.last, np.inf]), np.array([1 / row["spread"]])
-        above = hazard.contributions(ends, -slope * np.log(row["median"]), slope) if hazard.last < np.inf else [0.0]
-        numbers = (rate, low, high, probability(rate), float(above[0]) / rate if rate > 0 else 0.0)
-        found |= {name + suffix: float(value) for name, value in zip(
-            ("rate", "rate_low", "rate_high", "probability", "beyond"), numbers, strict=True)}  # fmt: skip
+        numbers = rate, low, high, probability(rate), beyond / rate if rate > 0 else 0.0
+        found |= {name + suffix: float(value) for name, value in zip(names, numbers, strict=True)}
     if len(draws) == 2 and found["rate" + ALONE] > 0:
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = draws[0] / draws[1]

@@ -30,6 +30,8 @@ from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.file import Map
 from pounding_cli.study.study import Point
+from pounding_cli.workflows.gap_rate import intensity_of, of_rate
+from pounding_cli.workflows.hazard import hazard_of
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
@@ -106,9 +108,15 @@ class Gap(Workflow):
 
     name = "gap"
 
+    def check(self, study: Study) -> None:
+        """A rate of contact takes an intensity and its hazard curve."""
+        if study.model.gap.rate is not None:
+            hazard_of(study, "gap", intensity_of(study)[1])
+
     def plan(self, study: Study) -> Plan:
         """The scenes whose closings are the required separations: every motion and analysis, with nothing between the
         buildings; swept keys of links are left out, those of buildings and motions stay."""
+        self.check(study)
         apart = _with_nothing_between(study)
         return dataclasses.replace(expand(apart, partial(_all_facing, apart)), workflow="gap")
 
@@ -124,6 +132,11 @@ class Gap(Workflow):
             _of_cases(plan, places, separations, rules),
             _of_lines(plan, data),
         ]
+        if study.model.gap.rate is not None:
+            exact = separations[separations["rule"] == 0].join(places["number"], on="row")
+            keys = ["point", "analysis", "number", "motion"]
+            worst = exact.groupby(keys)["value"].agg(lambda each: each.max(skipna=False)).reset_index()
+            tables.append(of_rate(plan, worst, CONFIDENCE))
         return Found(plan, data, tables)
 
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic_core import PydanticCustomError
 from scipy.special import log_ndtr, ndtr
 
@@ -68,32 +69,30 @@ class Hazard:
             return self.k0[piece] * x ** -self.k[piece]
 
     def contributions(self, edges: np.ndarray, intercept: np.ndarray, slope: np.ndarray) -> np.ndarray:
-        """Annual rate of a limit by intensity [1/year], shape (m,).
+        """Annual rates of limits by intensity [1/year], shape (..., m).
 
         edges : intensities, rising, shape (m + 1,)
-        intercept, slope : c and b of the probability Phi(c + b ln x) between them, shape (m,)
+        intercept, slope : c and b of the probability Phi(c + b ln x) between them, shape (..., m)
         """
-        cuts = np.unique(np.clip(np.concatenate([edges, self.edges]), edges[0], edges[-1]))
-        cuts = cuts[cuts >= self.edges[0]]
+        cuts = np.unique(np.clip(np.concatenate([edges, self.edges]), max(edges[0], self.edges[0]), edges[-1]))
         if cuts.size < 2:
-            return np.zeros(edges.size - 1)
+            return np.zeros(intercept.shape)
         part = np.clip(np.searchsorted(edges, cuts[:-1], side="right") - 1, 0, edges.size - 2)
         piece = np.clip(np.searchsorted(self.edges, cuts[:-1], side="right") - 1, 0, self.k.size - 1)
-        rates = _piece(cuts[:-1], cuts[1:], self.k0[piece], self.k[piece], intercept[part], slope[part])
-        return np.bincount(part, rates, edges.size - 1)
+        rates = _piece(cuts[:-1], cuts[1:], self.k0[piece], self.k[piece], intercept[..., part], slope[..., part])
+        return np.stack([rates[..., part == each].sum(axis=-1) for each in range(edges.size - 1)], axis=-1)
 
-    def of_share(self, share: float) -> float:
-        """Annual rate of what comes with one probability [-] at all intensities [1/year]."""
-        return share * float(self.rate(np.zeros(1))[0]) if share > 0 else 0.0
-
-    def of_lognormal(self, median: float, spread: float) -> float:
-        """Annual rate at which a limit with a lognormal fragility curve is passed [1/year]; with a spread of 0 that at
-        which the median is exceeded."""
-        if not spread > 0 or median in (0.0, np.inf):
-            return 0.0 if median == np.inf else float(self.rate(np.array(median)))
-        slope = np.array([1.0 / spread])
-        whole = np.array([self.edges[0], np.inf])
-        return float(self.contributions(whole, -slope * np.log(median), slope).sum())
+    def of_lognormal(self, median: ArrayLike, spread: ArrayLike, above: float = 0.0) -> np.ndarray:
+        """Annual rates of limits with lognormal fragility curves, from intensities above one [1/year]; with a spread of
+        0 that at which the median is exceeded, and none where the median is inf."""
+        median, spread = np.broadcast_arrays(np.asarray(median, float), np.asarray(spread, float))
+        is_curve = (spread > 0) & (median > 0) & (median < np.inf)
+        slope = 1.0 / np.where(is_curve, spread, 1.0)
+        intercept = -slope * np.log(np.where(is_curve, median, 1.0))
+        whole = np.array([above, np.inf])
+        rates = self.contributions(whole, intercept[..., None], slope[..., None])[..., 0]
+        at_median = self.rate(np.maximum(np.where(np.isfinite(median), median, 1.0), above))
+        return np.where(is_curve, rates, np.where(median == np.inf, 0.0, at_median))
 
 
 def _piece(

@@ -19,7 +19,7 @@ X, Y = np.array([0.05, 0.1, 0.2, 0.4, 0.8]), np.array([2e-2, 7e-3, 2e-3, 3e-4, 2
 
 def test_a_power_law_has_a_closed_form() -> None:
     """lambda = k0 theta^-k exp(k^2 beta^2 / 2) (Cornell et al. 2002)."""
-    rate = Hazard.power_law(1e-4, 2.5).of_lognormal(0.4, 0.5)
+    rate = float(Hazard.power_law(1e-4, 2.5).of_lognormal(0.4, 0.5))
     assert rate == pytest.approx(1e-4 * 0.4**-2.5 * math.exp(2.5**2 * 0.5**2 / 2), rel=1e-12)
     assert rate == pytest.approx(2.15845e-3, rel=2e-6)
     assert probability(rate) == pytest.approx(0.10230, abs=5e-6)
