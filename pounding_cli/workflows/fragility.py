@@ -414,7 +414,7 @@ def _contributions(hazard: Hazard, curves: pd.DataFrame) -> pd.DataFrame:
     names = ["place", "from", "to", "rate", "rate" + ALONE]
     if not medians.size:
         return pd.DataFrame(columns=names)
-    ends = (medians * np.exp(-4 * spreads)).min(), (medians * np.exp(3 * spreads)).max()
+    ends = (medians * np.exp(-4 * spreads)).min(), 2.5 * (medians * np.exp(3 * spreads)).max()
     edges = np.geomspace(max(ends[0], hazard.edges[0]), max(ends[1], 2 * hazard.edges[0]), STRIPS + 1)
     parts = []
     for place, row in enumerate(curves.to_dict("records")):
