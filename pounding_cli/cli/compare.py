@@ -34,8 +34,8 @@ def command(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
       pound compare results/old.h5 results/new.h5
       pound compare before.h5 after.h5 --numbers && echo "no number moved"
     """
+    from pounding_cli.api.studies import open_results
     from pounding_cli.results.compare import compare
-    from pounding_cli.results.results import open_results
 
     found = compare(open_results(first), open_results(second))
     for line in _told(found, everything):
@@ -74,11 +74,11 @@ def _study(found: Comparison) -> str:
 
 def _numbers(found: Comparison, everything: bool) -> list[str]:
     """Every changed number, or of each column how many and the worst."""
-    from pounding_cli.results.columns import meaning
+    from pounding_cli.results.tables import column_of
 
     said = []
     for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
-        unit = meaning(str(table), str(column))[0].replace("1", "").rstrip()
+        unit = column_of(str(column), str(table)).unit.name
         head = f"  {table} {column}: {len(rows)} differ" if not everything else f"  {table} {column}:"
         said.append(head + ("" if everything else ", most:"))
         for row in rows.itertuples() if everything else rows.head(1).itertuples():

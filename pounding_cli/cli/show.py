@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from pounding_cli.cli.places import key_and_value, meant
-from pounding_cli.numbers import Unit, counted, listed
-from pounding_cli.results.columns import ANSWERS
+from pounding_cli.numbers import counted, listed
+from pounding_cli.results.tables import ANSWERS
 from pounding_cli.texts import cells
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def command(
       pound show results/fig6.h5 accuracy --record elcentro
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
-    from pounding_cli.results.results import open_results
+    from pounding_cli.api.studies import open_results
 
     results = open_results(file)
     table = table or (results.answers[0] if results.answers else "summary")
@@ -130,7 +130,7 @@ def _filtered(results: Results, frame: pd.DataFrame, wanted: list[Where], table:
             hint = f"leave the option out, or write one of: {listed(map(str, frame.columns))}"
             problems.append(Problem(message, hint))
             continue
-        unit = _unit(results, table, key)
+        unit = results.column(table, key).unit
         there = list(dict.fromkeys(frame[key]))
         values = meant(results.axes.get(key, there), each.value, unit)
         chosen.setdefault(key, []).extend(values)
@@ -156,13 +156,6 @@ def _column(results: Results, frame: pd.DataFrame, given: str) -> str:
     return given if given in frame.columns or len(swept) != 1 else swept[0]
 
 
-def _unit(results: Results, table: str, key: str) -> Unit:
-    """The unit in which a column is shown."""
-    shown = results.units | (results.answer(table).units if table in results.answers else {})
-    si = results.meaning(table, key)[0] if key not in shown else ""
-    return shown.get(key) or (Unit() if si in ("", "1") else Unit(si, 1.0, si))
-
-
 def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
     """Cells of several sentences on one line each, so that one row is one line."""
     changed = {name: frame[name].str.replace("\n", "; ") for name in (*_SENTENCES, "advice") if name in frame.columns}
@@ -183,11 +176,9 @@ def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
 
     if frame.empty:
         return "no rows"
-    shown = results.units | (results.answer(table).units if table in results.answers else {})
-    for key, unit in shown.items():
-        if key in frame.columns and pd.api.types.is_numeric_dtype(frame[key]):
-            frame = frame.assign(**{key: [unit.number(value) for value in frame[key]]})
-    units = {str(name): results.meaning(table, str(name))[0] for name in frame}
-    units |= {key: unit.name for key, unit in shown.items()}
-    headings = {name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")}
+    units = {name: results.column(table, name).unit for name in map(str, frame)}
+    for name, unit in units.items():
+        if unit.factor != 1 and pd.api.types.is_numeric_dtype(frame[name]):
+            frame = frame.assign(**{name: [unit.number(value) for value in frame[name]]})
+    headings = {name: unit.label(name) for name, unit in units.items()}
     return frame.rename(columns=headings).to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")

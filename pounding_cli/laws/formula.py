@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pounding_cli.laws import pounding
+from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw
 
 LONGEST = 500
@@ -314,7 +315,7 @@ class WrittenLaw(LinkLaw):
 
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """Parameters of `laws.pounding`: of a straight force its line."""
-        force = self.force(left_mass * right_mass / (left_mass + right_mass))
+        force = self.force(reduced_mass(left_mass, right_mass))
         k = c = f0 = 0.0
         if force.is_straight:
             f0 = float(force.at(0.0, 0.0))

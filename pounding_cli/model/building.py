@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from pounding_cli.laws.bilinear import Bilinear
+from pounding_cli.laws.isolation import Rubber
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.numbers import counted
@@ -145,6 +146,14 @@ class Building:
         """Floor elevations above the base [m], shape (n,)."""
         return np.cumsum(self.height)
 
+    def level(self, floor: int) -> float:
+        """Elevation of a floor above the base [m]; floor 0 is the base."""
+        return float(self.elevation[floor - 1]) if floor else 0.0
+
+    def has_floor(self, floor: int) -> bool:
+        """Whether a link may end there: at a floor, or at a base that moves (0)."""
+        return 1 <= floor <= self.storeys or (floor == 0 and self.foundation is not None and self.foundation.sways)
+
     @cached_property
     def yield_drift(self) -> np.ndarray:
         """Storey drift at first yield [m], shape (n,)."""
@@ -178,11 +187,24 @@ class Building:
 
     @cached_property
     def isolators(self) -> Bilinear | None:
-        """What the isolators do under its weight; None where it has none."""
+        """What the isolators do under its weight; None where it has none, or linear ones."""
         base = self.foundation
-        if base is None or base.isolation is None:
-            return None
-        return base.isolation.bilinear(GRAVITY * (base.mass + float(self.mass.sum())))
+        return None if base is None or base.isolation is None else base.isolation.bilinear(self.weight)
+
+    @property
+    def base_spring(self) -> tuple[float, float]:
+        """Stiffness [N/m] and dashpot [N s/m] below a base that sways, where they are linear."""
+        base = self.foundation
+        assert base is not None
+        if isinstance(base.isolation, Rubber):
+            return base.isolation.stiffness, base.isolation.dashpot(self.weight) + base.sway_damping
+        return base.sway_stiffness, base.sway_damping
+
+    @property
+    def weight(self) -> float:
+        """Of floors and of a base that sways [N]."""
+        base = self.foundation.mass if self.foundation is not None and self.foundation.sways else 0.0
+        return GRAVITY * (base + float(self.mass.sum()))
 
     @property
     def base_shear_ratio(self) -> float:

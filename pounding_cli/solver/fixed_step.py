@@ -33,6 +33,9 @@ SHORTEST = 1.0 / 1024.0
 FIXED = ("central-difference", "newmark")
 """The methods of this file: `march` calls each by its place here."""
 
+HEAVY = 1e200
+"""Mass of what does not move [kg]."""
+
 NEAR = 1e-7
 """Part of a rate and of a deformation by which slopes of a force are taken."""
 
@@ -167,7 +170,7 @@ def _matrix(dofs, elements, terms, r, room, h, rows, weights):
     n = r.n
     rows[:, :] = 0.0
     for i in range(n):
-        rows[i, i] = dofs[i].mass * (1.0 + 0.5 * h * dofs[i].drag)
+        rows[i, i] = dofs[i].mass * (1.0 + 0.5 * h * dofs[i].drag) if dofs[i].inv_mass > 0.0 else HEAVY
     for e in range(r.m):
         el = elements[e]
         if not (el.closed and el.acts):
@@ -214,7 +217,7 @@ def _newmark(dofs, elements, terms, r, room, kept, rows, weights, x, h, ground):
         for i in range(n):
             d = dofs[i]
             inertia = d.mass * (d.a1 - d.loaded * ground)
-            x[i] = -(inertia + d.push)
+            x[i] = -(inertia + d.push) if d.inv_mass > 0.0 else 0.0
             left, most = max(left, abs(x[i])), max(most, max(abs(inertia), abs(d.push)))
         if left <= CONVERGED * most:
             return True
@@ -287,9 +290,9 @@ def modes_at_stiffest(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
             c[place] = max(c[place], layout.elements["p"][place, 1] if link.law.joins else 0.0)
     stiffness, damping = rows.T @ (k[:, None] * rows), rows.T @ (c[:, None] * rows)
     damping[np.diag_indices(n)] += layout.dofs["drag"] * mass
-    root = np.sqrt(mass)
-    squares, shapes = np.linalg.eigh(stiffness / np.outer(root, root))
-    shapes /= root[:, None]
+    inverse = np.sqrt(layout.dofs["inv_mass"])
+    squares, shapes = np.linalg.eigh(stiffness * np.outer(inverse, inverse))
+    shapes *= inverse[:, None]
     omega = np.sqrt(np.maximum(squares, 0.0))
     moving = omega > 1e-9
     ratio = np.einsum("ij,ik,kj->j", shapes, damping, shapes)[moving] / (2 * omega[moving])
