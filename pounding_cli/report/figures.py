@@ -112,13 +112,14 @@ def link_forces(evidence: Evidence) -> Figure:
 def by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
     """A variable of the links over pair and floor: of several links between the same floors the largest."""
     values, floors = data[name], data["link_floor"].values.tolist()
+    levels = sorted(set(floors))  # 0 is a base
     pairs = [f"{one} | {other}" for one, other in zip(data["link_left"].values, data["link_right"].values, strict=True)]
     places = list(dict.fromkeys(pairs))
-    found = np.full((*values.shape[:-1], len(places), max(floors)), np.nan)
+    found = np.full((*values.shape[:-1], len(places), len(levels)), np.nan)
     for number, (pair, floor) in enumerate(zip(pairs, floors, strict=True)):
-        at = (..., places.index(pair), floor - 1)
+        at = (..., places.index(pair), levels.index(floor))
         found[at] = np.fmax(found[at], values.values[..., number])
-    coords = {dim: data[dim] for dim in values.dims[:-1]} | {"pair": places, "floor": range(1, max(floors) + 1)}
+    coords = {dim: data[dim] for dim in values.dims[:-1]} | {"pair": places, "floor": levels}
     return xr.DataArray(found, coords, (*values.dims[:-1], "pair", "floor"))
 
 
@@ -197,10 +198,10 @@ def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray, title: str, label
         ax.set_xscale("log")
         plain_log(ax.xaxis)
     there = values[level].values[np.isfinite(values.values).any(axis=(0, 1))]
-    top = int(there.max()) if len(there) else 1
+    low, top = (min(1, int(there.min())), int(there.max())) if len(there) else (1, 1)  # a base is floor 0
     ax.set_title(title, loc="left")
-    ticks = range(1, top + 1) if top <= 12 else range(5, top + 1, 5)
-    ax.set(xlabel=label, ylabel=level, yticks=list(ticks), ylim=(0.6, top + 0.4))
+    ticks = range(low, top + 1) if top <= 12 else range(5, top + 1, 5)
+    ax.set(xlabel=label, ylabel=level, yticks=list(ticks), ylim=(low - 0.4, top + 0.4))
     ax.tick_params(length=3)
 
 

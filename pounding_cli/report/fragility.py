@@ -18,6 +18,7 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.rates import rate_table
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import Look, caption, entitle, looks, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
@@ -78,17 +79,18 @@ def fragility_report(results: Results) -> Report:
         text = " ".join(_sentence(asked, row) for row in here.to_dict("records"))
         draw = partial(draw_curves, asked, here, shown.here(motions), shown)
         pictures.append(Picture(f"fragility-{analysis}", f"Fragility, {analysis} storeys", text, draw))
+    rates, of_rates, notes = rate_table(results, shown)
+    tables = [_medians(results, asked, answer.frame), *rates]
     said = [f"Intensity: {asked.measure}.", *(_sentence(asked, row) for row in rows.to_dict("records"))]
 
     def more() -> list[Section]:
-        *others, tables, study = background(results, shown, results.scene(), TABLES)
+        *others, kept, study = background(results, shown, results.scene(), TABLES)
         points = Table("fragility_curves", curve_points(answer, asked, motions), caption="Points of the curves")
-        tables = Section(tables.title, tables.sentences, [*tables.tables, points], folded=True)
-        return [*others, tables, study]
+        return [*others, Section(kept.title, kept.sentences, [*kept.tables, points], folded=True), study]
 
     return Report(
         **frame_of(results, shown, results.scene()),
-        answer=Section("", said, [_medians(results, asked, answer.frame)], pictures, _notes(asked, answer.frame)),
+        answer=Section("", said, tables, pictures + of_rates, _notes(asked, answer.frame) + notes),
         more=more,
     )
 

@@ -12,11 +12,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding_cli.model.links import BASE
 from pounding_cli.model.separation import ASCE7, EN1998
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.rates import gap_for_rate
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, name_axis, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits
@@ -68,6 +70,8 @@ def gap_report(results: Results) -> Report:
     lines = _widest(line.frame, [*keys, "building", "side"], ["floor"])
     heading = "Distance to a property line, at the floors that move most"
     tables.append(_widths(heading, lines, line, [*keys, "building", "side", "floor"], "reached"))
+    of_rate, rate_notes = gap_for_rate(results)
+    tables[:0] = of_rate
     said = [*_sentences(answer, shown.here(pairs)), *_case_sentences(cases, shown.here(cases.frame))]
     pictures = []
     if len(frame):
@@ -79,7 +83,7 @@ def gap_report(results: Results) -> Report:
             pictures.append(Picture("required-gap-sweep", "Required gap over the sweep", text, draw))
     return Report(
         **frame_of(results, shown, results.scene()),
-        answer=Section("", said, tables, pictures, _notes(results, answer, cases.frame)),
+        answer=Section("", said, tables, pictures, rate_notes + _notes(results, answer, cases.frame)),
         more=partial(background, results, shown, results.scene(), TABLES),
     )
 
@@ -100,7 +104,7 @@ def _floors(row: Mapping[Any, Any]) -> str:
     """Which floors of both buildings face each other, in words."""
     one, other, side = row["floor"], row["right_floor"], row["columns"]
     if not side:
-        return f"floor {one}" if one == other else f"floors {one} and {other}"
+        return f"floor {one}" if one == other > 0 else BASE if one == other else f"floors {one} and {other}"
     slab, storey = (other, one) if side == "left" else (one, other)
     return f"floor {slab} beside columns of {row[side]} in storey {storey}"
 

@@ -139,7 +139,7 @@ function drawStage(canvas, scene, at, time, glow, ink) {
   pressing.forEach((each, number) => {
     if (!(each > 0.01)) return;
     const { left, right, y } = faces[number], link = scene.links[number], middle = (left + right) / 2; // a star as large and bright as the force
-    const size = Math.min(5 + 22 * Math.sqrt(each), Math.max(scene.buildings[link.left].heights[link.floor - 1] * at.up * 0.45, 6));
+    const size = Math.min(5 + 22 * Math.sqrt(each), Math.max(scene.buildings[link.left].heights[Math.max(link.floor - 1, 0)] * at.up * 0.45, 6));
     pen.globalAlpha = Math.min(1, 0.3 + each);
     area(pen, ink.flash, Array.from({ length: 16 }, (_, ray) => [ray % 2 ? size * 0.42 : size, (ray * Math.PI) / 8]).map(([far, angle]) => [middle + far * Math.cos(angle), y + far * Math.sin(angle)]));
     pen.globalAlpha = 1;
