@@ -27,7 +27,7 @@ from pounding_cli.report.figures import framed, plain_log
 from pounding_cli.report.style import Look, caption, key_words, looks, name_axis, styled
 from pounding_cli.report.table import column_of, digits
 from pounding_cli.results.flags import parted
-from pounding_cli.solver.flags import is_meaningless
+from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.variables import OF_COLUMNS, RESPONSES
 
 if TYPE_CHECKING:
