@@ -18,6 +18,7 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.rates import rate_table
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import Look, caption, entitle, looks, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, from_rows
@@ -53,6 +54,8 @@ def fragility_report(results: Results) -> Report:
         pictures.append(Picture(f"fragility-{analysis}", f"Fragility, {analysis} storeys", text, draw))
     said = [f"Intensity: {asked.measure}.", *(_sentence(answer, row) for row in rows.to_dict("records"))]
 
+    rates, of_rates, notes = rate_table(results, shown)
+
     def more() -> list[Section]:
         *others, tables, study = background(results, shown, results.scene(), TABLES)
         points = Table("fragility_curves", curve_points(answer, asked, everywhere), caption="Points of the curves")
@@ -61,7 +64,9 @@ def fragility_report(results: Results) -> Report:
 
     return Report(
         **frame_of(results, shown, results.scene()),
-        answer=Section("", said, [_medians(results, answer)], pictures, _notes(asked, answer.frame)),
+        answer=Section(
+            "", said, [_medians(results, answer), *rates], pictures + of_rates, _notes(asked, answer.frame) + notes
+        ),
         more=more,
     )
 

@@ -12,11 +12,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding_cli.model.links import BASE
 from pounding_cli.model.separation import ASCE7, EN1998
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.rates import gap_for_rate
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, name_axis, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits
@@ -65,6 +67,8 @@ def gap_report(results: Results) -> Report:
         tables.append(_of_cases(results, cases.frame))
     heading = "Distance to a property line, at the floors that move most"
     tables.append(_widths(results, heading, lines, LINE, "reached"))
+    of_rate, rate_notes = gap_for_rate(results)
+    tables[:0] = of_rate
     said = _sentences(answer, _widest(frame, ["left", "right"], ["floor", "right_floor", "columns"]))
     said += _case_sentences(cases, shown.here(cases.frame))
     pictures = []
@@ -75,7 +79,7 @@ def gap_report(results: Results) -> Report:
             text = "Mean over the motions at the floors that require the widest gap."
             draw = partial(draw_sweep, results, answer, shown, keys[0])
             pictures.append(Picture("required-gap-sweep", "Required gap over the sweep", text, draw))
-    notes = [*_notes(answer), *_case_notes(results, cases.frame), *_code_notes(results)]
+    notes = [*_notes(answer), *rate_notes, *_case_notes(results, cases.frame), *_code_notes(results)]
     return Report(
         **frame_of(results, shown, results.scene()),
         answer=Section("", said, tables, pictures, notes),
@@ -127,7 +131,7 @@ def _floors(row: Mapping[Any, Any]) -> str:
     """Which floors of both buildings face each other, in words."""
     one, other, side = row["floor"], row["right_floor"], row["columns"]
     if not side:
-        return f"floor {one}" if one == other else f"floors {one} and {other}"
+        return f"floor {one}" if one == other > 0 else BASE if one == other else f"floors {one} and {other}"
     slab, storey = (other, one) if side == "left" else (one, other)
     return f"floor {slab} beside columns of {row[side]} in storey {storey}"
 

@@ -17,8 +17,8 @@ TABLES = ("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "
 """The tables of `Results`."""
 
 ANSWERS: dict[str, tuple[str, ...]] = {
-    "gap": ("gap", "gap_cases", "property_line"),
-    "fragility": ("fragility", "fragility_motions"),
+    "gap": ("gap", "gap_cases", "property_line", "gap_rate"),
+    "fragility": ("fragility", "fragility_motions", "fragility_rates", "fragility_contributions"),
     "sensitivity": (
         "sensitivity",
         "sensitivity_outputs",

@@ -15,6 +15,7 @@ from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES
 from pounding_cli.workflows import curves
 from pounding_cli.workflows.curves import Curve, Fits, Outcome, interval
 from pounding_cli.workflows.fragility_question import Question, intensities, intensity_unit, question_of, takes_blow
+from pounding_cli.workflows.hazard import YEARS, Hazard, probability
 from pounding_cli.workflows.hunt import UNDECIDED, next_levels
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
 
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     from pounding_cli.results.solved import Solved
 
 CURVES, MOTIONS = "fragility", "fragility_motions"
-"""Names of the tables."""
+RATES, CONTRIBUTIONS = "fragility_rates", "fragility_contributions"
+"""Names of the tables; the last two where the study gives a hazard curve."""
 
 ALONE = "0"
 """Ends the name of a column of the buildings alone."""
@@ -59,6 +61,24 @@ _MOTIONS: Columns = {
                "one did before, and where the scene failed"),
     "undecided": ("1", "scenes that a collapse ended before the limit was passed"),
 }  # fmt: skip
+
+_RATES: Columns = {
+    "limit": _CURVES["limit"],
+    "building": _CURVES["building"],
+    "rate": ("1/year", "mean annual rate at which the limit is passed"),
+    "probability": ("1", f"probability that it is passed within {YEARS:g} years"),
+    "beyond": ("1", "part of the rate that comes from intensities above the last one of the hazard curve"),
+    "rate_ratio": ("1", "rate with pounding over rate alone"),
+}
+_CONTRIBUTIONS: Columns = {
+    "limit": _CURVES["limit"],
+    "building": _CURVES["building"],
+    "from": (_INTENSITY, "lower end of a range of intensities"),
+    "to": (_INTENSITY, "its upper end"),
+    "rate": ("1/year", "annual rate at which the limit is passed at these intensities"),
+}
+STRIPS = 40
+"""Ranges of intensities whose contributions to a rate are told."""
 
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """What a limit looks at, as responses call it."""
@@ -320,10 +340,73 @@ def _tables(plan: Plan, question: Question, series: list[Series], scenes: pd.Dat
         rows = rows.fillna({"undecided" + ALONE: 0.0})
     columns = ["record", *(["intensity"] if "level" in said else []), *values, *(name + ALONE for name in values)]
     place = where.loc[rows["series"].map(place_of)].reset_index(drop=True)
-    return [
+    tables = [
         _told(plan, question, CURVES, where.join(numbers), _CURVES),
         _told(plan, question, MOTIONS, place.join(rows[columns]), _MOTIONS),
     ]
+    if question.hazard is None:
+        return tables
+    both = [(found[n], found.get(n + 1) if n + 1 not in place_of else None) for n in linked]
+    rates = pd.DataFrame([_rate(question.hazard, *each, question.spec.confidence) for each in both])
+    strips = _contributions(question.hazard, numbers)
+    of_place = where.loc[strips.pop("place")].reset_index(drop=True)
+    return [
+        *tables,
+        _told(plan, question, RATES, where.join(rates), _RATES),
+        _told(plan, question, CONTRIBUTIONS, of_place.join(strips), _CONTRIBUTIONS),
+    ]
+
+
+def _rate(
+    hazard: Hazard,
+    linked: tuple[dict[str, Any], Fits],
+    alone: tuple[dict[str, Any], Fits] | None,
+    confidence: float,
+) -> dict[str, float]:
+    """Annual rates of a limit with pounding and alone, their ratio, and their intervals over the same draws; NaN where
+    there is no curve."""
+    found, draws = dict[str, float](), list[np.ndarray]()
+    names = ("rate", "rate_low", "rate_high", "probability", "beyond")
+    for suffix, each in (("", linked), (ALONE, alone)):
+        row, fits = each or ({}, None)
+        if fits is None or "median" not in row:
+            found |= dict.fromkeys([name + suffix for name in names], np.nan)
+            continue
+        rate = float(hazard.of_lognormal(row["median"], row["spread"]))
+        beyond = float(hazard.of_lognormal(row["median"], row["spread"], above=hazard.last)) if rate > 0 else 0.0
+        at_all = np.where(fits.share > 0, fits.share * hazard.rate(np.zeros(1)), 0.0)  # of draws without a trend
+        draws.append(np.where(np.isinf(fits.spread), at_all, hazard.of_lognormal(fits.median, fits.spread)))
+        low, high = interval(draws[-1], confidence)
+        numbers = rate, low, high, probability(rate), beyond / rate if rate > 0 else 0.0
+        found |= {name + suffix: float(value) for name, value in zip(names, numbers, strict=True)}
+    if len(draws) == 2 and found["rate" + ALONE] > 0:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = draws[0] / draws[1]
+        low, high = interval(np.where(np.isnan(ratio), 1.0, ratio), confidence)
+        found |= {"rate_ratio": found["rate"] / found["rate" + ALONE], "rate_ratio_low": low, "rate_ratio_high": high}
+    return found
+
+
+def _contributions(hazard: Hazard, curves: pd.DataFrame) -> pd.DataFrame:
+    """`place` (of the row in the table of curves), `from`, `to`, `rate` and `rate0` of STRIPS ranges of intensities,
+    equal in ln of the intensity, that all curves share."""
+    both = [curves[["median" + s, "spread" + s]].dropna().to_numpy() for s in ("", ALONE)]
+    medians, spreads = np.concatenate(both).T if len(both) else np.zeros((2, 0))
+    names = ["place", "from", "to", "rate", "rate" + ALONE]
+    if not medians.size:
+        return pd.DataFrame(columns=names)
+    ends = (medians * np.exp(-4 * spreads)).min(), 2.5 * (medians * np.exp(3 * spreads)).max()
+    edges = np.geomspace(max(ends[0], hazard.edges[0]), max(ends[1], 2 * hazard.edges[0]), STRIPS + 1)
+    parts = []
+    for place, row in enumerate(curves.to_dict("records")):
+        strips = {"place": place, "from": edges[:-1], "to": edges[1:]}
+        for suffix in ("", ALONE):
+            slope = np.full(STRIPS, 1 / row["spread" + suffix])
+            is_told = row["median" + suffix] == row["median" + suffix]
+            rate = hazard.contributions(edges, -slope * np.log(row["median" + suffix]), slope) if is_told else np.nan
+            strips["rate" + suffix] = rate
+        parts.append(pd.DataFrame(strips))
+    return pd.concat(parts, ignore_index=True)[names]
 
 
 def _told(plan: Plan, question: Question, name: str, frame: pd.DataFrame, columns: Columns) -> Table:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
-from pounding_cli.batch.solve import most_storeys
 from pounding_cli.model.links import APART, Link
 from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
 from pounding_cli.model.separation import (
@@ -26,10 +25,14 @@ from pounding_cli.model.separation import (
     gb50011_width,
     root_of_squares,
 )
+from pounding_cli.model.wall import Wall
+from pounding_cli.results.solved import most_storeys
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.file import Map
 from pounding_cli.study.study import Point
+from pounding_cli.workflows.gap_rate import intensity_of, of_rate
+from pounding_cli.workflows.hazard import hazard_of
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
@@ -106,9 +109,15 @@ class Gap(Workflow):
 
     name = "gap"
 
+    def check(self, study: Study) -> None:
+        """A rate of contact takes an intensity and its hazard curve."""
+        if study.model.gap.rate is not None:
+            hazard_of(study, "gap", intensity_of(study)[1])
+
     def plan(self, study: Study) -> Plan:
         """The scenes whose closings are the required separations: every motion and analysis, with nothing between the
         buildings; swept keys of links are left out, those of buildings and motions stay."""
+        self.check(study)
         apart = _with_nothing_between(study)
         return dataclasses.replace(expand(apart, partial(_all_facing, apart)), workflow="gap")
 
@@ -124,6 +133,11 @@ class Gap(Workflow):
             _of_cases(plan, places, separations, rules),
             _of_lines(plan, data),
         ]
+        if study.model.gap.rate is not None:
+            exact = separations[separations["rule"] == 0].join(places["number"], on="row")
+            keys = ["point", "analysis", "number", "motion"]
+            worst = exact.groupby(keys)["value"].agg(lambda each: each.max(skipna=False)).reset_index()
+            tables.append(of_rate(plan, worst, CONFIDENCE))
         return Found(plan, data, tables)
 
 
@@ -245,10 +259,11 @@ def _facing(plan: Plan) -> pd.DataFrame:
         "right_floor": right_floor, "columns": [each.removesuffix(" columns") for each in name],
         "left_at": left_at[point, place], "right_at": right_at[point, place],
     })  # fmt: skip
-    height = _by_floor(plan, lambda at, place, _: plan.study.building(at, place).elevation)
-    is_left = found["left_at"] == 1.0
-    slab = np.where(is_left, left, left + 1), np.where(is_left, floor, right_floor) - 1
-    return found.assign(height=height[point, *slab])
+    rows = [[plan.study.building(at, each) for each in range(len(names))] for at in np.ndindex(*plan.shape[:-3])]
+    beside_wall = np.array([isinstance(rows[at][each], Wall) for at, each in zip(point, left, strict=True)], bool)
+    is_left = (found["left_at"] == 1.0) & ~beside_wall
+    slabs = zip(point, np.where(is_left, left, left + 1), np.where(is_left, floor, right_floor), strict=True)
+    return found.assign(height=[rows[at][building].level(level) for at, building, level in slabs])
 
 
 def _by_floor(plan: Plan, of: Callable[[Point, int, str], np.ndarray | None]) -> np.ndarray:
@@ -282,23 +297,30 @@ def _rules(plan: Plan, data: xr.Dataset, places: pd.DataFrame) -> list[Rule]:
     ends = [(left, places["floor"].to_numpy(), places["left_at"].to_numpy()),
             (left + 1, places["right_floor"].to_numpy(), places["right_at"].to_numpy())]  # fmt: skip
 
-    def moved(displacements: np.ndarray) -> list[np.ndarray]:
+    row = [study.building(points[0], each) for each in range(len(plan.buildings))]
+    is_wall = np.array([isinstance(each, Wall) for each in row])
+
+    def moved(displacements: np.ndarray, base: np.ndarray | None = None) -> list[np.ndarray]:
         """Displacements of both ends, shape (places, analyses, motions), those of columns between their floors.
 
-        displacements : shape (points, analyses, motions, buildings, floors)
+        displacements, base : shape (points, analyses, motions, buildings, floors) and that of the base; codes do not
+            tell how far a base moves
         """
-        ground = np.zeros((*displacements.shape[:-1], 1))
-        whole, found = np.concatenate([ground, displacements], axis=-1), []
+        bases = np.zeros(displacements.shape[:-1]) if base is None else base
+        whole, found = np.concatenate([bases[..., None], displacements], axis=-1), []
+        whole[..., is_wall, :] = np.nan_to_num(whole[..., is_wall, :])
         for building, floor, at in ends:
             part = (at * at * (3.0 - 2.0 * at))[:, None, None]
-            above, below = (whole[point, :, :, building, level] for level in (floor, floor - 1))
-            found.append(np.where(part == 1.0, above, part * above + (1.0 - part) * below))
+            level = np.where(is_wall[building], 1, floor)
+            above, below = (whole[point, :, :, building, each] for each in (level, np.maximum(level - 1, 0)))
+            is_known = ((level > 0) | (base is not None))[:, None, None]
+            found.append(np.where(is_known, np.where(part == 1.0, above, part * above + (1.0 - part) * below), np.nan))
         return found
 
     exact = _points_first(plan, data["max_closing"])[point, :, :, place]
     relative = _points_first(plan, data["error_estimate"])
     most = np.nanmax(_points_first(plan, data["max_closing"]), axis=-1, initial=0.0)
-    one, other = moved(_points_first(plan, data["displacement"]))
+    one, other = moved(_points_first(plan, data["displacement"]), _points_first(plan, data["sway"]))
     reach = relative[point] * absolute_sum(one, other)  # a relative change of both peaks moves no rule by more
 
     def of_pairs(value: Callable[[Building, Building], float]) -> np.ndarray:
