@@ -287,7 +287,8 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Question) -> Iterator[Ser
     """Whether every claim holds (1 or 0), and whether at least a part of it does, at every sample of `pound
     sensitivity`; NaN of a sample with a scene that failed, and where nothing tests the claim."""
     axes = tuple(axis.names[0] for axis in plan.axes)  # the samples are the last one
-    data = data.reset_coords(_OF_MOTIONS).drop_vars(axes[-1])
+    at = {axes[-1]: xr.DataArray(question.distinct[1], dims=axes[-1])}
+    data = data.reset_coords(_OF_MOTIONS).drop_vars(axes[-1]).isel(at)
     scenes = data[[name for name in (*_OF_SCENES, "status", "drift", "drift0") if name in data]]
     if question.drawn is not None:
         drawn = xr.DataArray(question.drawn, dims=(axes[-1], "record"))

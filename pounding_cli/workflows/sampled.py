@@ -20,7 +20,7 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
     """The study with an axis, its last, of some points.
 
     factors : the keys that vary
-    points : u of every factor, between 0 and 1, shape (points, factors)
+    points : u of every factor, between 0 and 1, shape (points, factors); no two come to the same values
     and_written : whether one more point, the last, stands for the study as it is written
 
     Raises
@@ -57,3 +57,12 @@ def _few(error: InputError, points: int) -> InputError:
     hint = "narrow the ranges so that every sample is sound"
     more = Problem(f"and more problems like these at {points} samples", hint, first.file, first.line, first.column)
     return InputError([*told, more])
+
+
+def distinct(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points that differ in what stands in the study, in the order in which they come first, shape (n, factors);
+    and of every point its place among them, shape (points,)."""
+    first: dict[str, int] = {}
+    places = np.array([first.setdefault(repr(values), len(first)) for values in values_at(factors, points)])
+    _, kept = np.unique(places, return_index=True)
+    return points[kept], places

@@ -105,13 +105,12 @@ class Sensitivity(Workflow):
     def plan(self, study: Study) -> Plan:
         """The scenes of all samples.  Raises InputError: a sample at which the study is not sound."""
         question = question_of(study)
-        points = np.delete(question.cube, [] if question.motion is None else question.motion, axis=1)
+        points, place = question.distinct
         sampled = at_points(study, question.keys, points)
         if question.drawn is None:
             plan = expand(sampled)
         else:
-            rows = np.arange(len(points))[:, None]
-            wanted = {(row, question.motions[n]) for row, n in np.broadcast(rows, question.drawn)}
+            wanted = {(at, question.motions[n]) for at, n in np.broadcast(place[:, None], question.drawn)}
             plan = expand(sampled, asks=lambda point, _case, _analysis, name: (point[-1], name) in wanted)
         return dataclasses.replace(plan, workflow="sensitivity", harder=True)
 
@@ -168,7 +167,7 @@ def _of_samples(output: Expression, get: Get, question: Question, others: int) -
     """
 
     def some(name: str) -> np.ndarray:
-        values = get(name)
+        values = get(name).take(question.distinct[1], axis=others)
         if question.drawn is None:
             return values
         shape = [1] * values.ndim

@@ -15,6 +15,7 @@ from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
 from pounding_cli.workflows.expressions import expressions, statements
+from pounding_cli.workflows.sampled import distinct
 
 SAMPLES = {"sobol": 256, "morris": 32}
 """Base samples unless the study says how many."""
@@ -106,6 +107,11 @@ class Question:
         block = len(self.cube) // self.samples
         begins = np.arange(self.samples) * block
         return np.concatenate([begins, begins + block - 1]) if self.spec.method == "sobol" else begins
+
+    @cached_property
+    def distinct(self) -> tuple[np.ndarray, np.ndarray]:
+        """The different points that the samples need, shape (points, keys), and of every sample its point."""
+        return distinct(self.keys, np.delete(self.cube, [] if self.motion is None else self.motion, axis=1))
 
     @cached_property
     def drawn(self) -> np.ndarray | None:
