@@ -17,6 +17,7 @@ from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, nominal, points
 from pounding_cli.report.explorer import explored
 from pounding_cli.report.figures import RESPONSES, drawn_part, main_building, profiles
+from pounding_cli.report.isolators import loop_pictures
 from pounding_cli.report.player import players
 from pounding_cli.report.sweep import Asked, sweep_pictures
 from pounding_cli.report.table import NOTHING, column_of, digits, from_rows
@@ -61,7 +62,7 @@ def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Sectio
         Section("Look around", widget="explorer", data=looked),
         Section("Moving buildings", [left or (none if not scenes else "")], widget="player", data={"scenes": scenes}),
         *claim_sections(results, shown.label),
-        Section("Figures", pictures=profiles(shown)[1:]),
+        Section("Figures", pictures=[*profiles(shown)[1:], *loop_pictures(results, shown)]),
         *background(results, shown, results.scene(), TABLES),
     ]
 
