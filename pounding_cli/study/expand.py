@@ -16,13 +16,10 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.study.build import places
 from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.plan import Axis, Links, Plan
-from pounding_cli.study.study import AROUND, BETWEEN, Point, Study
+from pounding_cli.study.study import AROUND, BETWEEN, Point, Study, keep
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
-
-MOST_KEPT = 1024
-"""Answers of a kind that are kept at a time: many points share one."""
 
 DIGEST = 32
 """Bytes of a SHA-256 digest."""
@@ -108,7 +105,7 @@ class _Expansion:
             motions = [used[name].motion for name in self.records]
             links = self._links_at(at, self.cases[case])
             first = Scene(tuple(group.buildings), links, motions[0], self.analyses[0], study.section(at, "tail"))
-            _keep(self._begun, number, (first, motions))
+            keep(self._begun, number, (first, motions))
         first, motions = self._begun[number]
         return first.under(motions[record], self.analyses[analysis])
 
@@ -170,9 +167,7 @@ class _Expansion:
         if key not in self._endings:
             motions, tail = self.study.motions(point), self.study.section(point, "tail")
             asked = product(self.analyses, self.records if motions else ())
-            _keep(
-                self._endings, key, [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked]
-            )
+            keep(self._endings, key, [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked])
         return self._endings[key]
 
     def _links_at(self, point: Point, case: str) -> tuple[Link, ...]:
@@ -181,7 +176,7 @@ class _Expansion:
         if key not in self._links:
             found = self.links_of(point, case)
             assert found is not None  # the study was validated there
-            _keep(self._links, key, found)
+            keep(self._links, key, found)
         return self._links[key]
 
     def _met(self) -> bool:
@@ -227,7 +222,7 @@ class _LinkSets:
             )
             number = self.layouts.setdefault(layout, len(self.layouts))
             gaps = tuple(np.nan if link.kind == APART else float(link.gap) for link in links)
-            _keep(self._known, links, (number, gaps, [link.words for link in links]))
+            keep(self._known, links, (number, gaps, [link.words for link in links]))
         number, gaps, words = self._known[links]
         self.layout.append(number)
         self.gaps.append(gaps)
@@ -278,13 +273,6 @@ def _numbered(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.
     place = np.full(len(first) + 1, -1, np.int32)  # the last one stands for -1
     place[used] = np.arange(len(used))
     return digests[first[used]], place[numbers]
-
-
-def _keep(answers: dict, key: object, answer: object) -> None:
-    """Keep an answer, and the latest ones before it."""
-    if len(answers) >= MOST_KEPT:
-        del answers[next(iter(answers))]
-    answers[key] = answer
 
 
 def _at_point(problem: Problem, axes: tuple[Axis, ...], point: Point) -> Problem:

@@ -21,8 +21,10 @@ from pounding_cli.study.quantity import (
     FORCE,
     LENGTH,
     MASS,
+    RANGES,
     STIFFNESS,
     TIME,
+    WEIGHTS,
     Measured,
     Quantity,
     Text,
@@ -31,7 +33,6 @@ from pounding_cli.study.quantity import (
     refuse,
     written_unit,
 )
-from pounding_cli.study.usual import RANGES, WEIGHTS
 from pounding_cli.units import factor as unit_factor
 
 # Records
