@@ -101,16 +101,11 @@ class Scene:
 class Digests:
     """The digests of the scenes that share buildings and links, without the scenes.
 
-    Parameters
-    ----------
     buildings, links : as in `Scene`
-    words : of the links, where they are at hand
     """
 
-    def __init__(
-        self, buildings: Sequence[Building], links: Sequence[Link], words: Sequence[str] | None = None
-    ) -> None:
-        parts = [*(b.digest for b in buildings), *([link.words for link in links] if words is None else words)]
+    def __init__(self, buildings: Sequence[Building], links: Sequence[Link]) -> None:
+        parts = [*(b.digest for b in buildings), *(link.words for link in links)]
         self._begun = hashlib.sha256("\n".join(parts).encode())
 
     @staticmethod

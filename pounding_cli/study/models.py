@@ -174,9 +174,7 @@ class Records(Model):
     """The ground motions, the part of each that is used, and its scale."""
 
     use: Annotated[tuple[word_or(str, RecordFile), ...], Field(min_length=1, max_length=5000)] = key(  # type: ignore[valid-type]
-        ...,
-        "catalogue names, files, folders, patterns, {file: PATH, ...}",
-        ["elcentro", {"file": "motions/x.AT2"}],
+        ..., "catalogue names, files, folders, patterns, {file: PATH, ...}", ["elcentro", {"file": "motions/x.AT2"}]
     )
     duration: Annotated[float | str, TIME.but(name="duration", example="10 s", words=("auto", "table1", "whole"))] = (
         key(

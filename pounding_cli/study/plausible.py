@@ -121,11 +121,7 @@ def _doubt_point(study: Study, point: Point, notes: Problems) -> None:
         noted(("building", name), (("buildings", name),), work)
     group = study.group(point)
     if group is not None:
-        noted(
-            "group",
-            ("buildings", "group"),
-            partial(tell_left_out, group.buildings, group.common, root, ("group",)),
-        )
+        noted("group", ("buildings", "group"), partial(tell_left_out, group.buildings, group.common, root, ("group",)))
         for case in study.root["cases"]:
             work = partial(doubt_links, study.links(point, case) or (), group.buildings, root, ("cases", case))
             noted(("case", case), ("buildings", "group", "impact", "laws", ("cases", case)), work)
