@@ -85,8 +85,8 @@ def _command(name: str) -> click.Command:
 
 def print_answer(path: Path, outcome: Outcome) -> None:
     """Print what a results file says, and what it took."""
+    from pounding_cli.api.studies import open_results
     from pounding_cli.report import report
-    from pounding_cli.results.results import open_results
 
     report(open_results(path)).print()
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""

@@ -68,7 +68,7 @@ def _study(path: Path) -> _Used:
 
 
 def _results(path: Path) -> _Used:
-    from pounding_cli.results.results import open_results
+    from pounding_cli.api.studies import open_results
 
     results = open_results(path)
     records = results.records()

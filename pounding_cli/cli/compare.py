@@ -34,8 +34,8 @@ def command(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
       pound compare results/old.h5 results/new.h5
       pound compare before.h5 after.h5 --numbers && echo "no number moved"
     """
+    from pounding_cli.api.studies import open_results
     from pounding_cli.results.compare import compare
-    from pounding_cli.results.results import open_results
 
     found = compare(open_results(first), open_results(second))
     for line in _told(found, everything):

@@ -39,8 +39,8 @@ def command(file: Path, tables: tuple[str, ...], output: Path | None, form: str 
       pound export results/fig6.h5 storey -o storey.parquet
       pound export results/fig6.h5 --format netcdf
     """
+    from pounding_cli.api.studies import open_results
     from pounding_cli.results.export import export
-    from pounding_cli.results.results import open_results
 
     for path in export(open_results(file), output, form, tables):
         click.echo(f"wrote {path}")

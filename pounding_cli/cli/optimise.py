@@ -72,7 +72,7 @@ def _check(study: Path, write: Path, replace: bool) -> None:
 
 def _write(ctx: click.Context, study: Path, path: Path, write: Path, says: bool) -> None:
     """Write the study with the best values that a results file has."""
-    from pounding_cli.results.results import open_results
+    from pounding_cli.api.studies import open_results
     from pounding_cli.study import load_study
     from pounding_cli.workflows.optimise import NOTHING, OPTIMUM
     from pounding_cli.workflows.optimise_question import question_of, text_at

@@ -84,11 +84,11 @@ def command(
       pound report results/fig6.h5 -o paper --figures-for-paper
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --storey 3
     """
+    from pounding_cli.api.studies import open_results
     from pounding_cli.report import report
     from pounding_cli.report.claims import compare_claims, verdicts
     from pounding_cli.report.style import FORMATS, for_paper
     from pounding_cli.report.sweep import Asked, Choice
-    from pounding_cli.results.results import open_results
 
     if figures_for_paper and no_figures:
         hint = "leave one of them out"

@@ -14,10 +14,9 @@ from pounding_cli.cli.solving import Solving, output_option, solve_study, solvin
 @click.command("run", short_help="Run a study and print its summary.")
 @click.argument("study", type=click.Path(path_type=Path))
 @output_option("results/<study>.h5")
-@click.option("--all-effects", is_flag=True, help="Simulate also effects that cannot change the results; slower.")
 @solving_options
 @click.pass_context
-def command(ctx: click.Context, study: Path, output: Path | None, all_effects: bool, **options: Any) -> None:
+def command(ctx: click.Context, study: Path, output: Path | None, **options: Any) -> None:
     """Run STUDY, write one results file and print a summary.
 
     The command reuses scenes of earlier runs, also after changes of the study, and prints their number. It refuses a
@@ -31,4 +30,4 @@ def command(ctx: click.Context, study: Path, output: Path | None, all_effects: b
       pound run configs/fig6.yaml -o results/fig6.h5 --workers 4
       pound run sweep.yaml --engine dask --scheduler tcp://node:8786
     """
-    solve_study(ctx, "run", study, output, Solving(**options), print_answer, all_effects=all_effects)
+    solve_study(ctx, "run", study, output, Solving(**options), print_answer)

@@ -79,7 +79,7 @@ def command(
       pound show results/fig6.h5 accuracy --record elcentro
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
-    from pounding_cli.results.results import open_results
+    from pounding_cli.api.studies import open_results
 
     results = open_results(file)
     table = table or (results.answers[0] if results.answers else "summary")

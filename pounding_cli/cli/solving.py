@@ -83,13 +83,11 @@ def solve_study(
     how: Solving,
     summarise: Callable[[Path, Outcome], None],
     after: Callable[[Path], None] | None = None,
-    all_effects: bool = False,
 ) -> None:
     """Load a study, solve what its workflow asks for, write the results file and tell what came out.
 
     summarise : prints what was found in the results file; not called where nothing is to be printed
     after : called with the results file in any case
-    all_effects : simulate what cannot matter too
 
     Failed scenes are listed and make the exit code 1.
     """
@@ -109,7 +107,7 @@ def solve_study(
     path = output or default_output(study, workflow)
     outcome = run_study(
         loaded, question(workflow), path, progress=log or chosen(how.quiet), workers=how.workers,
-        engine=how.engine_name, scheduler=how.scheduler, replace=how.replace, all_effects=all_effects,
+        engine=how.engine_name, scheduler=how.scheduler, replace=how.replace,
     )  # fmt: skip
     if log:
         _log(log, outcome)

@@ -81,7 +81,7 @@ def limits(results: Results) -> Section | None:
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
     ]
-    tables, found = [], spreads(results.data)
+    tables, found = [], list(spreads(results.data))
     for key in dict.fromkeys(spread.key for spread in found):
         mine = [spread for spread in found if spread.key == key]
         heads = ["result", *(f"at {end.value}" for end in mine[0].ends)]

@@ -17,6 +17,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.results.keys import FORMAT, FORMAT_VERSION
 from pounding_cli.results.tables import Column, Table
+from pounding_cli.texts import plain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -171,6 +172,12 @@ def read_table(path: Path, name: str) -> Table:
         columns = {name: Column(str(v.attrs["long_name"]), written(v.attrs), name) for name, v in data.items()}
         frame = pd.DataFrame({column: v.values for column, v in data.items()})
         return Table(name, frame, columns, name.replace("_", " ").capitalize())
+
+
+def plain_value(value: Any) -> Any:
+    """An attribute or a coordinate as Python has it, without control characters."""
+    value = value.item() if isinstance(value, np.generic) else value
+    return plain(value) if isinstance(value, str) else value
 
 
 def unit_attributes(unit: Unit) -> dict[str, Any]:

@@ -133,7 +133,7 @@ class _Solved:
         self, study: Study, question: Question, solver: Solver, points: Sequence[Point], is_rough: bool
     ) -> None:
         self.question, self.plan = question, plan_of(study, question, points)
-        self.data: xr.Dataset = dataset(solver.asked(self.plan), solver.responses(self.plan, rough=is_rough))
+        self.data: xr.Dataset = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
         self.get = getter(self.plan, self.data)
         self.count = len(self.plan.axes[-1].values)
 
