@@ -13,7 +13,7 @@ from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
-from pounding_cli.model.links import BASE, Link, SceneLinks
+from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, column_flexibility
 from pounding_cli.numbers import counted
 from pounding_cli.study.build import Group
@@ -92,7 +92,7 @@ Note = Callable[[Steps, str, str], None]
 
 def links_of(
     case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, note: Note
-) -> SceneLinks | None:
+) -> tuple[Link, ...] | None:
     """All links of a case, by pair and then from the ground up; None where something is wrong, which is noted."""
     builder = _Builder(group, impact, laws, note)
     links = builder.links(case, path)
@@ -134,13 +134,13 @@ class _Builder:
         self.faults += 1
         self._note(path, message, hint)
 
-    def links(self, case: Any, path: Steps) -> SceneLinks:
+    def links(self, case: Any, path: Steps) -> tuple[Link, ...]:
         """The links of all pairs of neighbours."""
         path = (*path, "links")
         if self.group.is_empty:  # so that what is wrong with the links is told beside what is wrong with the group
             for n, link in enumerate(case.links):
                 self.law(link, (*path, n))
-            return SceneLinks()
+            return ()
         pairs, found = len(self.group.common), list[Link]()
         for n, link in enumerate(case.links):
             if (link.pair or 0) > pairs:
@@ -159,7 +159,7 @@ class _Builder:
                     taken.add(law)
                     found.append(Link(place, floor, right, law))
             found += self._at_columns(mine, place, path)
-        return SceneLinks(found)
+        return tuple(found)
 
     def _by_floor(self, mine: list[Any], place: int, path: Steps) -> dict[int, list[tuple[int, LinkLaw]]]:
         """The laws on every floor of a pair of neighbours, each with the number of its link."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import fnmatch
 import glob
+import os
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +30,7 @@ _OTHER_FILES = re.compile(
 # What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
 
 MOST_FILES = 50_000
-"""Files and folders that a pattern may match."""
+"""Files and folders that are looked at for one pattern."""
 
 
 @dataclass(frozen=True)
@@ -168,15 +170,40 @@ def _is_folder(path: Path) -> bool:
 
 
 def _matching(pattern: Path) -> list[Path]:
-    """The files of a pattern such as `motions/**/*.AT2`, sorted.  Raises InputError where there are too many."""
+    """The files of a pattern such as `motions/**/*.AT2`, sorted; hidden names match where they are written.
+
+    Raises
+    ------
+    InputError : more than MOST_FILES files and folders had to be looked at
+    """
+    parts, seen = pattern.parts, count(1)
+    first = next(place for place, part in enumerate(parts) if glob.has_magic(part))
+
+    def below(folder: Path, steps: Sequence[str]) -> Iterator[Path]:
+        if not steps:
+            yield folder
+            return
+        step, *rest = steps
+        if step == "**":
+            yield from below(folder, rest or ["*"])
+        for each in _entries(folder):
+            if next(seen) > MOST_FILES:
+                hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
+                raise InputError(Problem(f"{shortened(pattern)}: more than {MOST_FILES} files and folders", hint))
+            hidden = each.name.startswith(".") and not step.startswith(".")
+            if step == "**" and not hidden and os.path.isdir(each) and not os.path.islink(each):
+                yield from below(each, steps)
+            elif step != "**" and not hidden and fnmatch.fnmatch(each.name, step):
+                yield from below(each, rest)
+
+    return sorted({found for found in below(Path(*parts[:first]), parts[first:]) if os.path.isfile(found)})
+
+
+def _entries(folder: Path) -> list[Path]:
     try:
-        found = list(islice(glob.iglob(str(pattern), recursive=True), MOST_FILES + 1))
-    except (OSError, ValueError):  # a NUL in it
+        return list(folder.iterdir())
+    except (OSError, ValueError):  # no folder, or not ours to read
         return []
-    if len(found) > MOST_FILES:
-        hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-        raise InputError(Problem(f"{shortened(pattern)}: more than {MOST_FILES} files and folders", hint))
-    return sorted(each for each in map(Path, found) if each.is_file())
 
 
 def _home(written: str) -> Path:
