@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from pounding_cli.api.studies import open_results as open_results
     from pounding_cli.api.studies import run as run
     from pounding_cli.errors import InputError as InputError
-    from pounding_cli.laws.connector import Connector as Connector
     from pounding_cli.laws.infill import Infill as Infill
+    from pounding_cli.laws.joints import Connector as Connector
     from pounding_cli.laws.pounding import Pounding as Pounding
     from pounding_cli.model.building import Building as Building
     from pounding_cli.model.links import Link as Link
@@ -36,7 +36,7 @@ _OFFERED = {
     "api.scenes": ("building", "history", "motion", "scene"),
     "api.studies": ("load_study", "open_results", "run"),
     "errors": ("InputError",),
-    "laws.connector": ("Connector",),
+    "laws.joints": ("Connector",),
     "laws.infill": ("Infill",),
     "laws.pounding": ("Pounding",),
     "model.building": ("Building",),

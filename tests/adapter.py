@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
-from pounding_cli.laws.connector import Connector as Connector
 from pounding_cli.laws.isolation import Bearings as Bearings
 from pounding_cli.laws.isolation import FrictionPendulum as FrictionPendulum
 from pounding_cli.laws.isolation import Rubber as Rubber
+from pounding_cli.laws.joints import Connector as Connector
 from pounding_cli.records.hazard import read_hazard as read_hazard
 from pounding_cli.report import report as report
 from pounding_cli.report.table import interval as interval

@@ -42,7 +42,7 @@ API = {
         "pounding_cli.model.links.Link",
         "pounding_cli.laws.pounding.Pounding",
         "pounding_cli.laws.infill.Infill",
-        "pounding_cli.laws.connector.Connector",
+        "pounding_cli.laws.joints.Connector",
         "pounding_cli.records.motion.Motion",
     ),
     "Laws of links": (

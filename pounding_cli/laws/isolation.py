@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
 
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.law import Law, parameter
@@ -22,11 +21,7 @@ class Isolation(Law):
     ValueError : a parameter is outside its range
     """
 
-    acts_on: ClassVar[str] = "isolation"
-
-    def may_be_endless(self, name: str) -> bool:
-        """The capacity may."""
-        return name == "capacity"
+    acts_on = "isolation"
 
     @abstractmethod
     def bilinear(self, weight: float) -> Bilinear | None:
@@ -51,12 +46,12 @@ class FrictionPendulum(Isolation):
     a cycle of amplitude D is less by the share yield displacement / D (Zayas, V. A., Low, S. S. and Mahin, S. A.
     (1990). A simple pendulum technique for achieving seismic isolation. Earthquake Spectra 6(2), 317-333)."""
 
-    name: ClassVar[str] = "friction-pendulum"
+    name = "friction-pendulum"
 
     radius: float = parameter("radius R of the sliding surface of a friction pendulum", "m", open_low=True)
     friction: float = parameter("its friction coefficient mu", "-", high=1.0, open_low=True)
     yield_displacement: float = parameter("displacement at which it slides", "m", default=1e-5, open_low=True)
-    capacity: float = parameter("displacement that it can take", "m", default=math.inf, open_low=True)
+    capacity: float = parameter("displacement that it can take", "m", default=math.inf, open_low=True, endless=True)
 
     def bilinear(self, weight: float) -> Bilinear:
         """Strength mu W, stiffness W / R."""
@@ -67,12 +62,12 @@ class FrictionPendulum(Isolation):
 class Bearings(Isolation):
     """Lead-rubber and high-damping rubber bearings: strength at no displacement, stiffness beyond the yield."""
 
-    name: ClassVar[str] = "bearings"
+    name = "bearings"
 
     strength: float = parameter("strength Qd of bearings at no displacement, all together", "N", open_low=True)
     stiffness: float = parameter("their stiffness k2 beyond the yield", "N/m", open_low=True)
     yield_displacement: float = parameter("displacement at which they yield", "m", open_low=True)
-    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True)
+    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
 
     def bilinear(self, weight: float) -> Bilinear:
         """Whatever the weight."""
@@ -83,11 +78,11 @@ class Bearings(Isolation):
 class Rubber(Isolation):
     """High-damping rubber bearings by equivalent values: F = k u + c u', c = 2 xi sqrt(k W / g)."""
 
-    name: ClassVar[str] = "rubber"
+    name = "rubber"
 
     stiffness: float = parameter("equivalent stiffness of rubber bearings, all together", "N/m", open_low=True)
     damping_ratio: float = parameter("their equivalent damping ratio xi", "-", high=1.0)
-    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True)
+    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
 
     def bilinear(self, weight: float) -> None:
         """They are linear."""

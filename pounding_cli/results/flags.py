@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.solver.flags import is_meaningless
+from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:

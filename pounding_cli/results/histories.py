@@ -4,6 +4,7 @@ a person looks at it: in a line, as tables, as curves."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,22 +74,9 @@ class History:
     @classmethod
     def of(cls, history: solver.History) -> History:
         """The same, to look at."""
-        import xarray as xr
-
         numbers = np.arange(1, history.displacement.shape[2] + 1)
-        data = {}
-        for name, (dims, unit, text) in FIELDS.items():
-            kind = name.removeprefix("energy_")
-            values = getattr(history, name) if kind == name else history.energy[kind]
-            data[name] = xr.Variable(dims, values, {"units": unit, "long_name": text}, fastpath=True)
-        coords = {
-            "time": xr.Variable("time", history.time, {"units": "s", "long_name": "time since the motion began"}),
-            "building": np.array(history.buildings, object),
-            "link": np.array(history.links, object),
-            "storey": numbers,
-            "floor": numbers,
-        }
-        return cls(xr.Dataset(data, coords))
+        names = {"building": np.array(history.buildings, object), "link": np.array(history.links, object)}
+        return cls(_over({**names, "storey": numbers, "floor": numbers}, history, np.float64))
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name != "time" and name not in FIELDS:
@@ -263,7 +251,7 @@ def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -
     if len(plan.kept) >= WORTH_TELLING:
         tell(f"{counted(len(plan.kept), 'scene')} to run for their histories")
     status, names = found["status"].values, (plan.cases, plan.analyses, plan.records)
-    over = {name: found[name].values for name in ("storey", "floor", "link") if name in found.coords}
+    over = {name: found[name].values for name in ("building", "storey", "floor", "link") if name in found.coords}
     for row in plan.kept:
         at = (*row.point, *(known.index(name) for known, name in zip(names, row[1:4], strict=True)))
         if status[at] != DONE:
@@ -274,14 +262,38 @@ def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -
         from pounding_cli.solver.histories import history  # here: a study without any needs no numba
 
         try:
-            data = History.of(history(plan.scene(row.scene), plan.accuracy, plan.every)).dataset
+            data = _over(over, history(plan.scene(row.scene), plan.accuracy, plan.every), np.float32)
         except InputError as error:
             tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
             continue
-        data = data.reindex(over) if "link" in over else data.drop_dims("link").reindex(over)
-        data = data.map(lambda values: values.astype(np.float32), keep_attrs=True)
         digest = plan.digests[row.scene].tobytes().hex()
-        yield data.assign_attrs(place | {"scene": digest, "every": plan.every})
+        data.attrs = place | {"scene": digest, "every": plan.every}
+        yield data
+
+
+def _over(names: Mapping[str, np.ndarray], history: solver.History, kind: type) -> xr.Dataset:
+    """A history over some buildings, storeys, floors and links; of those that it does not have NaN."""
+    import xarray as xr
+
+    variable = partial(xr.Variable, fastpath=True)  # see `dataset._variable`
+    coords = {name: variable(name, values) for name, values in names.items()}
+    coords["time"] = variable("time", history.time, {"units": "s", "long_name": "time since the motion began"})
+    labels = names["link"].tolist() if "link" in names else []
+    known = [number for number, label in enumerate(history.links) if label in labels]
+    columns = [labels.index(history.links[number]) for number in known]
+    data = {}
+    for name, (dims, unit, text) in FIELDS.items():
+        if "link" in dims and "link" not in names:
+            continue
+        of = name.removeprefix("energy_")
+        values = getattr(history, name) if of == name else history.energy[of]
+        whole = np.full([coords[dim].size for dim in dims], np.nan, kind)
+        if "link" in dims:
+            whole[:, columns] = values[:, known]
+        else:
+            whole[tuple(slice(size) for size in values.shape)] = values
+        data[name] = variable(dims, whole, {"units": unit, "long_name": text})
+    return xr.Dataset(data, coords)
 
 
 def kept_places(path: Path) -> list[dict[str, Any]]:
