@@ -88,6 +88,8 @@ RESPONSES = (
              of="building.displacement_min", judged="displacement", label="displacement, left"),
     Variable("sway", BUILDING, "m", "largest translation of the foundation", of="building.sway"),
     Variable("rocking", BUILDING, "rad", "largest rotation of the foundation", of="building.rocking"),
+    Variable("isolator_displacement", BUILDING, "m", "largest displacement of the isolators; NaN of a base without",
+             of="building.isolator_displacement", label="isolator displacement", always=False),
     Variable("collapsed", BUILDING, "1", "storey that collapsed, from 1; 0 where none did", kind="i", always=False),
     Variable("collapsed0", BUILDING, "1", "likewise of the building alone", kind="i", alone=True, always=False),
     Variable("impacts", LINK, "1", "number of times the link closed",

@@ -75,7 +75,7 @@ def _write(ctx: click.Context, study: Path, path: Path, write: Path, says: bool)
     from pounding_cli.api.studies import open_results
     from pounding_cli.study import load_study
     from pounding_cli.workflows.optimise import NOTHING, OPTIMUM
-    from pounding_cli.workflows.optimise_question import question_of, text_at
+    from pounding_cli.workflows.optimise_question import question_of
 
     results = open_results(path)
     table, loaded = results.answer(OPTIMUM).frame, load_study(study)
@@ -85,7 +85,7 @@ def _write(ctx: click.Context, study: Path, path: Path, write: Path, says: bool)
     if table["outcome"].iloc[0] == NOTHING:
         click.echo(f"{write} is not written: there is no optimum", err=True)
         ctx.exit(1)
-    text = text_at(loaded, question_of(loaded), tuple(table["place"].tolist()))
+    text = question_of(loaded).text(tuple(table["place"].tolist()))
     try:
         write.write_text(text, encoding="utf-8", newline="")
     except OSError as error:

@@ -19,10 +19,15 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
 TABLES = (
-    *("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
+    *("storey", "floor", "link", "struck", "base", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
     *(table for tables in ANSWERS.values() for table in tables),
 )
-_NOTHING = {"link": "no links", "struck": "no columns that a slab strikes", "flagged": "no flags"}
+_NOTHING = {
+    "link": "no links",
+    "struck": "no columns that a slab strikes",
+    "base": "no base that moves",
+    "flagged": "no flags",
+}
 """What a case without rows in a table has none of."""
 _SENTENCES = ("effects", "dropped", "flags")
 _ASIDE = {

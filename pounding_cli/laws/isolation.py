@@ -47,6 +47,7 @@ class FrictionPendulum(Isolation):
     (1990). A simple pendulum technique for achieving seismic isolation. Earthquake Spectra 6(2), 317-333)."""
 
     name = "friction-pendulum"
+    citation = (("zayas1990", "friction pendulums"),)
 
     radius: float = parameter("radius R of the sliding surface of a friction pendulum", "m", open_low=True)
     friction: float = parameter("its friction coefficient mu", "-", high=1.0, open_low=True)

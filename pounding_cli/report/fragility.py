@@ -268,6 +268,8 @@ def cite_fragility(resolved: Mapping[str, Any], used: Use) -> None:
     else:
         used("baker2015", "fragility curves of maximum likelihood")
     used("efron1993", "the bootstrap of the motions")
+    if (resolved.get("fragility") or {}).get("hazard"):
+        used("cornell2002", "annual rates from a fragility curve and a hazard curve")
 
 
 def intensity_unit(answer: Table) -> Unit:

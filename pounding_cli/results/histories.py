@@ -287,7 +287,7 @@ def _over(names: Mapping[str, np.ndarray], history: solver.History, kind: type) 
             continue
         of = name.removeprefix("energy_")
         values = getattr(history, name) if of == name else history.energy[of]
-        whole = np.full([coords[dim].size for dim in dims], np.nan, kind)
+        whole: np.ndarray = np.full([coords[dim].size for dim in dims], np.nan, kind)
         if "link" in dims:
             whole[:, columns] = values[:, known]
         else:

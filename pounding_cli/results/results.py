@@ -121,8 +121,8 @@ class Results:
         return (*TABLES, *self.answers)
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table by its name: storey, floor, link, struck, scene, flagged, accuracy, summary, records, buildings, or
-        one of `answers`.  Raises InputError: there is no such table."""
+        """A table by its name (`tables`: storey, floor, link, struck, base, scene, flagged, accuracy, summary, records,
+        buildings), or one of `answers`.  Raises InputError: there is no such table."""
         if name not in TABLES:
             return self.answer(name).frame.copy()
         found = getattr(self, name)
@@ -163,6 +163,12 @@ class Results:
         frame = self._frame([*facts, *names, "status"], (*self._dims, *PLACE, "link"))
         frame.columns = [str(name).removeprefix("link_") for name in frame]
         return frame[(frame["kind"] != "") & (frame["status"] != "")].drop(columns="status").reset_index(drop=True)
+
+    def base(self) -> pd.DataFrame:
+        """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
+        names = ["sway", "rocking", *(["isolator_displacement"] if "isolator_displacement" in self.data else [])]
+        frame = self._solved(self._frame([*names, "status"], (*self._dims, *PLACE, "building")))
+        return frame[(frame[names] > 0).any(axis=1)].drop(columns="status").reset_index(drop=True)
 
     def struck(self) -> pd.DataFrame:
         """Per row of columns that a slab strikes between floors: building, storey, height of the blow over that of the

@@ -21,7 +21,7 @@ SCALARS = (
 )  # fmt: skip
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links", "residual")
 STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
-BASE = ("sway", "rocking")
+BASE = ("sway", "rocking", "isolator_displacement")
 LINK = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
 

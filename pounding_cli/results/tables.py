@@ -13,7 +13,19 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-TABLES = ("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "summary", "records", "buildings")
+TABLES = (
+    "storey",
+    "floor",
+    "link",
+    "struck",
+    "base",
+    "scene",
+    "flagged",
+    "accuracy",
+    "summary",
+    "records",
+    "buildings",
+)
 """The tables of `Results`."""
 
 ANSWERS: dict[str, tuple[str, ...]] = {

@@ -99,6 +99,8 @@ def buildings_of(layout: Layout, data: Data) -> tuple[BuildingResponse, ...]:
                 float(furthest[layout.feet[b]]) if layout.feet[b] >= 0 else 0.0,
             )
         )
+        if building.foundation is not None and building.foundation.isolation is not None:
+            found[-1] = replace(found[-1], isolator_displacement=found[-1].sway)
         if isinstance(building, Wall):
             found[-1] = _of_wall(building, found[-1])
     return tuple(found)
