@@ -39,7 +39,7 @@ def command(study: Path) -> None:
     from pounding_cli.points import QUESTIONS, load
     from pounding_cli.reading import shortened
     from pounding_cli.study import expand, load_study
-    from pounding_cli.study.kinds import kind_of_file
+    from pounding_cli.study.file import kind_of_file
     from pounding_cli.workflows import TITLES, workflow_of
 
     name = shortened(study)
@@ -154,7 +154,7 @@ def _sweep(axes: Sequence[Axis]) -> list[str]:
 
 def _meetings(plan: Plan) -> list[str]:
     """Where neighbours can strike each other, at the first point of the sweep."""
-    from pounding_cli.study.facing import meetings_in_words
+    from pounding_cli.study.build import meetings_in_words
 
     first = (0,) * len(plan.axes)
     group = [plan.study.building(first, place) for place in range(len(plan.buildings))]

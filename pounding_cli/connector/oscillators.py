@@ -12,8 +12,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import LONGEST, MASS, NUMBER, STIFFNESS, TIME, Quantity, Text, Whole
-from pounding_cli.study.usual import RANGES, Plausible
+from pounding_cli.study.quantity import LONGEST, MASS, NUMBER, RANGES, STIFFNESS, TIME, Plausible, Quantity, Text, Whole
 
 FINEST = 4001
 """Grid on which peaks are searched at least."""
