@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
+from pounding_cli.batch.open_gaps import NeverClosed, stays_open
 from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
 from pounding_cli.results.solved import Row, encode
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.estimate import assess
-from pounding_cli.solver.response import DONE, NEVER_CLOSES, Response, nothing
+from pounding_cli.solver.response import DONE, Response, nothing
 
 HARDER = 0.01
 """Accuracy and time step of a second try over those of the first [-]."""
@@ -69,11 +69,14 @@ class Task:
             return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
 
     def _respond(self, scene: Scene) -> Response:
+        """The response of a scene, from neighbours with nothing between them where no gap closes."""
+        response = _run_or_known(self)(scene) if self.time_step is None else self._run(scene)
+        return replace(response, dropped=(*response.dropped, *stays_open(scene, response)))
+
+    def _run(self, scene: Scene) -> Response:
         told: dict[str, Any] = {} if self.time_step is None else {"time_step": self.time_step}
         response = solver.solve(scene, accuracy=self.accuracy, method=self.method, **told)
-        if self._is_assessed(scene):
-            response = assess(scene, response, self.accuracy, solver.solve)
-        return replace(response, dropped=(*response.dropped, *_open_gaps(scene, response)))
+        return assess(scene, response, self.accuracy, solver.solve) if self._is_assessed(scene) else response
 
     def _is_assessed(self, scene: Scene) -> bool:
         """Whether error and sensitivity of this scene are asked for; a sample is one scene in eight, the same ones in
@@ -83,16 +86,7 @@ class Task:
         return self.estimate == "all" or (self.estimate == "sample" and scene.digest[0] in "01")
 
 
-def _open_gaps(scene: Scene, response: Response) -> list[str]:
-    """Of neighbours whose gap never closed how much of it stays open."""
-    links = scene.links
-    if not response.has_result or response.links.impacts.any() or any(each.law.joins or each.columns for each in links):
-        return []
-    left_open = np.array([link.law.free_below for link in links]) - response.links.max_closing
-    said = []
-    for place in dict.fromkeys(link.left for link in links):
-        least = min(width for width, link in zip(left_open.tolist(), links, strict=True) if link.left == place)
-        if math.isfinite(least):
-            names = f"{scene.buildings[place].name} | {scene.buildings[place + 1].name}"
-            said.append(f"links {names}: {NEVER_CLOSES}, {least * 1000:.3g} mm of it stay open")
-    return said
+@lru_cache(maxsize=1)
+def _run_or_known(task: Task) -> NeverClosed:
+    """One memory in every process, for the task at hand."""
+    return NeverClosed(task._run, task.accuracy)

@@ -81,6 +81,13 @@ def test_gaps_that_never_close_are_told(folder, pound):
     gap = scene[scene.case == "gap"]
     assert gap[gap["cases.gap.gap"] > 0].dropped.str.contains("the gap never closes, ").all()
     assert not gap[gap["cases.gap.gap"] == 0].dropped.str.contains("never closes").any()
+    assert (gap.seconds == 0).sum() >= 4
+    (folder / "one.yaml").write_text(WIDE + "sweep: {cases.gap.gap: [60 cm]}\n")
+    pound("run", "one.yaml", "-o", "one.h5")
+    alone, same = open_results("one.h5").storey(), open_results("a.h5").storey()
+    same = same[same["cases.gap.gap"] == 0.6]
+    for name in ("V", "V0", "mu", "mu0"):
+        assert same[name].to_numpy() == pytest.approx(alone[name].to_numpy(), rel=1e-9)
 
 
 def test_every_meeting_is_listed(tmp_path):
