@@ -9,9 +9,6 @@ import click
 
 from pounding_cli.cli import streams
 
-MOST_POINTS = 50
-"""Points that are printed, some lines each; the table has all."""
-
 
 def _command(name: str, short: str, text: str) -> click.Command:
     @click.command(name, short_help=short, help=text)
@@ -21,29 +18,31 @@ def _command(name: str, short: str, text: str) -> click.Command:
         "--output",
         type=click.Path(path_type=Path),
         metavar="FILE.h5",
-        help="Results file; table, figures and page stand in a folder of its name. Default: results/<study>.h5.",
+        help="Results file; tables, figures and page stand in a folder of its name. Default: results/<study>.h5.",
     )
     @click.option("-q", "--quiet", is_flag=True, help="Print only points that failed.")
     def command(study: Path, output: Path | None, quiet: bool) -> None:
-        from pounding_cli.points import load, places, solved, write
+        from pounding_cli.outputs import check_folder, check_output
+        from pounding_cli.points import load, solved, write
 
-        sweep, say = load(study, name), (lambda line: None) if quiet else click.echo
-        file, folder = places(output or Path("results", f"{study.stem}.h5"))
+        sweep = load(study, name)
+        file = output or Path("results", f"{study.stem}.h5")
+        file = file if file.suffix else file.with_suffix(".h5")
+        check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
+        check_folder(file.with_suffix(""))
         for warning in sweep.warnings:
             streams.echo_warning(warning)
-        points, failed = [], 0
-        say(sweep.title)
-        for number, point in enumerate(sweep.points):
-            points.append(point := solved(sweep, point))
-            values = point.found
-            if values["status"] != "done":
-                failed += 1
-                click.echo(f"failed: {point.label or 'the study'}: {values['status']}: {values['flags'][0]}", err=True)
-            elif number < MOST_POINTS:
-                lines = [*sweep.asked.lines(values), *(f"note: {flag}" for flag in values["flags"])]
-                say("\n".join([*([point.label] if point.label else []), *(f"  {line}" for line in lines)]))
-        files = write(sweep, points, file, folder)
-        say(f"Points: {len(points) - failed} solved, {failed} failed\nResults: {files[0]}\nPage: {files[-1]}")
+        with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
+            points = [solved(sweep, point) for point in waiting]
+        report, files = write(sweep, points, file)
+        failed = [point for point in points if point.data["status"] != "done"]
+        if not quiet:
+            report.print()
+            click.echo(f"Points: {len(points) - len(failed)} solved, {len(failed)} failed")
+            click.echo(f"Results: {files[0]}\nPage: {files[-1]}")
+        for point in failed:
+            status, (hint, *_) = point.data["status"].item(), point.data.attrs["notes"]
+            click.echo(f"failed: {point.label or 'the study'}: {status}: {hint}", err=True)
         if failed:
             sys.exit(1)
 
@@ -55,7 +54,7 @@ connector = _command(
     "Solve two connected oscillators in closed form (Figs 4 and 5).",
     """Compute how a spring (and dashpot) between two oscillators changes their largest displacements.
 
-    The command prints the peak ratios with their frequencies, and writes FILE.h5 and a folder with table, figure and
+    The command prints the peak ratios with their frequencies, and writes FILE.h5 and a folder with tables, figure and
     page.
 
     \b
@@ -68,8 +67,8 @@ wall = _command(
     "Solve an impact on a bumper wall (Fig. 8).",
     """Compute the impact of a floor on the bumper wall of a concrete building: force, separation, stresses.
 
-    The command prints peak force and stresses, and writes FILE.h5 and a folder with table, figures, page and the fields
-    for ParaView.
+    The command prints peak force and stresses, and writes FILE.h5 and a folder with tables, figures, page and the
+    fields for ParaView.
 
     \b
     Example:
