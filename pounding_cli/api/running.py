@@ -64,10 +64,10 @@ class Outcome:
 def question(name: str) -> Workflow:
     """A question by its name, with all that it needs.  Raises InputError: there is none."""
     if name == "sensitivity":
-        from pounding_cli.report.claim_samples import claim_tables
+        from pounding_cli.report.claims import at_samples
         from pounding_cli.workflows.sensitivity import Sensitivity
 
-        return Sensitivity(claim_tables)
+        return Sensitivity(at_samples)
     return workflow_of(name)
 
 

@@ -6,6 +6,11 @@ import math
 from enum import StrEnum
 
 
+def reduced_mass(left_mass: float, right_mass: float) -> float:
+    """m' = m1 m2 / (m1 + m2) [kg]; one of them is inf beside a wall that does not move."""
+    return 1.0 / (1.0 / left_mass + 1.0 / right_mass)
+
+
 class DashpotLaw(StrEnum):
     """The mass in eq. (7): m' = m1 m2 / (m1 + m2), or its inverse as eq. (7) is printed (wrong units)."""
 
@@ -14,7 +19,7 @@ class DashpotLaw(StrEnum):
 
     def mass(self, left_mass: float, right_mass: float) -> float:
         """The mass under the root of eq. (7) [kg]; [1/kg] in the printed form."""
-        reduced = left_mass * right_mass / (left_mass + right_mass)
+        reduced = reduced_mass(left_mass, right_mass)
         return reduced if self is DashpotLaw.REDUCED_MASS else 1.0 / reduced
 
 

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.guards import FORCE as FORCE_GUARD
 from pounding_cli.laws.guards import LOW, START
 from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw, line, opened
@@ -370,7 +371,7 @@ class WrittenLaw(LinkLaw):
 
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """As the parameters above."""
-        force = self.force(left_mass * right_mass / (left_mass + right_mass))
+        force = self.force(reduced_mass(left_mass, right_mass))
         k = c = f0 = 0.0
         if force.is_straight:
             f0 = float(force.at(0.0, 0.0))

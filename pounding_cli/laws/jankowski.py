@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, ClassVar
 
+from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.guards import LOW, SLOWER, START
 from pounding_cli.laws.hertz import DAMPING_FORMULA, LEAST_RESTITUTION, HertzSpring
 from pounding_cli.laws.law import PRESSED, Behaviour, line, opened, parameter
@@ -121,7 +122,7 @@ class Jankowski(HertzSpring):
 
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k_h, and 2 xi sqrt(k_h m')."""
-        mass = left_mass * right_mass / (left_mass + right_mass)
+        mass = reduced_mass(left_mass, right_mass)
         return self.hertz_stiffness, 2.0 * self.damping_ratio * math.sqrt(self.hertz_stiffness * mass)
 
     @property

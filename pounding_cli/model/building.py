@@ -145,6 +145,14 @@ class Building:
         """Floor elevations above the base [m], shape (n,)."""
         return np.cumsum(self.height)
 
+    def level(self, floor: int) -> float:
+        """Elevation of a floor above the base [m]; floor 0 is the base."""
+        return float(self.elevation[floor - 1]) if floor else 0.0
+
+    def has_floor(self, floor: int) -> bool:
+        """Whether a link may end there: at a floor, or at a base that moves (0)."""
+        return 1 <= floor <= self.storeys or (floor == 0 and self.foundation is not None and self.foundation.sways)
+
     @cached_property
     def yield_drift(self) -> np.ndarray:
         """Storey drift at first yield [m], shape (n,)."""

@@ -15,6 +15,8 @@ from pounding_cli.laws.pounding import Pounding
 APART = "apart"
 """What tables call the kind of a link that is nothing but a place where the closing of two floors is found."""
 
+BASE = "base"
+"""What stands in place of a floor where a link ends at the base of a building."""
 
 LinkEnd = tuple[int, int, float]
 """A building, its floor from 1, and where in the storey below that floor a link ends (`Link`)."""
@@ -27,7 +29,7 @@ class Link:
     Parameters
     ----------
     left : place of the left building in the group, from 0; the right building is left + 1
-    left_floor, right_floor : floors, from 1
+    left_floor, right_floor : floors, from 1; 0 is the base of a building; beside a wall both are that of the building
     left_at, right_at : where between that floor and the one below it the link ends, as part of the storey height: 1 at
         the floor, as floors that face each other do; below it on the columns of the storey, clamped in both floors [-]
     law : its law with its parameters: `Pounding`, `Infill`, `Connector`, ...
@@ -50,8 +52,8 @@ class Link:
     def __post_init__(self) -> None:
         if self.left < 0:
             raise ValueError(f"link: left is {self.left}; places in the group count from 0")
-        if self.left_floor < 1 or self.right_floor < 1:
-            raise ValueError(f"link: floors {self.left_floor} and {self.right_floor}; floors count from 1")
+        if self.left_floor < 0 or self.right_floor < 0:
+            raise ValueError(f"link: floors {self.left_floor} and {self.right_floor}; floors count from 1, 0 is a base")
         for at in (self.left_at, self.right_at):
             if not 0.0 < at <= 1.0:
                 raise ValueError(f"link: it ends at {at:g} of a storey height; give a part above 0, 1 at the floor")
@@ -166,5 +168,6 @@ def columns_struck(place: LinkPlace) -> tuple[int, int]:
 def link_label(buildings: Sequence[str], place: LinkPlace) -> str:
     """A link as tables call it: `stiff|soft floor 3`, `stiff|soft floor 3, connector`."""
     left, left_floor, right_floor, name = place
-    floors = f"{left_floor}" if left_floor == right_floor else f"{left_floor}|{right_floor}"
-    return f"{buildings[left]}|{buildings[left + 1]} floor {floors}" + (f", {name}" if name else "")
+    floors = f"floor {left_floor}" if left_floor == right_floor else f"floor {left_floor}|{right_floor}"
+    where = floors if left_floor or right_floor else BASE
+    return f"{buildings[left]}|{buildings[left + 1]} {where}" + (f", {name}" if name else "")

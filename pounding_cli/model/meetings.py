@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.model.building import Building
+from pounding_cli.model.wall import Wall
 
 FLOOR_TOLERANCE = 1e-3
 """Slabs of two buildings that are no further apart than this in height meet [m]."""
@@ -54,8 +55,20 @@ def meetings(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ..
     A slab reaches half its thickness up and down from the elevation of its floor. Slabs above the neighbour's roof have
     nothing beside them.
     """
+    for wall, building in ((left, right), (right, left)):
+        if isinstance(wall, Wall):
+            return _at_wall(wall, building), ()
     both = tuple((b.elevation.tobytes(), b.slab) for b in (left, right))
     return _meetings(*both)
+
+
+def _at_wall(wall: Wall, building: Building) -> tuple[tuple[int, int], ...]:
+    """A wall meets every floor up to its height, and a base that moves (floor 0)."""
+    if isinstance(building, Wall):
+        return ()
+    reach = float(wall.height[0]) + 0.5 * building.slab + FLOOR_TOLERANCE
+    met = [j for j in range(building.storeys + 1) if building.has_floor(j) and building.level(j) <= reach]
+    return tuple((j, j) for j in met)
 
 
 @functools.lru_cache(maxsize=256)

@@ -32,8 +32,9 @@ def _check_links(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> No
             raise ValueError(f"link: building {link.left} (from 0) has no neighbour on its right")
         for place, floor in ((link.left, link.left_floor), (link.left + 1, link.right_floor)):
             building = buildings[place]
-            if floor > building.storeys:
-                raise ValueError(f"link: {building.name} has {counted(building.storeys, 'floor')}, not {floor}")
+            if not building.has_floor(floor):
+                has = counted(building.storeys, "floor") + (", and its base does not move" if floor == 0 else "")
+                raise ValueError(f"link: {building.name} has {has}, not {floor}")
         if link in taken:
             raise ValueError(
                 f"link: two {link.kind} links alike between floors {link.left_floor} and {link.right_floor}"

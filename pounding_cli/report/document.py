@@ -77,7 +77,6 @@ class Report:
     lead : what was computed, in one line
     sketch : of the group
     study : the text of the study file
-    beside : (folder) -> further files that it writes there
     """
 
     title: str
@@ -86,7 +85,6 @@ class Report:
     lead: str = ""
     sketch: Callable[[], Figure] | None = None
     study: str = ""
-    beside: Callable[[Path], list[Path]] | None = None
 
     @cached_property
     def sections(self) -> list[Section]:
@@ -131,7 +129,6 @@ class Report:
             (folder / "tables").mkdir(exist_ok=True)
             named = [table for section in self.sections for table in section.tables if table.name]
             files += [table.to_csv(folder / "tables") for table in named]
-            files += self.beside(folder) if self.beside else []
             return [*files, write_page(self, folder / PAGE, drawn)] if page else files
         except OSError as error:
             raise unwritable(folder, error) from error

@@ -12,7 +12,7 @@ import pandas as pd
 from pounding_cli.laws import drawn
 from pounding_cli.numbers import counted, listed
 from pounding_cli.report.background import background, frame_of, limits, trust
-from pounding_cli.report.claims import claim_sections, claims_beside
+from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, nominal, points
 from pounding_cli.report.explorer import explored
@@ -45,7 +45,6 @@ def run_report(results: Results, asked: Asked | None = None) -> Report:
             "", sentences(shown), [largest(results), means(shown)], profiles(part)[:1], notes(results, shown)
         ),
         more=partial(_more, results, part, asked),
-        beside=partial(claims_beside, results),
     )
 
 
@@ -60,7 +59,7 @@ def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Sectio
         *([Section("Over the sweep", pictures=swept)] if swept else []),
         Section("Look around", widget="explorer", data=looked),
         Section("Moving buildings", [left or (none if not scenes else "")], widget="player", data={"scenes": scenes}),
-        *claim_sections(evidences, shown),
+        *claim_sections(results, shown.label),
         Section("Figures", pictures=profiles(shown)[1:]),
         *background(results, shown, results.scene(), TABLES),
     ]

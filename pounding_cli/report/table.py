@@ -42,6 +42,18 @@ def digits(value: float, count: int = 4) -> str:
     return f"{mantissa}×10{str(size).translate(_RAISED)}".replace("-", "−")
 
 
+def interval(row: Mapping[Any, Any], name: str, end: str = "", factor: float = 1.0, unit: str = "") -> str:
+    """A number of a row with the interval that stands in `name`_low and `name`_high: "1.23 (1.10 to 1.35) cm".
+
+    end : of all three names; factor : SI of one of the unit shown
+    """
+    value, low, high = (row[f"{name}{which}{end}"] / factor for which in ("", "_low", "_high"))
+    if not math.isfinite(value):
+        return NOTHING
+    said = digits(value, 3) + (f" ({digits(low, 3)} to {digits(high, 3)})" if math.isfinite(low) else "")
+    return f"{said} {unit}".rstrip()
+
+
 @dataclass(frozen=True)
 class Column:
     """How one column is shown.

@@ -15,9 +15,6 @@ ANSWERS: dict[str, tuple[str, ...]] = {
         "sensitivity_outputs",
         "sensitivity_probabilities",
         "sensitivity_samples",
-        "sensitivity_claims",
-        "sensitivity_thresholds",
-        "sensitivity_verdicts",
     ),
     "optimise": ("optimise", "optimise_design", "optimise_points"),
 }

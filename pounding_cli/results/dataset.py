@@ -16,6 +16,7 @@ import xarray as xr
 
 from pounding_cli.model.links import columns_struck, ends_on_columns, link_label
 from pounding_cli.model.scene import Analysis
+from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import counted
 from pounding_cli.results.file import unit_attributes
 from pounding_cli.results.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
@@ -223,7 +224,9 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
             building = study.building(point, place)
             padded = {name: np.full(storeys, np.nan) for name in ("mass", "height", "stiffness", "yield_shear")}
             for name, array in padded.items():
-                array[: building.storeys] = getattr(building, name)
+                array[: building.storeys] = (
+                    building.known(name) if isinstance(building, Wall) else getattr(building, name)
+                )
             return {
                 **padded,
                 "period": building.periods[0],

@@ -23,6 +23,7 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.model.wall import Wall
 from pounding_cli.records.motion import Motion
 from pounding_cli.solver.records import COLUMN, DOF, ELEMENT, FORMULA, RUN, SERIES, STATE, TERM, Data, Room, Watch
 
@@ -142,6 +143,10 @@ def _add_building(made: _Elements, b: Building, inelastic: bool, collapses: bool
         made.dofs.append({"mass": f.mass, "loaded": 1.0})
         made.storeys.append(_base(b, f))
     first = len(made.dofs)
+    if isinstance(b, Wall) and not b.moves:
+        made.dofs.append({"mass": 1.0, "inv_mass": 0.0, "loaded": 1.0})
+        made.storeys.append(_element(JOINED, (0.0, 0.0)))
+        return slice(first, first + 1), -1, -1
     foot = first + b.storeys if rocks else -1
     for j in range(b.storeys):
         below = 1.0 if j or sways else 0.0
@@ -179,9 +184,18 @@ def _storey(b: Building, j: int, inelastic: bool) -> dict[str, Any]:
     return _element(law.behaviour, law.numbers(), c=c, yields=1)
 
 
+def _inv_mass(dof: Mapping[str, Any]) -> float:
+    """1 / mass [1/kg]; 0 of what does not move."""
+    return float(dof.get("inv_mass", 1.0 / dof["mass"]))
+
+
 def _end(b: Building, floors: slice, base: int, foot: int, floor: int, at: float) -> Weights:
     """The motion of where a link ends: a floor, or columns clamped in the floors above and below, `at` of the height
     of the storey below the floor. The floors lean with a base that rocks."""
+    if isinstance(b, Wall):
+        return {floors.start: 1.0}
+    if floor == 0:
+        return {base: 1.0}
     shape = at * at * (3.0 - 2.0 * at)
     weights = {floors.start + floor - 1: shape}
     below = floors.start + floor - 2 if floor > 1 else base
@@ -194,10 +208,11 @@ def _end(b: Building, floors: slice, base: int, foot: int, floor: int, at: float
 
 def _add_link(made: _Elements, link: Link, ends: Sequence[Weights]) -> None:
     """A link between two ends; its law is told the masses that move with them."""
-    masses = [1.0 / sum(w * w / made.dofs[i]["mass"] for i, w in end.items()) for end in ends]
+    inverse = [sum(w * w * _inv_mass(made.dofs[i]) for i, w in end.items()) for end in ends]
+    masses = [1.0 / each if each else math.inf for each in inverse]
     numbers = link.law.numbers(*masses)
     if isinstance(link.law, WrittenLaw):
-        force = link.law.force(masses[0] * masses[1] / (masses[0] + masses[1]))
+        force = link.law.force(1.0 / sum(inverse))
         made.formulas.append([] if force.is_straight else operations(force))
     left, right = ends
     weights = left | {dof: -weight for dof, weight in right.items()}
@@ -272,7 +287,7 @@ def layout_of(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis
         _add_link(made, link, ends)
     n, others = len(made.dofs), [*made.drags, *made.links]
     dofs = _filled(DOF, made.dofs)
-    dofs["inv_mass"] = 1.0 / dofs["mass"]
+    dofs["inv_mass"] = [_inv_mass(each) for each in made.dofs]
     elements = _filled(
         ELEMENT, [{"collapse": math.inf} | fields for fields in (*made.storeys, *(own for own, _ in others))]
     )

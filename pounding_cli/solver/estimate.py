@@ -128,10 +128,11 @@ def _end_alike(first: Response, second: Response) -> bool:
 
 
 def _largest(triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
-    """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are."""
+    """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are. Walls that
+    move as the ground does have no numbers."""
     x, y, scale = (np.concatenate(each) for each in zip(*triples, strict=True))
     size = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(scale))
-    return float(np.max(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))
+    return float(np.fmax.reduce(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))
 
 
 def assess(scene: Scene, response: Response, accuracy: float, run: Callable[..., Response] = solve) -> Response:

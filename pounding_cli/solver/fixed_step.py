@@ -174,7 +174,7 @@ def _matrix(dofs, elements, terms, r, room, h, rows, weights):
     n = r.n
     rows[:, :] = 0.0
     for i in range(n):
-        rows[i, i] = dofs[i].mass * (1.0 + 0.5 * h * dofs[i].drag)
+        rows[i, i] = dofs[i].mass * (1.0 + 0.5 * h * dofs[i].drag) if dofs[i].inv_mass > 0.0 else math.inf
     for e in range(r.m):
         el = elements[e]
         if not (el.closed and el.acts):
@@ -246,7 +246,7 @@ def _newmark(dofs, elements, terms, r, room, kept, rows, weights, x, h, ground):
         for i in range(n):
             d = dofs[i]
             inertia = d.mass * (d.a1 - d.loaded * ground)
-            x[i] = -(inertia + d.push)
+            x[i] = -(inertia + d.push) if d.inv_mass > 0.0 else 0.0
             left, most = max(left, abs(x[i])), max(most, max(abs(inertia), abs(d.push)))
         if left <= CONVERGED * most:
             return True

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from pounding_cli.model.scene import Scene
+from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import Layout, struck_columns
 from pounding_cli.solver.flags import collapse_flag, flags_of, isolator_flags
@@ -97,7 +99,17 @@ def buildings_of(layout: Layout, data: Data) -> tuple[BuildingResponse, ...]:
                 float(furthest[layout.feet[b]]) if layout.feet[b] >= 0 else 0.0,
             )
         )
+        if isinstance(building, Wall):
+            found[-1] = _of_wall(building, found[-1])
     return tuple(found)
+
+
+def _of_wall(wall: Wall, peaks: BuildingResponse) -> BuildingResponse:
+    """The peaks of a wall: it does not yield, and one that moves as the ground does has none."""
+    none = np.full(1, np.nan)
+    if wall.moves:
+        return replace(peaks, ductility=none)
+    return BuildingResponse(none, none, none, none, none, none, none)
 
 
 def links_of(layout: Layout, data: Data) -> LinkResponse:

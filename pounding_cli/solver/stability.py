@@ -32,9 +32,9 @@ def modes_at_stiffest(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
             c[place] = max(c[place], layout.elements["p"][place, 1] if link.law.joins else 0.0)
     stiffness, damping = rows.T @ (k[:, None] * rows), rows.T @ (c[:, None] * rows)
     damping[np.diag_indices(n)] += layout.dofs["drag"] * mass
-    root = np.sqrt(mass)
-    squares, shapes = np.linalg.eigh(stiffness / np.outer(root, root))
-    shapes /= root[:, None]
+    inverse = np.sqrt(layout.dofs["inv_mass"])
+    squares, shapes = np.linalg.eigh(stiffness * np.outer(inverse, inverse))
+    shapes *= inverse[:, None]
     omega = np.sqrt(np.maximum(squares, 0.0))
     moving = omega > 1e-9
     ratio = np.einsum("ij,ik,kj->j", shapes, damping, shapes)[moving] / (2 * omega[moving])

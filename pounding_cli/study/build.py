@@ -17,6 +17,7 @@ from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.meetings import Strike
 from pounding_cli.model.separation import ASCE7, EN1998, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
+from pounding_cli.model.wall import ENDLESS, Wall
 from pounding_cli.numbers import counted
 from pounding_cli.study import facing
 from pounding_cli.study.file import Problems, nearest
@@ -29,6 +30,8 @@ MOST_IN_GROUP = 20
 
 def building(name: str, spec: Any) -> Building:
     """The building that a section describes.  Raises ValueError, UnstableError where it cannot stand."""
+    if spec.wall is not None:
+        return _wall(name, spec.wall)
     mass, height, hardening = (_filled(getattr(spec, key), spec.count) for key in ("mass", "height", "hardening"))
     if spec.stiffness is None:
         stiffness, period = stiffness_for_period(mass, spec.period, spec.taper), spec.period
@@ -64,6 +67,15 @@ def building(name: str, spec: Any) -> Building:
     )  # fmt: skip
 
 
+def _wall(name: str, spec: Any) -> Wall:
+    if spec == "fixed":
+        return Wall.of(name)
+    height = ENDLESS if spec.height is None else spec.height
+    if spec.stiffness is None:
+        return Wall.of(name, height)
+    return Wall.of(name, height, spec.mass, spec.stiffness, spec.damping)
+
+
 def _filled(value: Any, storeys: int) -> np.ndarray:
     return np.array(value) if isinstance(value, tuple) else np.full(storeys, float(value))
 
@@ -78,7 +90,7 @@ def _design(code: Any) -> UbcDesign | BaseShearDesign:
 
 def design_displacements(spec: Any, building: Building) -> np.ndarray | None:
     """Design displacements by the code that set the yield shears [m], shape (n,); None without one."""
-    if spec.yield_shear is not None or isinstance(spec.yield_, BaseShear):
+    if spec.wall is not None or spec.yield_shear is not None or isinstance(spec.yield_, BaseShear):
         return None
     design, period = _design(spec.yield_), float(building.periods[0])
     assert isinstance(design, UbcDesign)
@@ -137,6 +149,8 @@ class Group:
             b if (b := types[name]).name == label else replace(b, name=label)
             for name, label in zip(names, places(names), strict=True)
         )
+        roof = max((float(b.elevation[-1]) for b in placed if not isinstance(b, Wall)), default=0.0)
+        placed = tuple(b.up_to(roof) if isinstance(b, Wall) else b for b in placed)
         return cls.of_buildings(placed, types, defined)
 
     @classmethod
@@ -167,7 +181,8 @@ class Group:
         if not isinstance(given, Storey):
             return given
         if given not in self._stiffness:
-            some = self.buildings if given.building is None else (self.types[given.building],)
+            named = self.buildings if given.building is None else (self.types[given.building],)
+            some = [b for b in named if not isinstance(b, Wall)] or named
             stiffest = given.which == "stiffest"
             each = (max(k) if stiffest else sum(k) / len(k) for k in (b.stiffness.tolist() for b in some))
             self._stiffness[given] = given.factor * max(each)

@@ -37,19 +37,21 @@ _SHARED: dict[str, tuple[Any, Any]] = {
 }  # fmt: skip
 
 
+_Floor = Annotated[int, Whole(1, 100, zero="base")]
+
+
 class Except(Model):
     """All floors but some."""
 
-    floors: tuple[Annotated[int, Whole(1, 100)], ...] = key(..., "floors that are left out", [1], alias="except")
+    floors: tuple[_Floor, ...] = key(..., "floors that are left out", [1], alias="except")
 
 
 def _floors_kind(value: Any) -> str:
     if isinstance(value, dict | Except):
         return "(mapping)"
-    return "(word)" if isinstance(value, str) else "(floors)"
+    return "(word)" if isinstance(value, str) and value != "base" else "(floors)"
 
 
-_Floor = Annotated[int, Whole(1, 100)]
 Floors: Any = Annotated[
     Annotated[Literal["all", "rest"], Tag("(word)")]
     | Annotated[Except, Tag("(mapping)")]
@@ -67,7 +69,7 @@ class Link(Model):
     floors: Floors = key(
         "all",
         "floors with this link, numbered in the left building: 5, [3, 5], {except: [1]}; `rest`: those that no other "
-        "link of the pair lists",
+        "link of the pair lists; `base`: the moving base of a building beside a wall",
     )
     pair: Annotated[int, Whole(1, 19)] | None = key(
         None, "number of the pair of neighbours, from the left; default: every pair"

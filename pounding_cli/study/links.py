@@ -12,7 +12,7 @@ from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
-from pounding_cli.model.links import Link, SceneLinks
+from pounding_cli.model.links import BASE, Link, SceneLinks
 from pounding_cli.model.meetings import Strike, column_flexibility
 from pounding_cli.numbers import counted
 from pounding_cli.study.build import Group
@@ -188,8 +188,8 @@ class _Builder:
                 if floor not in common:
                     one, other = self.group.buildings[place : place + 2]
                     at = (*path, n, "floors", *(() if is_list else ("except",)), k)
-                    message = f"{one.name} and {other.name} have no common floor {floor}"
-                    self.note(at, message, f"write floors among {', '.join(map(str, common))}")
+                    message = f"{one.name} and {other.name} have no common floor {floor or BASE}"
+                    self.note(at, message, f"write floors among {', '.join(str(each or BASE) for each in common)}")
             out = listed if link.floors == "rest" else named
             chosen = named if is_list else [floor for floor in common if floor not in out]
             law = self.law(link, (*path, n)) if chosen and link.at is None else None

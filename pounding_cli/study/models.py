@@ -420,6 +420,29 @@ class StiffnessAt(Model):
     mass: Masses = key(..., "floor masses at which the building has this period [kg], one or a list", "300 t")  # type: ignore[valid-type]
 
 
+class WallSpec(Model):
+    """A wall beside a building: the wall of a moat, a rigid neighbour, the line of a property."""
+
+    height: Annotated[float, LENGTH.but(name="height of the wall", example="2 m", open_low=False)] | None = key(
+        None,
+        "height above the ground [m]: floors of a neighbour up to it can strike the wall, and its base if it moves; "
+        "`0 m` for a wall that meets the base alone; default: all floors",
+    )
+    stiffness: Annotated[float, STIFFNESS] | None = key(
+        None, "spring of the soil behind it [N/m]; absent: it moves as the ground does"
+    )
+    mass: Annotated[float, MASS] | None = key(None, "mass of the wall and of the soil that moves with it [kg]", "50 t")
+    damping: Annotated[float, Quantity("dashpot", "N s/m", "1e6 N s/m", 0.0)] = key(0.0, "dashpot of the soil [N s/m]")
+
+    def wrong(self) -> Iterator[Wrong]:
+        if self.stiffness is not None and self.mass is None:
+            yield (), "'mass' is missing: 'stiffness' needs it", "write what moves on the soil, e.g. `mass: 50 t`"
+        for name in ("mass", "damping"):
+            if self.stiffness is None and getattr(self, name):
+                hint = "give 'stiffness' too, or remove it: without it the wall moves as the ground does"
+                yield (name,), f"'{name}' has no effect without 'stiffness'", hint
+
+
 def _list_or_mapping(value: Any) -> str:
     return "(mapping)" if isinstance(value, dict | StiffnessAt) else "(list)"
 
@@ -485,6 +508,12 @@ class _Building(Model):
         "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; without it "
         "such blows are left out",
     )
+    wall: word_or(Literal["fixed"], WallSpec) | None = key(  # type: ignore[valid-type]
+        None,
+        "a wall in place of a building, without further keys; `fixed`: as high as its neighbours, moving as the ground "
+        "does",
+        "fixed",
+    )
 
     @property
     def lengths(self) -> dict[str, int]:
@@ -496,9 +525,16 @@ class _Building(Model):
 
     @property
     def count(self) -> int | None:
+        if self.wall is not None:
+            return 1
         return self.storeys if self.storeys is not None else next(iter(self.lengths.values()), None)
 
     def wrong(self) -> Iterator[Wrong]:
+        if self.wall is not None:
+            for name in sorted(self.model_fields_set - {"wall", "like"}):
+                shown = type(self).model_fields[name].alias or name
+                yield (shown,), f"'{shown}' does not apply to a wall", "remove it, or `wall`", True
+            return
         if self.count is None:
             yield (), "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`"
         for name, length in self.lengths.items():

@@ -117,6 +117,8 @@ def _doubt_point(study: Study, point: Point, notes: Problems) -> None:
 def doubt_building(spec: BuildingSpec, building: Building, root: Any, path: Steps, notes: Problems) -> None:
     """Note what is unlikely about a building: masses, heights, period, damping, yield shears."""
     doubt_values(spec, root, path, notes)
+    if spec.wall is not None:
+        return
     _doubt_period(spec, building, root, path, notes)
     if isinstance(spec.yield_shear, tuple):
         weight = GRAVITY * float(np.sum(building.mass))

@@ -241,17 +241,20 @@ class Stiffness(Quantity):
 
 @dataclass(frozen=True)
 class Whole(Read):
-    """A whole number, in digits."""
+    """A whole number, in digits; `zero`: a word that stands for 0."""
 
     low: int
     high: int
     si: str = ""
+    zero: str = ""
 
     @property
     def form(self) -> str:  # type: ignore[override]
         return "whole number"
 
     def read(self, value: Any) -> int:
+        if self.zero and value == self.zero:
+            return 0
         if (isinstance(value, str) and re.fullmatch(r"[0-9]{1,9}", value)) or (
             isinstance(value, float) and value.is_integer() and abs(value) < 1e15
         ):
@@ -266,7 +269,8 @@ class Whole(Read):
         return value
 
     def schema(self) -> dict[str, Any]:
-        return {"type": "integer", "minimum": self.low, "maximum": self.high}
+        number = {"type": "integer", "minimum": self.low, "maximum": self.high}
+        return {"anyOf": [{"const": self.zero}, number]} if self.zero else number
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from pydantic import WithJsonSchema
 
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
 from pounding_cli.study.base import Model, key, one_or_many
-from pounding_cli.study.claim_names import CLAIMS
 from pounding_cli.study.expression import Limit, read_limit
 from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import TIME, Quantity, Text, Whole, refuse, written_unit
@@ -136,16 +135,6 @@ STATEMENT = Annotated[
 ]
 
 
-def _read_claim(value: Any) -> str:
-    if value not in (ALL, *CLAIMS):
-        shown = f"'{value[:60]}'" if isinstance(value, str) else "this"
-        raise refuse(f"{shown} is not a claim", nearest(str(value), (ALL, *CLAIMS)))
-    return str(value)
-
-
-_CLAIM = Annotated[str, Text(_read_claim, "name of a claim, or `all`", ("all", "infill-response"))]
-
-
 class SensitivitySpec(Model):
     """What `pound sensitivity` is asked."""
 
@@ -158,10 +147,10 @@ class SensitivitySpec(Model):
         "statements whose probability is computed, one or a list: an output above (`>`) or below (`<`) a value, e.g. "
         "`largest mu in soft > 4`, `drift > 2 cm`, `impacts > 0`",
     )
-    claims: one_or_many(_CLAIM, 0, 50, True) = key(  # type: ignore[valid-type]
-        (),
-        "statements of the paper whose probability is computed, one or a list, or `all` about the figure "
-        "that `claims:` of the study names",
+    claims: Literal["all"] | None = key(
+        None,
+        "`all`: also the probability of every statement of the paper about the figure that `claims:` of the "
+        "study names",
     )
     method: Literal["sobol", "morris"] = key(
         "sobol",

@@ -355,7 +355,9 @@ class Study:
         """The buildings of the group, by place, whose storey heights the study leaves to their default."""
         specs = [self.building_spec((0,) * len(self.axes), name) for name in self.model.group]
         places = zip(build.places(self.model.group), specs, strict=True)
-        return tuple(place for place, spec in places if spec is not None and "height" not in spec.model_fields_set)
+        return tuple(
+            place for place, spec in places if spec and not spec.wall and "height" not in spec.model_fields_set
+        )
 
     def unit(self, quantity: str) -> Unit:
         """The unit the study writes a quantity in, to show it to people: one of `plain.PLACES`, e.g. gap."""

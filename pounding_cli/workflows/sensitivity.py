@@ -64,8 +64,8 @@ class Series:
     values: np.ndarray
 
 
-Judge = Callable[["Plan", "xr.Dataset", "Question"], "tuple[list[Series], list[Table]]"]
-"""judge(plan, dataset, question) -> further numbers that are looked at, and tables of their own."""
+Judge = Callable[["Plan", "xr.Dataset", "Question"], "Iterable[Series]"]
+"""judge(plan, dataset, question) -> what else may hold: 1, 0, or NaN of a sample where it is not known."""
 
 
 class Sensitivity(Workflow):
@@ -92,21 +92,22 @@ class Sensitivity(Workflow):
         return dataclasses.replace(plan, workflow="sensitivity", harder=True)
 
     def run(self, study: Study, solver: Solver) -> Found:
-        """Indices of every key, distributions of the outputs, the samples; of claims what `judge` says."""
+        """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the
+        samples."""
         question, plan = question_of(study), self.plan(study)
         data = solver.dataset(plan)
         get = getter(plan, data)
         outputs = list(_series(plan, get, question, question.outputs))
         holds = list(_series(plan, get, question, question.statements))
-        more, tables = self.judge(plan, data, question) if self.judge and question.claims else ([], [])
-        found = [Table.of(INDICES, _index_columns(plan, question, [*outputs, *holds, *more]))]
+        claims = list(self.judge(plan, data, question)) if self.judge and question.spec.claims else []
+        found = [Table.of(INDICES, _index_columns(plan, question, [*outputs, *holds, *claims]))]
         if outputs and question.spec.method == "sobol":
             found.append(Table.of(OUTPUTS, _output_columns(plan, question, outputs)))
-        if holds:
-            found.append(Table.of(PROBABILITIES, _probability_columns(plan, question, holds)))
+        if holds or claims:
+            found.append(Table.of(PROBABILITIES, _probability_columns(plan, question, [*holds, *claims])))
         if outputs or holds:
             found.append(Table.of(SAMPLES, stacked(_samples(plan, question, [*outputs, *holds]))))
-        return Found(plan, data, [*found, *tables])
+        return Found(plan, data, found)
 
 
 ASKED = Sensitivity()

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.study.claim_names import claims_about
 from pounding_cli.study.expression import Expression, Statement
-from pounding_cli.study.file import Problems, get, nearest
-from pounding_cli.study.questions import ALL, SensitivitySpec
+from pounding_cli.study.file import Problems
+from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
 from pounding_cli.workflows.expressions import expressions, statements
@@ -33,7 +32,6 @@ class Question:
     factors : the keys that vary, the choice of motion among them
     outputs : the numbers looked at
     statements : what may hold of such numbers, and how likely
-    claims : the statements looked at
     motions : names of the motions
     """
 
@@ -41,7 +39,6 @@ class Question:
     factors: tuple[Factor, ...]
     outputs: tuple[Expression, ...]
     statements: tuple[Statement, ...]
-    claims: tuple[str, ...]
     motions: tuple[str, ...]
 
     @property
@@ -173,35 +170,18 @@ def question_of(study: Study) -> Question:
     if study.model.keep is not None:
         what = "histories cannot be kept of samples"
         problems.at(root, ("keep",), what, "remove `keep:`; `pound run` keeps those of chosen points", key=True)
-    claims = _claims(study, spec, problems)
+    if spec.claims and study.model.claims is None:
+        hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
+        at = ("sensitivity", "claims")
+        problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
     named = statements(study, "sensitivity", "probabilities", spec.probabilities, problems)
     is_needed = not spec.claims and not spec.probabilities
     outputs = expressions(study, "sensitivity", "outputs", spec.outputs, problems) if spec.outputs or is_needed else ()
-    question = Question(spec, tuple(factors), outputs, named, claims, motions)
+    question = Question(spec, tuple(factors), outputs, named, motions)
     if factors:
         _check_samples(question, root, problems)
     problems.check()
     return question
-
-
-def _claims(study: Study, spec: SensitivitySpec, problems: Problems) -> tuple[str, ...]:
-    """The claims that are asked for, in the order of the report."""
-    root, about = study.root, claims_about(study.model.claims)
-    if not spec.claims:
-        return ()
-    at = ("sensitivity", "claims")
-    if study.model.claims is None:
-        hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
-        problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
-        return ()
-    is_list = isinstance(get(root, *at), list)
-    for number, name in enumerate(spec.claims):
-        path = (*at, number) if is_list else at
-        if name != ALL and name not in about:
-            problems.at(root, path, f"'{name}' is not a claim about {study.model.claims}", nearest(name, about))
-        if spec.claims.index(name) < number:
-            problems.at(root, path, f"'{name}' occurs twice", "remove one of the two")
-    return about if ALL in spec.claims else tuple(name for name in about if name in spec.claims)
 
 
 def _check_samples(question: Question, root: Any, problems: Problems) -> None:

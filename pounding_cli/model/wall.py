@@ -1,0 +1,67 @@
+"""A wall beside a building: the wall of a moat, the rigid wall of a neighbour, the line of a property."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from pounding_cli.model.building import Building
+
+LEAST_HEIGHT = 1e-3
+"""Height of a wall that ends at the ground [m]."""
+
+ENDLESS = 1e6
+"""Height of a wall that has none of its own [m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Wall(Building):
+    """One mass in front of the soil, which every floor and every moving base of a neighbour meets up to its height.
+
+    moves : on the spring `stiffness` and dashpot beta x stiffness of the soil behind it; False: it moves as the ground
+        does, and its mass and stiffness say nothing
+    """
+
+    moves: bool = True
+
+    @classmethod
+    def of(
+        cls, name: str, height: float = ENDLESS, mass: float = 0.0, stiffness: float = np.inf, damping: float = 0.0
+    ) -> Wall:
+        """A wall, and what stands behind it.
+
+        Parameters
+        ----------
+        height : above the ground [m]; ENDLESS: as high as its neighbours (`up_to`)
+        mass : with the soil that moves along [kg], > 0 unless it moves as the ground does
+        stiffness : of the soil [N/m], > 0; inf for a wall that moves as the ground does
+        damping : dashpot of the soil [N s/m], >= 0
+
+        Raises
+        ------
+        ValueError : a value is outside its range
+        """
+        moves, one = bool(np.isfinite(stiffness)), np.ones(1)
+        k, m, beta = (stiffness, mass, damping / stiffness) if moves else (1.0, 1.0, 0.0)
+        high = max(height, LEAST_HEIGHT)
+        return cls(name, m * one, high * one, k * one, np.inf * one, 0.0 * one, 0.0, beta, moves=moves)
+
+    def up_to(self, roof: float) -> Wall:
+        """The wall up to the highest roof [m] of its row, where it has no height of its own."""
+        return replace(self, height=np.array([roof])) if self.height[0] == ENDLESS else self
+
+    @cached_property
+    def periods(self) -> np.ndarray:
+        """The period of the wall on the soil [s], shape (1,); NaN where it moves as the ground does."""
+        return super().periods if self.moves else np.full(1, np.nan)
+
+    def known(self, name: str) -> np.ndarray:
+        """Its mass, height or stiffness, shape (1,); NaN of what says nothing."""
+        given = self.height[0] != ENDLESS if name == "height" else self.moves
+        return getattr(self, name) if given or name == "yield_shear" else np.full(1, np.nan)
+
+    def has_floor(self, floor: int) -> bool:
+        """Whatever floor of its neighbour."""
+        return floor >= 0

@@ -1,0 +1,68 @@
+"""The demands of a building as Pelicun reads them: a column a demand, a row a scene, units below the heading."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import counted
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pounding_cli.results.results import Results
+
+UNITS = {"PFA": "mps2", "PID": "rad", "RID": "rad"}
+"""Demands by Pelicun's names with their units: peak floor acceleration, peak and residual interstorey drift ratio."""
+
+
+def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[pd.DataFrame, int]:
+    """The demand table of one building in one case and analysis, and the number of scenes that are left out because a
+    storey collapsed or they failed: Pelicun takes the probability of collapse apart.
+
+    Parameters
+    ----------
+    results : results file
+    rows : those of its table `storey` that are wanted; every point of the sweep and motion among them is a row
+    direction : Pelicun's number of the direction in which the buildings move
+
+    The columns are called TYPE-FLOOR-DIRECTION: `PFA-0-1` is the peak acceleration of the ground, `PID-2-1` the drift
+    of the second storey over its height (Zsarnoczay, A. and Deierlein, G. G. (2020). PELICUN - A computational
+    framework for estimating damage, loss and community resilience. 17th World Conference on Earthquake Engineering).
+
+    Raises
+    ------
+    InputError : no rows, or those of more than one building, case or analysis
+    """
+    import pandas as pd
+
+    for name in ("case", "analysis", "building"):
+        there = list(dict.fromkeys(rows[name]))
+        if len(there) != 1:
+            hint = f"name one by --{name}: {', '.join(map(str, there))}" if there else "name others"
+            raise InputError(Problem(f"Pelicun takes one {name}, not {len(there)}", hint))
+    scene = [*results.axes, "record"]
+    keys = [*scene, "case", "analysis", "building", "storey"]
+    floors = results.floor().rename(columns={"floor": "storey"})[[*keys, "acceleration"]]
+    rows = rows.merge(floors, on=keys).merge(results.scene()[[*scene, "case", "analysis", "status"]])
+    over_height = (rows["drift_ratio"] / rows["drift"]).fillna(0.0)  # 1 / height
+    rows = rows.assign(
+        PFA=rows["acceleration"], PID=rows["drift_ratio"], RID=rows["residual_drift"].abs() * over_height
+    )
+    done = rows[rows["status"] == "done"]
+    wide = done.pivot_table(list(UNITS), scene, "storey")
+    wide.columns = [f"{kind}-{storey}-{direction}" for kind, storey in wide.columns.to_list()]  # type: ignore[str-unpack]
+    records = results.records()
+    ground = wide.index.to_frame(index=False).merge(records[[*(k for k in scene if k in records), "pga"]], how="left")
+    wide.insert(0, f"PFA-0-{direction}", ground["pga"].to_numpy())
+    left_out = rows.groupby(scene, sort=False).ngroups - len(wide)
+    units = {name: UNITS[name.split("-")[0]] for name in wide.columns}
+    table = pd.concat([pd.DataFrame(units, index=["Units"]), wide.reset_index(drop=True)])
+    return table, left_out
+
+
+def left_out_in_words(count: int, of: int) -> str:
+    """What to do about scenes that are left out."""
+    told = f"{count} of {counted(of, 'scene')} collapsed or failed and is left out" if count == 1 else ""
+    told = told or f"{count} of {counted(of, 'scene')} collapsed or failed and are left out"
+    return f"{told}: give Pelicun the share that collapsed as probability of collapse"
