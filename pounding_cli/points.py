@@ -154,8 +154,9 @@ def write(sweep: Sweep, points: Sequence[Point], file: Path) -> tuple[Report, li
     from pounding_cli.results.file import write as write_file
 
     write_file(file, dataset(sweep, points))
-    made = report(sweep, points)
-    return made, [file, *made.save(file.with_suffix(""), ("png", "svg"))]
+    made, folder = report(sweep, points), file.with_suffix("")
+    files = made.save(folder, ("png", "svg"))
+    return made, [file, *sweep.asked.beside([p for p in points if p.data["status"] == "done"], folder), *files]
 
 
 def report(sweep: Sweep, points: Sequence[Point]) -> Report:
@@ -203,5 +204,4 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
             Section("Study", widget="study"),
         ],
         study=sweep.text,
-        beside=lambda folder: asked.beside(done, folder),
     )  # fmt: skip

@@ -13,7 +13,6 @@ import click
 import pounding_cli.records as motions
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
-from pounding_cli.records.intensity import displacement
 
 SHOWN_PERIODS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.4, 0.5, 0.6, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0)
 """Periods [s] of the spectrum table; 0.36 and 0.60 s are the buildings of the paper."""
@@ -160,7 +159,7 @@ def _print_measures(motion: motions.Motion, title: str, place: str, read_as: str
         ("samples", f"{motion.acceleration.size} at {motion.dt:g} s: {motion.duration:g} s"),
         ("peak", f"{motion.pga / motions.GRAVITY:.4f} g = {motion.pga:.4f} m/s2"),
         ("peak velocity", f"{motions.pgv(motion):.4f} m/s"),
-        ("peak displacement", f"{abs(displacement(motion)).max():.4f} m (no baseline correction)"),
+        ("peak displacement", f"{abs(motions.displacement(motion)).max():.4f} m (no baseline correction)"),
         ("Arias intensity", f"{motions.arias(motion):.4f} m/s"),
         ("D5-95", f"{last - first:.3f} s, from {first:.3f} to {last:.3f} s"),
     ):
